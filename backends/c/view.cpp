@@ -25,7 +25,9 @@ static_assert(int(Conventions::JacobianClamp::around_image) == SWIFTGS_CLAMP_ARO
               int(Conventions::Footprint::three_sigma_square) == SWIFTGS_FOOTPRINT_THREE_SIGMA_SQUARE &&
               int(Conventions::Depth::of_lens) == SWIFTGS_DEPTH_OF_LENS &&
               int(Conventions::Depth::z) == SWIFTGS_DEPTH_Z &&
-              int(Conventions::Depth::distance) == SWIFTGS_DEPTH_DISTANCE && no_gaussian == SWIFTGS_NOTHING);
+              int(Conventions::Depth::distance) == SWIFTGS_DEPTH_DISTANCE &&
+              int(Conventions::DepthAt::centre) == SWIFTGS_DEPTH_AT_CENTRE &&
+              int(Conventions::DepthAt::ray) == SWIFTGS_DEPTH_AT_RAY && no_gaussian == SWIFTGS_NOTHING);
 
 swiftgs_conventions to_struct(const Conventions& from) {
   swiftgs_conventions to{};
@@ -36,6 +38,7 @@ swiftgs_conventions to_struct(const Conventions& from) {
   to.stop = from.stop, to.stop_at_equal = from.stop_at_equal;
   to.footprint = int(from.footprint);
   to.depth = int(from.depth);
+  to.depth_at = int(from.depth_at);
   to.first_alpha = from.first_alpha;
   return to;
 }
@@ -47,6 +50,7 @@ Conventions to_conventions(const swiftgs_conventions* given) {
   require_choice(from.clamp, 2, "swiftgs_conventions: clamp");
   require_choice(from.footprint, 2, "swiftgs_conventions: footprint");
   require_choice(from.depth, 3, "swiftgs_conventions: depth");
+  require_choice(from.depth_at, 2, "swiftgs_conventions: depth_at");
   Conventions to;
   to.near_plane = from.near_plane, to.cull_at_near = from.cull_at_near != 0, to.far_plane = from.far_plane;
   to.clamp = Conventions::JacobianClamp(from.clamp);
@@ -55,6 +59,7 @@ Conventions to_conventions(const swiftgs_conventions* given) {
   to.stop = from.stop, to.stop_at_equal = from.stop_at_equal != 0;
   to.footprint = Conventions::Footprint(from.footprint);
   to.depth = Conventions::Depth(from.depth);
+  to.depth_at = Conventions::DepthAt(from.depth_at);
   to.first_alpha = from.first_alpha;
   return to;
 }

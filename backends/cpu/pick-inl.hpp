@@ -84,7 +84,7 @@ HWY_INLINE void StorePicks(const RasterJob& job, const PlacedRasterBlock& block,
   for (auto* plane : {&picks.first, &picks.median, &picks.largest}) Groups::ToRows(*plane);
   for (std::size_t row = 0; row < std::size_t(block.rows); ++row)
     for (std::size_t column = 0; column < std::size_t(block.columns); ++column)
-      store_picks(block.view.frame, job.splats, std::size_t(block.x0) + column, std::size_t(block.y0) + row,
+      store_picks(job, block.view, std::size_t(block.x0) + column, std::size_t(block.y0) + row,
                   {picks.first[row][column], picks.median[row][column], picks.largest[row][column]});
 }
 

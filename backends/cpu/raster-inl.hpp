@@ -23,6 +23,7 @@
 #include "exp2-inl.hpp"
 #include "pick-inl.hpp"
 #include "raster_block-inl.hpp"
+#include "ray-inl.hpp"
 #include "store-inl.hpp"
 #include "sum-inl.hpp"
 
@@ -165,6 +166,7 @@ HWY_INLINE bool Evaluate(const Exponent& HWY_RESTRICT exponent, const Batch& HWY
 struct PlaneStates {
   PickState* picks;
   AttributeState* sums;
+  const RayState* rays;  ///< of views that an occluder hides splats of by their depths along the ray
 };
 
 /// What is done with evaluated splats: blending, picking and summing attributes. A function of its own, since
@@ -175,6 +177,8 @@ using DrawFunction = void (*)(const RasterJob&, const Batch&, const BlendRules&,
 template <Blending kBlending>
 HWY_NOINLINE void DrawGroup(const RasterJob& job, const Batch& batch, const BlendRules& rules, Evaluated& of,
                             RasterBlockState& state, const PlaneStates& planes, RasterCounts& counts) {
+  if constexpr (kBlending >= Blending::weighed)
+    if (planes.rays) HideGroup(job.attributes, batch, *planes.rays, of);
   BlendGroup<kBlending>(batch, rules, of, state, counts);
   if constexpr (kBlending >= Blending::weighed) {
     if (planes.picks) PickGroup(batch, rules, of, state, *planes.picks);
@@ -196,6 +200,7 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
   RasterBlockState state;
   PickState picks;
   AttributeState sums;
+  RayState rays;
   Batch batch;
   Evaluated evaluated;
   const bool some_hidden = job.colours.some_hidden(), counted = !kColours && job.counts;
@@ -210,10 +215,12 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
     const Blending blending = kColours ? Blending::colours : BlendingOf(job, view);
     [[maybe_unused]] const DrawFunction draw_group = draw_functions[int(blending)];
     const PlaneStates planes{!kColours && job.picks(view) ? &picks : nullptr,
-                             !kColours && job.attributes.rows != 0 ? &sums : nullptr};
-    Clear<Groups>(view.frame, place, blending, state);
+                             !kColours && job.attributes.rows != 0 ? &sums : nullptr,
+                             !kColours && HidesAlongRay(view) ? &rays : nullptr};
+    Clear<Groups>(place, blending, state);
     if (planes.picks) ClearPicks(picks);
     if (planes.sums) ClearSums(job.attributes, sums);
+    if (planes.rays) PrepareRays<Groups>(place, rays);
     const TileRange range = place.list(job);
     std::uint32_t live = range.begin < range.end ? Live(state.transmittance) : 0;
     PrefetchSplats(job, range.begin, range.begin + batch_size, range.end);

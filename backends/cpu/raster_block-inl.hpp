@@ -140,10 +140,20 @@ HWY_INLINE void Fill(Plane& plane, float value) {
       hn::Store(hn::Set(d, value), d, group + first);
 }
 
+/// Depths at which the frame's occluder hides splats.
+template <class Groups>
+HWY_INLINE void LoadOccluder(const PlacedRasterBlock& block, Plane& occluder) {
+  Fill(occluder, std::numeric_limits<float>::infinity());
+  for (std::size_t row = 0; row < std::size_t(block.rows); ++row)
+    for (std::size_t column = 0; column < std::size_t(block.columns); ++column)
+      occluder[row][column] =
+          block.view.frame.occluder_at(std::size_t(block.x0) + column, std::size_t(block.y0) + row);
+  Groups::FromRows(occluder);
+}
+
 /// Transparent black, with the pixels beyond the image's borders already stopped.
 template <class Groups>
-HWY_INLINE void Clear(const FrameView& frame, const PlacedRasterBlock& block, Blending blending,
-                      RasterBlockState& state) {
+HWY_INLINE void Clear(const PlacedRasterBlock& block, Blending blending, RasterBlockState& state) {
   const F32 d;
   for (Plane* plane : {&state.red, &state.green, &state.blue}) Fill(*plane, 0);
   if (blending >= Blending::depths) Fill(state.depth, 0);
@@ -157,13 +167,10 @@ HWY_INLINE void Clear(const FrameView& frame, const PlacedRasterBlock& block, Bl
   if (block.columns < raster_block_side || block.rows < raster_block_side)
     Groups::FromRows(state.transmittance);
   if (blending < Blending::occluded) return;
-  Fill(state.occluder, std::numeric_limits<float>::infinity());
-  if (!frame.occluder.data) return;
-  for (std::size_t row = 0; row < std::size_t(block.rows); ++row)
-    for (std::size_t column = 0; column < std::size_t(block.columns); ++column)
-      state.occluder[row][column] =
-          frame.occluder_at(std::size_t(block.x0) + column, std::size_t(block.y0) + row);
-  Groups::FromRows(state.occluder);
+  if (block.view.frame.occluder.data && !block.view.camera.depth_along_ray)
+    LoadOccluder<Groups>(block, state.occluder);
+  else
+    Fill(state.occluder, std::numeric_limits<float>::infinity());
 }
 
 /// Bits of the arrays of `transmittance` that still have a live pixel.

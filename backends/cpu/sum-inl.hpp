@@ -54,15 +54,47 @@ HWY_INLINE void SumGroup(const AttributesView& attributes, const Batch& HWY_REST
   }
 }
 
+/// Writes means that depend on the place, by `sum(sums, place)` of the `count` sums of a pixel. Turns these
+/// into rows.
+template <class Groups, int count, class Sum>
+HWY_INLINE void StoreAlongRay(const PlacedRasterBlock& block, const Plane& transmittance, Plane* sums,
+                              swiftgs::Plane<float> to, const Sum& sum) {
+  if (!to.data) return;
+  for (int k = 0; k < count; ++k) Groups::ToRows(sums[k]);
+  for (std::size_t row = 0; row < std::size_t(block.rows); ++row)
+    for (std::size_t column = 0; column < std::size_t(block.columns); ++column) {
+      const std::size_t x = std::size_t(block.x0) + column, y = std::size_t(block.y0) + row;
+      float of_pixel[count];
+      for (int k = 0; k < count; ++k) of_pixel[k] = sums[k][row][column];
+      const float alpha = 1 - std::abs(transmittance[row][column]);
+      to.row(y)[x] = alpha > 0 ? sum(of_pixel, place_of(block.view, x, y)) / alpha : 0.0f;
+    }
+}
+
 /// As `store_attributes`, a channel of all pixels at a time. `transmittance` lies in rows; turns `state` into
 /// rows.
 template <class Groups>
 HWY_INLINE void StoreSums(const RasterJob& job, const PlacedRasterBlock& block, const Plane& transmittance,
                           AttributeState& state) {
-  const FrameView& frame = block.view.frame;
+  const View& view = block.view;
+  const FrameView& frame = view.frame;
   for (unsigned i = 0; i < job.attributes.rows * AttributeRow::channels; ++i) {
-    const Attribute to = attribute(frame, job.attributes.first + int(i));
+    const Attribute to = attribute(view, job.attributes.first + int(i));
     if (to.of == Attribute::Of::nothing) return;
+    if (to.of == Attribute::Of::ray_depth) {
+      StoreAlongRay<Groups, RayDepth::terms>(block, transmittance, state.sums + i, frame.depth,
+                                             [](const float* sums, vec2 at) {
+                                               return RayDepth{sums[0], sums[1], sums[2]}.at(at);
+                                             });
+      i += RayDepth::terms - 1;
+      continue;
+    }
+    if (to.of == Attribute::Of::squared_ray_depth) {
+      StoreAlongRay<Groups, RayDepth::squares>(block, transmittance, state.sums + i, frame.squared_depth,
+                                               sum_of_squares);
+      i += RayDepth::squares - 1;
+      continue;
+    }
     const bool of_normal = to.of == Attribute::Of::normal, is_mean = to.of == Attribute::Of::squared_depth;
     const auto& plane = of_normal ? frame.normal : is_mean ? frame.squared_depth : frame.features;
     const std::size_t stride = of_normal ? 3 : is_mean ? 1 : std::size_t(frame.feature_channels);

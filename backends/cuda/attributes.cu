@@ -18,8 +18,7 @@ __global__ void __launch_bounds__(attribute_threads)
                       AttributeRow* to) {
   const std::size_t i = std::size_t(blockIdx.x) * blockDim.x + threadIdx.x;
   if (i >= from.splats.count().get()) return;
-  const View& view = views[from.splats.view(i)];
-  for (unsigned r = 0; r < from.rows; ++r) to[r * from.splats.size() + i] = from.row(view, r, i);
+  from.gather(views[from.splats.view(i)], i, to);
 }
 }  // namespace kernels
 

@@ -314,7 +314,7 @@ class BoundRenderer {
     for_each_plane([&](std::size_t, auto& of_a, auto& of_b) { same = same && !of_a.data == !of_b.data; },
                    a.frame, b.frame);
     same = same && a.frame.feature_channels == b.frame.feature_channels;
-    return same;
+    return same && attribute_count(a) == attribute_count(b);
   }
 
   void run(const FramePlan& plan, const Measures& measures) {

@@ -30,7 +30,14 @@ struct Conventions {
     distance,  ///< from the camera's centre
   };
 
+  /// A splat's depth at a pixel, for planes of depth and occluders. Order and culling take the mean's.
+  enum class DepthAt {
+    centre,  ///< its mean's, at every pixel
+    ray,  ///< where the Gaussian is densest along the pixel's ray: it varies over the splat as a plane does
+  };
+
   Depth depth = Depth::of_lens;
+  DepthAt depth_at = DepthAt::centre;
   float near_plane = 0.01f;   ///< a Gaussian nearer than this is culled
   bool cull_at_near = false;  ///< so is one exactly on the near plane
   float far_plane = 1e10f;    ///< a Gaussian further than this is culled

@@ -25,7 +25,7 @@ namespace swiftgs {
 
 /// The Gaussian of the largest weight at a pixel, and the median one. A weight is alpha times transmittance,
 /// as `AxisSharedThreshold<FloatCholesky>` blends with it. Depths are of the Gaussians' means, as
-/// `Conventions::depth` has it.
+/// `Conventions::depth` has it, whatever `Conventions::depth_at` is.
 struct PickedPixel {
   static constexpr std::uint32_t nothing = no_gaussian;
 

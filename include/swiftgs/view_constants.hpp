@@ -30,6 +30,7 @@ struct ViewConstants {
   bool antialiased;
   bool through_lens;       ///< not a pinhole whose depth is z, and so projected by `project_through_lens`
   bool depth_is_distance;  ///< rather than z
+  bool depth_along_ray;    ///< rather than means' depths
   double turn;             ///< all around, of a panorama; 0 of other images @units{pixels}
   double panorama_middle;  ///< column whose nearest copy of a splat a panorama shows
   Lens lens;
@@ -102,6 +103,7 @@ inline ViewConstants view_constants(const Camera& camera, const Conventions& con
   v.antialiased = conventions.antialiased;
   v.lens = camera.lens;
   v.depth_is_distance = depth_is_distance(camera.lens.model, conventions);
+  v.depth_along_ray = conventions.depth_at == Conventions::DepthAt::ray;
   v.through_lens = !camera.lens.is_pinhole() || v.depth_is_distance;
   if (v.through_lens) v.limits = lens_limits(camera, conventions);
   if (camera.lens.model == LensModel::equirectangular) v.turn = turn_of(camera);

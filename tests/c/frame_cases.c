@@ -306,7 +306,7 @@ void test_conventions(void) {
   CHECK(gsplat.near_plane == 0.01f && gsplat.stop_at_equal == 1 &&
         gsplat.clamp == SWIFTGS_CLAMP_AROUND_IMAGE && gsplat.footprint == SWIFTGS_FOOTPRINT_ALPHA &&
         gsplat.blur == 0.3f && gsplat.alpha_max == 0.99f && gsplat.depth == SWIFTGS_DEPTH_OF_LENS &&
-        gsplat.first_alpha == 0.05f);
+        gsplat.first_alpha == 0.05f && gsplat.depth_at == SWIFTGS_DEPTH_AT_CENTRE);
   CHECK(gsplat.far_plane == 1e10f && gsplat.cull_at_near == 0 && gsplat.antialiased == 0 &&
         gsplat.min_compensation == 2.5e-5f && gsplat.alpha_min == 1.0f / 255 && gsplat.stop == 1e-4f);
   CHECK(inria.near_plane == 0.2f && inria.cull_at_near == 1 && inria.stop_at_equal == 0 &&
@@ -328,6 +328,7 @@ void test_conventions(void) {
   REFUSE((gsplat.blur = 0, gsplat.clamp = 2), "swiftgs_conventions: clamp is 2, expected 0 to 1");
   REFUSE((gsplat.clamp = 0, gsplat.footprint = -1), "footprint is -1");
   REFUSE((gsplat.footprint = 0, gsplat.depth = 3), "swiftgs_conventions: depth is 3, expected 0 to 2");
+  REFUSE((gsplat.depth = 0, gsplat.depth_at = 2), "swiftgs_conventions: depth_at is 2, expected 0 to 1");
   gsplat.size = 52; /* of a program that is older than this member */
   CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
   REFUSE(gsplat.size = 1, "swiftgs_conventions: size is 1");

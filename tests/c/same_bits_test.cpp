@@ -167,6 +167,7 @@ TEST_CASE("c: every lens and measure of depth has the bits of the C++ interface"
       if (lens.model == LensModel::equirectangular) camera.fx = camera.fy = 20;
       RenderSettings settings;
       settings.conventions.depth = depth;
+      settings.conventions.depth_at = Conventions::DepthAt(all.size() % 2);
       swiftgs_camera given = camera_of_c();
       given.fx = camera.fx, given.fy = camera.fy, given.lens = int(lens.model);
       std::copy_n(lens.distortion.radial, 4, given.radial);
@@ -174,7 +175,7 @@ TEST_CASE("c: every lens and measure of depth has the bits of the C++ interface"
       std::copy_n(lens.distortion.tangential, 2, given.tangential);
       std::copy_n(lens.distortion.prism, 2, given.prism);
       swiftgs_conventions conventions = conventions_named("gsplat");
-      conventions.depth = int(depth);
+      conventions.depth = int(depth), conventions.depth_at = int(settings.conventions.depth_at);
       all.push_back(both.compare(camera, settings, given, conventions));
     }
   // The lenses show different images, and the measures different depths.

@@ -101,6 +101,7 @@ TEST_CASE("cli lenses: unknown names are refused with what is expected") {
   refuses("--lens round", "--lens 'round': expected perspective, fisheye, orthographic or equirectangular");
   refuses("--panorama --lens fisheye", "--panorama: expected no --lens fisheye beside it");
   refuses("--depth-by y", "--depth-by 'y': expected z or distance");
+  refuses("--depth-at edge", "--depth-at 'edge': expected centre or ray");
 }
 
 TEST_CASE("cli lenses: info tells those of a capture's cameras") {

@@ -31,13 +31,14 @@ struct ViewInto {
   Frame frame{};
   View view{};
 
-  ViewInto(const Camera& camera, const Outputs& outputs, const std::vector<float>* occluder) {
+  ViewInto(const Camera& camera, const Outputs& outputs, const std::vector<float>* occluder,
+           const Conventions& conventions = {}) {
     FrameView prepared = prepare(frame, camera.width, camera.height, outputs);
     if (occluder) {
       prepared.occluder = {occluder->data(), std::ptrdiff_t(sizeof(float)) * std::ptrdiff_t(camera.width)};
       prepared.over = true;
     }
-    view = make_view(camera, Conventions::gsplat(), prepared, vec3(0.1f, 0.2f, 0.3f));
+    view = make_view(camera, conventions, prepared, vec3(0.1f, 0.2f, 0.3f));
   }
 };
 
@@ -109,7 +110,7 @@ TEST_CASE("mpi planes: views may ask for different planes and lie behind surface
 
   struct Asked {
     Outputs outputs;
-    bool occluded;
+    bool occluded, along_ray = false;
   };
   const Outputs all = all_planes().outputs;
   const std::vector<std::vector<Asked>> frames{
@@ -117,13 +118,16 @@ TEST_CASE("mpi planes: views may ask for different planes and lie behind surface
       {{{}, true}, {{}, false}},                              // nothing but colours
       {{{.id = true}, true}, {{.median_id = true}, false}},   // no attributes
       {{{.normal = true}, false}, {{.features = 5}, false}},  // rows that no rank sends
-      {{{.squared_depth = true}, false}, {all, false}}};
+      {{{.squared_depth = true}, false}, {all, false}},
+      {{all, true, true}, {all, true}, {{}, true, true}, {{.first_depth = true}, false, true}}};
   for (const std::vector<Asked>& asked : frames) {
     std::vector<ViewInto> expected, found;
     std::vector<View> by_one, by_all;
-    for (const auto& [outputs, occluded] : asked) {
-      expected.emplace_back(camera, outputs, occluded ? &occluder : nullptr);
-      found.emplace_back(camera, outputs, occluded ? &occluder : nullptr);
+    for (const auto& [outputs, occluded, along_ray] : asked) {
+      Conventions conventions;
+      if (along_ray) conventions.depth_at = Conventions::DepthAt::ray;
+      expected.emplace_back(camera, outputs, occluded ? &occluder : nullptr, conventions);
+      found.emplace_back(camera, outputs, occluded ? &occluder : nullptr, conventions);
       by_one.push_back(expected.back().view), by_all.push_back(found.back().view);
     }
     one.render_into(whole.view(), {by_one.data(), by_one.size()});

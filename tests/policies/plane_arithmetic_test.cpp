@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -12,6 +13,7 @@
 #include <swiftgs/plane/attributes.hpp>
 #include <swiftgs/plane/normal.hpp>
 #include <swiftgs/plane/picks.hpp>
+#include <swiftgs/plane/ray_depth.hpp>
 
 #include "policies/random_splats.hpp"
 
@@ -34,14 +36,15 @@ SplatPicks picks_of(const std::vector<float>& alphas, float first_below = 0.75f)
   return picks;
 }
 
-/// A frame with some planes, whose memory nobody touches.
-FrameView asks_for(bool normal, bool squared_depth, int features) {
+/// A view with some planes, whose memory nobody touches.
+View asks_for(bool normal, bool squared_depth, int features) {
   static float memory;
-  FrameView frame{.feature_channels = features};
-  if (normal) frame.normal.data = &memory;
-  if (squared_depth) frame.squared_depth.data = &memory;
-  if (features > 0) frame.features.data = &memory;
-  return frame;
+  View view;
+  view.frame.feature_channels = features;
+  if (normal) view.frame.normal.data = &memory;
+  if (squared_depth) view.frame.squared_depth.data = &memory;
+  if (features > 0) view.frame.features.data = &memory;
+  return view;
 }
 
 /// One Gaussian as a splat.
@@ -54,14 +57,13 @@ struct OneSplat {
   OneSplat() { append(scene, vec3(0, 0, 2), 1, 0.5f); }
 
   /// Four of its attributes in a frame.
-  std::vector<float> attributes(const FrameView& frame, unsigned row = 0, int first = 0) const {
-    View view;
+  std::vector<float> attributes(View view, unsigned row = 0, int first = 0) const {
     view.camera = view_constants(forward_camera(8, 8), Conventions());
     view.rules.alpha_max = alpha_max;
-    view.frame = frame;
     const SplatAttributes from{swiftgs::view(scene), {{&shape, 1}, {&depth, 1}, {&gaussian, 1}}, first, 4};
-    const AttributeRow out = from.row(view, row, 0);
-    return {out.values, out.values + AttributeRow::channels};
+    AttributeRow rows[AttributesView::most_rows];
+    from.gather(view, 0, rows);
+    return {rows[row].values, rows[row].values + AttributeRow::channels};
   }
 };
 
@@ -98,15 +100,15 @@ TEST_CASE("planes: of equal weights the first wins") {
 
 TEST_CASE("planes: attributes are normals and then squared depths and then features") {
   using Of = Attribute::Of;
-  CHECK(attribute_count(FrameView()) == 0);
+  CHECK(attribute_count(View()) == 0);
   CHECK(attribute_count(asks_for(true, false, 0)) == 3);
   CHECK(attribute_count(asks_for(true, true, 2)) == 6);
   CHECK(attribute_count(asks_for(false, false, 17)) == 17);
-  const auto is = [](const FrameView& frame, int k, Of of, int channel) {
-    const Attribute found = attribute(frame, k);
+  const auto is = [](const View& view, int k, Of of, int channel) {
+    const Attribute found = attribute(view, k);
     return found.of == of && found.channel == channel;
   };
-  const FrameView all = asks_for(true, true, 2);
+  const View all = asks_for(true, true, 2);
   for (int k = 0; k < 3; ++k) CHECK(is(all, k, Of::normal, k));
   CHECK(is(all, 3, Of::squared_depth, 0));
   CHECK(is(all, 4, Of::feature, 0));
@@ -117,15 +119,90 @@ TEST_CASE("planes: attributes are normals and then squared depths and then featu
   CHECK(is(asks_for(true, false, 0), 3, Of::nothing, 0));
 }
 
+TEST_CASE("planes: attributes of views along the ray begin with depth") {
+  using Of = Attribute::Of;
+  const auto of = [](const View& view) {
+    std::vector<std::pair<Of, int>> found;
+    for (int k = 0; k < attribute_count(view); ++k)
+      found.emplace_back(attribute(view, k).of, attribute(view, k).channel);
+    return found;
+  };
+  using All = std::vector<std::pair<Of, int>>;
+  View view = asks_for(true, true, 1);
+  view.camera.depth_along_ray = true;
+  CHECK(of(view) == All{{Of::ray_depth, 0},
+                        {Of::ray_depth, 1},
+                        {Of::ray_depth, 2},
+                        {Of::normal, 0},
+                        {Of::normal, 1},
+                        {Of::normal, 2},
+                        {Of::squared_ray_depth, 0},
+                        {Of::squared_ray_depth, 1},
+                        {Of::squared_ray_depth, 2},
+                        {Of::squared_ray_depth, 3},
+                        {Of::squared_ray_depth, 4},
+                        {Of::squared_ray_depth, 5},
+                        {Of::feature, 0}});
+  view = asks_for(true, false, 0), view.camera.depth_along_ray = true;
+  CHECK(attribute_count(view) == 3);  // nothing asks for depth
+  float memory;
+  for (Plane<float>* plane : {&view.frame.depth, &view.frame.first_depth, &view.frame.median_depth}) {
+    plane->data = &memory;
+    CHECK(attribute_count(view) == 6);
+    *plane = {};
+  }
+  view.frame.occluder.data = &memory;
+  CHECK(attribute_count(view) == 6);
+}
+
+TEST_CASE("planes: the square of a depth along the ray is the sum of its coefficients") {
+  const RayDepth depth{3, 0.5f, -0.25f};
+  float squares[RayDepth::squares];
+  for (int k = 0; k < RayDepth::squares; ++k) squares[k] = depth.square(k);
+  CHECK(depth.at(vec2(2, 8)) == 2);
+  CHECK(sum_of_squares(squares, vec2(2, 8)) == 4);
+  CHECK(sum_of_squares(squares, vec2(0, 0)) == 9);
+  CHECK(sum_of_squares(squares, vec2(-2, 4)) == 1);
+}
+
+TEST_CASE("planes: depth along the ray slopes as a card does and not where its square could not be summed") {
+  Scene scene;
+  append(scene, vec3(0.5f, 0, 2), 0.1f, 0.5f);
+  scene.scales[0].x = 0;
+  scene.rotations[0] = {0.9238795f, 0, 0.3826834f,
+                        0};  // z goes to (1, 0, 1) / sqrt(2): the card is z = x + 1.5
+  Camera camera = forward_camera(64, 48, 100);
+  camera.lens.model = LensModel::orthographic;
+  Conventions conventions;
+  conventions.blur = 0;
+  const auto depth = [&](float most_squared) {
+    const vec2 mean(float(0.5 * camera.fx + camera.cx), float(camera.cy));
+    return ray_depth(view_constants(camera, conventions), gaussian(view(scene), 0), mean, 2, most_squared);
+  };
+  CHECK(depth(1e38f).x == doctest::Approx(0.01));
+  CHECK(depth(1e38f).y == doctest::Approx(0));
+  CHECK(depth(1e38f).middle == doctest::Approx(1.5 + (32 - camera.cx) / 100));
+  CHECK(depth(4).x == 0);
+  CHECK(depth(4).middle == 2);
+  conventions.blur = 0.5f;  // a hundredth of the card's variance: 10 pixels, seen from aside
+  CHECK(depth(1e38f).x == doctest::Approx(0.01 / 1.01));
+  scene.scales[0] = vec3(0);
+  CHECK(depth(1e38f).x == 0);
+  conventions.blur = 0;  // nothing to fit
+  CHECK(depth(1e38f).x == 0);
+  CHECK(depth(1e38f).middle == 2);
+}
+
 TEST_CASE("planes: each sum is stored where it belongs") {
   std::vector<float> normal(6, 9), squared(2, 9), features(4, 9);
-  FrameView frame{.width = 2, .height = 1};
+  View view;
+  FrameView& frame = view.frame;
   frame.normal = {normal.data(), 24}, frame.squared_depth = {squared.data(), 8};
   frame.features = {features.data(), 16}, frame.feature_channels = 2;
   const auto store = [&](int first, unsigned rows, std::size_t x, float transmittance) {
     float sums[AttributesView::most];
     for (int i = 0; i < int(AttributesView::most); ++i) sums[i] = float(first + i + 1);
-    store_attributes(frame, AttributesView{.rows = rows, .first = first}, x, 0, transmittance, sums);
+    store_attributes(view, AttributesView{.rows = rows, .first = first}, x, 0, transmittance, sums);
   };
   store(0, 1, 1, 0.5f);
   CHECK(normal == std::vector<float>{9, 9, 9, 1, 2, 3});

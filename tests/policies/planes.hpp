@@ -43,6 +43,9 @@ struct PlaneBounds {
   double mean = 0;       ///< of depths, in parts of them
   double threshold = 0;  ///< alphas and transmittances this near their thresholds are close, in parts of them
   double pick = 0;       ///< so are weights and transmittances
+  double picked = 1e-6;  ///< of depths of picked splats, in parts of them
+  double least = 0;      ///< smaller depths are compared as parts of this one
+  double occluder = 0;   ///< depths this near the occluder are close, in parts of them
 };
 
 /// Largest differences from the reference, and pixels with close decisions.
@@ -65,19 +68,20 @@ inline PlaneErrors plane_errors(const Frame& frame, const ReferencePlanes& expec
     worst = error >= 0 || error < 0 ? std::max(worst, error) : INFINITY;
   };
   const auto differ = [&](float found, double wanted) {
-    return !(std::abs(double(found) - wanted) <= 1e-6 * wanted);
+    return !(std::abs(double(found) - wanted) <= bounds.picked * std::max(bounds.least, std::abs(wanted)));
   };
   const std::size_t channels = std::size_t(frame.feature_channels);
   for (std::size_t i = 0; i < frame.pixels(); ++i) {
-    if (expected.threshold_margin[i] <= bounds.threshold) {
+    if (expected.threshold_margin[i] <= bounds.threshold || expected.occluder_margin[i] < bounds.occluder) {
       ++out.at_threshold;
       continue;
     }
     note(out.alpha, double(frame.alpha[i]), expected.alpha[i], 1);
     const double tiny = std::numeric_limits<float>::min();
-    note(out.depth, double(frame.depth[i]), expected.depth[i], std::max(tiny, expected.depth[i]));
+    note(out.depth, double(frame.depth[i]), expected.depth[i],
+         std::max({tiny, bounds.least, std::abs(expected.depth[i])}));
     note(out.squared_depth, double(frame.squared_depth[i]), expected.squared_depth[i],
-         std::max(tiny, expected.squared_depth[i]));
+         std::max({tiny, bounds.least * bounds.least, expected.squared_depth[i]}));
     const double undecided = expected.undecided_normals[i];
     out.undecided_normals += undecided > 0;
     for (std::size_t c = 3 * i; c < 3 * i + 3; ++c)

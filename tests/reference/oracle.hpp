@@ -70,27 +70,32 @@ class OraclePixel {
     if ((stopped && follows(s)) || !s.footprint.holds(x, y)) return false;
     Bounded alpha = test::alpha_at(s, x, y);
     if (alpha.value + alpha.error < k_.alpha_min) return false;
+    const Bounded here = depth_at(s, x, y);
+    const bool along_ray = k_.depth_at == Conventions::DepthAt::ray;
+    const float nearest = along_ray ? float(here.value - here.error) : s.doubt.nearest;
+    const float furthest = along_ray ? float(here.value + here.error) : s.doubt.furthest;
     // From here on the splat might show, so every doubt about it counts.
     surely = surely && std::abs(alpha.value - k_.alpha_min) > alpha.error && !s.doubt.drawn &&
-             s.doubt.surely.holds(x, y) && follows(s) &&
-             (s.doubt.nearest >= occluder_) == (s.doubt.furthest >= occluder_);
+             s.doubt.surely.holds(x, y) && follows(s) && (nearest >= occluder_) == (furthest >= occluder_);
     remember(s);
     if (stopped || !s.drawn || alpha.value < k_.alpha_min) return false;
+    const bool hidden = float(here.value) >= occluder_;
+    if (hidden && along_ray) return false;
     alpha.value = std::min(alpha.value, Real(k_.alpha_max));
 
     const Bounded left{
         light.value * (1 - alpha.value),
         light.error * (1 - alpha.value) + (light.value + light.error) * alpha.error + 2 * unit * light.value};
     surely = surely && std::abs(left.value - k_.stop) > left.error;
-    stopped = (k_.stop_at_equal ? left.value <= k_.stop : left.value < k_.stop) || s.depth >= occluder_;
+    stopped = (k_.stop_at_equal ? left.value <= k_.stop : left.value < k_.stop) || hidden;
     if (stopped) return false;
     const Bounded part{alpha.value * light.value, alpha.error * (light.value + light.error) +
                                                       alpha.value * light.error +
                                                       2 * unit * alpha.value * light.value};
-    add(s, part);
-    take_below(first, 1 - Real(k_.first_alpha), left, s);
-    take_below(median, 0.5L, left, s);
-    offer_weight(s, part);
+    add(s, here, part);
+    take_below(first, 1 - Real(k_.first_alpha), left, s, here);
+    take_below(median, 0.5L, left, s, here);
+    offer_weight(s, here, part);
     light = left;
     return true;
   }
@@ -101,6 +106,14 @@ class OraclePixel {
   bool stopped = false, surely = true;
 
  private:
+  /// Depth at pixel (x, y); its slope is 0 where depths are those of means.
+  static Bounded depth_at(const OracleSplat& s, int x, int y) {
+    const Real dx = x + 0.5L - s.x, dy = y + 0.5L - s.y, along_x = s.slope_x * dx, along_y = s.slope_y * dy;
+    const Real error = s.doubt.slope * std::hypot(dx, dy) + std::abs(s.slope_x) * s.doubt.position_x +
+                       std::abs(s.slope_y) * s.doubt.position_y +
+                       8 * unit * (std::abs(along_x) + std::abs(along_y));
+    return {s.z + along_x + along_y, s.doubt.z + error};
+  }
   /// Whether no rounding moves `s` before a splat that was offered.
   bool follows(const OracleSplat& s) const {
     return s.doubt.nearest > furthest_ || (s.doubt.nearest == furthest_ && s.index > last_);
@@ -109,29 +122,31 @@ class OraclePixel {
     if (s.doubt.furthest > furthest_) furthest_ = s.doubt.furthest, last_ = s.index;
     if (s.doubt.furthest == furthest_) last_ = std::max(last_, s.index);
   }
-  void add(const OracleSplat& s, const Bounded& w) {
+  void add(const OracleSplat& s, const Bounded& z, const Bounded& w) {
     const auto accumulate = [&](Bounded& sum, Real value, Real error) {
       sum.value += w.value * value;
       sum.error += w.error * std::abs(value) + w.value * error + unit * std::abs(w.value * value);
       sum.error += unit * std::abs(sum.value);
     };
     for (std::size_t c = 0; c < 3; ++c) accumulate(colour[c], s.colour[c], s.doubt.colour[c]);
-    accumulate(depth, s.z, s.doubt.z);
-    accumulate(squared_depth, s.z * s.z, (2 * s.z + s.doubt.z) * s.doubt.z + unit * s.z * s.z);
+    accumulate(depth, z.value, z.error);
+    accumulate(squared_depth, z.value * z.value,
+               (2 * std::abs(z.value) + z.error) * z.error + unit * z.value * z.value);
     for (std::size_t c = 0; c < 3; ++c) accumulate(normal[c], s.normal[c], s.doubt.normal);
     for (std::size_t c = 0; c < features.size(); ++c) accumulate(features[c], Real(s.features[c]), 0);
     accumulate(weight, 1, 0);
   }
   /// Notes the splat that takes the light below `threshold`.
-  void take_below(OraclePick& pick, Real threshold, const Bounded& left, const OracleSplat& s) const {
+  void take_below(OraclePick& pick, Real threshold, const Bounded& left, const OracleSplat& s,
+                  const Bounded& z) const {
     pick.sure = pick.sure && std::abs(left.value - threshold) > left.error;
     if (light.value >= threshold && left.value < threshold)
-      pick.gaussian = std::uint32_t(s.index), pick.depth = {s.z, s.doubt.z};
+      pick.gaussian = std::uint32_t(s.index), pick.depth = z;
   }
-  void offer_weight(const OracleSplat& s, const Bounded& part) {
+  void offer_weight(const OracleSplat& s, const Bounded& z, const Bounded& part) {
     const bool more = part.value > most_.value;
     const Bounded &greater = more ? part : most_, &smaller = more ? most_ : part;
-    if (more) largest.gaussian = std::uint32_t(s.index), largest.depth = {s.z, s.doubt.z};
+    if (more) largest.gaussian = std::uint32_t(s.index), largest.depth = z;
     next_ = std::max(next_, smaller.value + smaller.error), most_ = greater;
     largest.sure = most_.value - most_.error > next_;
   }
@@ -157,7 +172,8 @@ inline void store(OracleFrame& frame, const OraclePixel& pixel, dvec3 background
   const auto mean_of = [&](const Bounded& sum) {
     if (!(weight.value > 0)) return Bounded();
     const Real mean = sum.value / weight.value;
-    return Bounded{mean, (sum.error + mean * weight.error) / weight.value + 2 * unit * mean};
+    return Bounded{mean,
+                   (sum.error + std::abs(mean) * weight.error) / weight.value + 2 * unit * std::abs(mean)};
   };
   frame.depth.push_back(mean_of(pixel.depth));
   frame.squared_depth.push_back(mean_of(pixel.squared_depth));

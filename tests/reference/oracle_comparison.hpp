@@ -99,8 +99,8 @@ inline void check(Case c) {
   check_planes(render_reference_planes(c.scene, c.camera, c.conventions, 1, occluder), expected, c);
   const ReferenceFrame frame = render_reference(c.scene, c.camera, c.conventions, c.background, 1, occluder);
   check_values(frame, expected, c);
-  // It takes no conventions that renderers refuse.
-  if (c.conventions.alpha_min > 0) {
+  // It takes no conventions that renderers refuse, and no depths along the ray.
+  if (c.conventions.alpha_min > 0 && c.conventions.depth_at == Conventions::DepthAt::centre) {
     const bool conditioned = true;
     CAPTURE(conditioned);
     check_values(render_conditioned(c.scene, c.camera, c.conventions, c.background, 1, 1, occluder).frame,

@@ -81,6 +81,34 @@ inline void set_normal(OracleSplat& s, const Scene& scene, const Real3& p, const
   if (std::abs(towards) <= doubt) s.doubt.normal = 2;
 }
 
+/// Slope of depth along the ray, C^-1 of the covariance of depth with the place in the image, by the Cholesky
+/// factor `l` of C. Errors are bounded as those of a least-squares problem: the smallest variance of C is
+/// more than its determinant over its trace.
+inline void set_slope(OracleSplat& s, const Scene& scene, const ImageFactor& f, const Triangle& l,
+                      const Real3& p, const Real3& p_error, const Camera& camera, const Conventions& k) {
+  const auto length = [](const Real3& a) { return std::hypot(a[0], a[1], a[2]); };
+  const Real3 unit_ray{p[0] / length(p), p[1] / length(p), p[2] / length(p)};
+  const Real3 ahead = by_distance(camera, k) ? unit_ray : Real3{0, 0, 1};
+  Real3 depth{};
+  Real sizes = 0;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Real3 local{};
+    local[axis] = 1;
+    const Real3 world = turn(scene.rotations[s.index], local);
+    const Real scale = scene.scales[s.index][int(axis)];
+    for (std::size_t r = 0; r < 3; ++r) depth[axis] += scale * ahead[r] * dot(row_of(camera, int(r)), world);
+    sizes += scale * length(world);
+  }
+  const Real x = dot(f.x, depth) / l.l00, y = (dot(f.y, depth) - l.l10 * x) / l.l11;
+  s.slope_y = y / l.l11, s.slope_x = (x - l.l10 * s.slope_y) / l.l00;
+
+  const Real trace = l.xx() + l.yy(), narrowest = l.determinant() / trace;
+  const Real places = length(f.x_error) + length(f.y_error) + 64 * unit * std::sqrt(trace);
+  const Real depths = sizes * (64 * unit + (by_distance(camera, k) ? length(p_error) / length(p) : 0));
+  s.doubt.slope = 2 * (places * std::hypot(s.slope_x, s.slope_y) + depths) / std::sqrt(narrowest) +
+                  2 * places * length(depth) / narrowest;
+}
+
 /// Limits of x/z or y/z in the linearised projection.
 inline Real limited(Real tangent, Real side, Real focal, Real principal, Conventions::JacobianClamp clamp) {
   const Real half = side / (2 * focal);
@@ -209,6 +237,7 @@ inline std::optional<OracleSplat> project_gaussian(const Scene& scene, std::size
     s.opacity *= std::sqrt(std::max(Real(k.min_compensation), sharp.determinant() / l.determinant()));
   bound_shape(f, l, sharp, k, s);
   set_footprint(s, l, camera, k);
+  if (k.depth_at == Conventions::DepthAt::ray) set_slope(s, scene, f, l, p, p_error, camera, k);
   set_colour(s, scene, mean, camera);
   set_normal(s, scene, p, p_error, camera);
   const std::size_t channels = std::size_t(scene.feature_channels);

@@ -39,6 +39,7 @@ struct SplatDoubt {
   Real3 colour{};                       ///< absolute
   Real normal = 0;                      ///< absolute; 2 where rounding may turn it to the other side
   float nearest = 0, furthest = 0;      ///< z as a float
+  Real slope = 0;                       ///< length of the error, absolute
   PixelRect surely;                     ///< part of `footprint` in any case
   bool drawn = false;                   ///< whether the Gaussian is drawn at all is in doubt
 };
@@ -47,6 +48,7 @@ struct SplatDoubt {
 struct OracleSplat {
   Real x = 0, y = 0, z = 0, l00 = 0, l10 = 0, l11 = 0, opacity = 0;
   Real3 colour{}, normal{};
+  Real slope_x = 0, slope_y = 0;  ///< of depth along the ray
   Span<const float> features{};
   float depth = 0;
   std::size_t index = 0;

@@ -53,6 +53,31 @@ TEST_CASE("reference: lenses agree with the oracle") {
     }
 }
 
+TEST_CASE("reference: depths along the ray agree with the oracle") {
+  for (const LensModel model :
+       {LensModel::perspective, LensModel::fisheye, LensModel::orthographic, LensModel::equirectangular})
+    for (const float blur : {0.3f, 0.05f})
+      for (const bool occluded : {false, true}) {
+        CAPTURE(name_of(model));
+        CAPTURE(blur);
+        CAPTURE(occluded);
+        Random random(15);
+        Case c{.scene = mixture(random, 300)};
+        c.conventions.depth_at = Conventions::DepthAt::ray, c.conventions.blur = blur;
+        c.largest_bound = 1e-9L;
+        for (Camera camera : {oracle_camera(), turned_camera()}) {
+          camera.lens.model = model;
+          if (model == LensModel::orthographic) camera.fx = 9, camera.fy = 11;
+          if (model == LensModel::equirectangular) camera.width = 32, camera.fx = 40, camera.fy = 33;
+          c.camera = camera;
+          c.occluder.clear();
+          for (int i = 0; occluded && i < camera.width * camera.height; ++i)
+            c.occluder.push_back(1.5f + 0.37f * float(i % 11));
+          check(c);
+        }
+      }
+}
+
 TEST_CASE("reference: harmonics of each degree and of large coefficients agree with the oracle") {
   for (const int degree : {0, 1, 2, 3})
     for (const double largest : {1.0, 1e4}) {

@@ -13,7 +13,7 @@ from typing import Any
 
 from ._errors import exception_of
 
-ABI_MAJOR, ABI_MINOR = 1, 6
+ABI_MAJOR, ABI_MINOR = 1, 7
 
 MEASURE_COUNTS, MEASURE_TIMES = 1, 2
 HOST, DEVICE = 0, 1
@@ -21,6 +21,7 @@ LOG_SCALES, LOGIT_OPACITIES, ANY_ROTATIONS, PLAIN_COLOURS = 1, 2, 4, 8
 CLAMPS = ("around-image", "around-centre")
 FOOTPRINTS = ("alpha", "three-sigma-square")
 DEPTHS = ("of-lens", "z", "distance")
+DEPTHS_AT = ("centre", "ray")
 LENSES = ("perspective", "fisheye", "orthographic", "equirectangular")
 NOTHING: int = 0xffffffff  #: in place of the index of a Gaussian: there is none
 MAX_PICK_SIDE = 64
@@ -64,7 +65,7 @@ class Conventions(_Sized):
     _fields_ = [("size", c_uint32), ("near_plane", c_float), ("cull_at_near", c_int32), ("far_plane", c_float),
                 ("clamp", c_int32), ("blur", c_float), ("antialiased", c_int32), ("min_compensation", c_float),
                 ("alpha_min", c_float), ("alpha_max", c_float), ("stop", c_float), ("stop_at_equal", c_int32),
-                ("footprint", c_int32), ("depth", c_int32), ("first_alpha", c_float)]
+                ("footprint", c_int32), ("depth", c_int32), ("first_alpha", c_float), ("depth_at", c_int32)]
 
 
 class StoredDepth(ctypes.Structure):

@@ -266,6 +266,9 @@ class Conventions:
     #: camera, or "of-lens": z of perspective and orthographic lenses, distance of the others.
     depth: str = "of-lens"
     first_alpha: float = 0.05  #: a pixel's first depth is of the Gaussian that takes its alpha above
+    #: A splat's depth at a pixel, for planes of depth and occluders: "centre", its mean's, or "ray", where the Gaussian
+    #: is densest along the pixel's ray.
+    depth_at: str = "centre"
 
     @classmethod
     def named(cls, name: str) -> "Conventions":
@@ -273,17 +276,21 @@ class Conventions:
         struct = _c.Conventions()
         lib.conventions_named(name.encode(), ctypes.byref(struct))
         values = {field.name: getattr(struct, field.name) for field in dataclasses.fields(cls)}
-        values["clamp"], values["depth"] = _c.CLAMPS[struct.clamp], _c.DEPTHS[struct.depth]
+        values.update({name: words[values[name]] for name, words in _WORDS.items()})
         return cls(**{name: bool(value) if isinstance(getattr(cls, name), bool) else value
                       for name, value in values.items()})
 
     def _to_struct(self) -> _c.Conventions:
-        if self.clamp not in _c.CLAMPS:
-            raise ValueError(f"conventions: clamp is '{self.clamp}', expected one of {', '.join(_c.CLAMPS)}")
-        if self.depth not in _c.DEPTHS:
-            raise ValueError(f"conventions: depth is '{self.depth}', expected one of {', '.join(_c.DEPTHS)}")
-        values = dict(vars(self), clamp=_c.CLAMPS.index(self.clamp), depth=_c.DEPTHS.index(self.depth))
+        values = dict(vars(self))
+        for name, words in _WORDS.items():
+            if values[name] not in words:
+                raise ValueError(f"conventions: {name} is '{values[name]}', expected one of {', '.join(words)}")
+            values[name] = words.index(values[name])
         return _c.Conventions(**values)
+
+
+#: Members that are words here and numbers in C.
+_WORDS = {"clamp": _c.CLAMPS, "depth": _c.DEPTHS, "depth_at": _c.DEPTHS_AT}
 
 
 @functools.lru_cache(maxsize=64)

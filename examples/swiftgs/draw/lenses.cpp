@@ -46,6 +46,11 @@ void add_lens(CLI::App& command, LensOptions& options) {
   command.add_option("--depth-by", options.depth_by,
                      "What orders Gaussians and is compared with the near plane: z or distance\n"
                      "[distance of lenses that see behind the camera, else z]");
+  command
+      .add_option("--depth-at", options.depth_at,
+                  "A Gaussian's depth at a pixel, for planes of depth: that of its centre, or\n"
+                  "along the pixel's ray, centre or ray")
+      ->capture_default_str();
 }
 
 void validate(const LensOptions& options) {
@@ -59,7 +64,7 @@ void validate(const LensOptions& options) {
   }
   if (options.panorama && !options.lens.empty() && options.lens != name_of(LensModel::equirectangular))
     throw std::invalid_argument("--panorama: expected no --lens " + options.lens + " beside it");
-  depth_of(options);
+  depth_of(options), depth_at_of(options);
 }
 
 Conventions::Depth depth_of(const LensOptions& options) {
@@ -67,6 +72,12 @@ Conventions::Depth depth_of(const LensOptions& options) {
   if (options.depth_by == "z") return Conventions::Depth::z;
   if (options.depth_by == "distance") return Conventions::Depth::distance;
   throw std::invalid_argument("--depth-by '" + options.depth_by + "': expected z or distance");
+}
+
+Conventions::DepthAt depth_at_of(const LensOptions& options) {
+  if (options.depth_at == "centre") return Conventions::DepthAt::centre;
+  if (options.depth_at == "ray") return Conventions::DepthAt::ray;
+  throw std::invalid_argument("--depth-at '" + options.depth_at + "': expected centre or ray");
 }
 
 void use_lens(std::vector<View>& views, const LensOptions& options, const Scene& scene) {

@@ -20,7 +20,8 @@ namespace swiftgs::cli {
 struct LensOptions {
   std::string lens;  ///< a `LensModel`; empty for those of the cameras
   bool panorama = false;
-  std::string depth_by;  ///< `z` or `distance`; empty for the lens's own
+  std::string depth_by;             ///< `z` or `distance`; empty for the lens's own
+  std::string depth_at = "centre";  ///< or `ray`
 };
 
 /// Adds the options of lenses.
@@ -29,8 +30,9 @@ void add_lens(CLI::App& command, LensOptions& options);
 /// Throws `std::invalid_argument` for names that are not known, and for a panorama of another lens.
 void validate(const LensOptions& options);
 
-/// What `--depth-by` says.
+/// What `--depth-by` and `--depth-at` say.
 Conventions::Depth depth_of(const LensOptions& options);
+Conventions::DepthAt depth_at_of(const LensOptions& options);
 
 /// Gives `views` of `scene`, all of them found, the lens that was asked for.
 void use_lens(std::vector<View>& views, const LensOptions& options, const Scene& scene);

@@ -108,6 +108,7 @@ void render(const RenderOptions& options) {
       views_of(read_cameras_of(options.scene, options.view.cameras, notes), options.view, "all");
   RenderSettings settings = settings_of(options.view);
   settings.conventions.depth = depth_of(options.lens);
+  settings.conventions.depth_at = depth_at_of(options.lens);
   const DrawnScene drawn = load_to_draw(options.scene, notes);
   const auto scene = drawn.gaussians;
   find_views(views, *scene, drawn.camera);

@@ -32,6 +32,7 @@ typedef struct swiftgs_conventions {
   int32_t footprint;       ///< `SWIFTGS_FOOTPRINT_...`, of the reference; renderers use their bounds
   int32_t depth;           ///< `SWIFTGS_DEPTH_...`
   float first_alpha;       ///< a pixel's first depth is of the Gaussian that takes its alpha above
+  int32_t depth_at;        ///< `SWIFTGS_DEPTH_AT_...`
 } swiftgs_conventions;
 
 /// Limits of x/z and y/z where the projection is linearised, in tangents.
@@ -48,6 +49,12 @@ enum {
   SWIFTGS_DEPTH_OF_LENS = 0,  ///< z of perspective and orthographic lenses, distance of the others
   SWIFTGS_DEPTH_Z = 1,        ///< along the camera's axis
   SWIFTGS_DEPTH_DISTANCE = 2  ///< from the camera's centre
+};
+
+/// A splat's depth at a pixel, for planes of depth and occluders. Order and culling take the mean's.
+enum {
+  SWIFTGS_DEPTH_AT_CENTRE = 0,  ///< its mean's, at every pixel
+  SWIFTGS_DEPTH_AT_RAY = 1      ///< where the Gaussian is densest along the pixel's ray
 };
 
 /// Fills `conventions`, whose size is set, with the preset `gsplat` or `inria`. `SWIFTGS_INVALID_ARGUMENT`
@@ -88,8 +95,8 @@ SWIFTGS_C_API swiftgs_stored_depth swiftgs_stored_orthographic(double at_0, doub
 
 /// One image of a frame, or a rectangle of one.
 ///
-/// A Gaussian's weight in a pixel is alpha times the transmittance in front of it. Depths are those of means,
-/// as the conventions measure them.
+/// A Gaussian's weight in a pixel is alpha times the transmittance in front of it. Depths are as the
+/// conventions measure them, of means unless `depth_at` says otherwise.
 typedef struct swiftgs_view {
   uint32_t size;                           ///< `sizeof(swiftgs_view)`; the same in all views of an array
   int32_t format;                          ///< of `colour`: `SWIFTGS_RGB_FLOAT`, ...

@@ -2,35 +2,58 @@
 #pragma once
 
 /// @file
-/// Planes that sum attributes of splats by weight, as colour does: normal, squared depth and features. Each
-/// of their channels is an attribute. Rasterizers sum rows of four attributes, whatever they mean.
+/// Planes that sum attributes of splats by weight, as colour does: depth along the ray, normal, squared depth
+/// and features. Each of their channels is an attribute. Rasterizers sum rows of four attributes, whatever
+/// they mean.
 
 #include <cstddef>
 #include <cstdint>
 
 #include <swiftgs/frame.hpp>
 #include <swiftgs/math.hpp>
+#include <swiftgs/plane/ray_depth.hpp>
+#include <swiftgs/view.hpp>
 
 namespace swiftgs {
 
 /// A channel of a plane.
 struct Attribute {
-  enum class Of { nothing, normal, squared_depth, feature } of = Of::nothing;
+  enum class Of { nothing, ray_depth, normal, squared_depth, squared_ray_depth, feature } of = Of::nothing;
   int channel = 0;
 };
 
-/// Attributes that a frame asks for.
-SWIFTGS_HD inline int attribute_count(const FrameView& frame) {
-  return (frame.normal.data ? 3 : 0) + (frame.squared_depth.data ? 1 : 0) +
-         (frame.features.data ? frame.feature_channels : 0);
+/// Whether pixels of `view` need depths along their rays: its first attributes are then those of `RayDepth`.
+SWIFTGS_HD inline bool takes_ray_depth(const View& view) {
+  const FrameView& frame = view.frame;
+  return view.camera.depth_along_ray &&
+         (frame.depth.data || frame.squared_depth.data || frame.first_depth.data || frame.median_depth.data ||
+          frame.occluder.data);
+}
+
+/// Attributes that a view asks for.
+SWIFTGS_HD inline int attribute_count(const View& view) {
+  const FrameView& frame = view.frame;
+  const int squared = view.camera.depth_along_ray ? RayDepth::squares : 1;
+  return (takes_ray_depth(view) ? RayDepth::terms : 0) + (frame.normal.data ? 3 : 0) +
+         (frame.squared_depth.data ? squared : 0) + (frame.features.data ? frame.feature_channels : 0);
 }
 /// The k-th of them.
-SWIFTGS_HD inline Attribute attribute(const FrameView& frame, int k) {
+SWIFTGS_HD inline Attribute attribute(const View& view, int k) {
+  const FrameView& frame = view.frame;
+  if (takes_ray_depth(view)) {
+    if (k < RayDepth::terms) return {Attribute::Of::ray_depth, k};
+    k -= RayDepth::terms;
+  }
   if (frame.normal.data) {
     if (k < 3) return {Attribute::Of::normal, k};
     k -= 3;
   }
-  if (frame.squared_depth.data && k-- == 0) return {Attribute::Of::squared_depth, 0};
+  if (frame.squared_depth.data) {
+    const bool along_ray = view.camera.depth_along_ray;
+    const int channels = along_ray ? RayDepth::squares : 1;
+    if (k < channels) return {along_ray ? Attribute::Of::squared_ray_depth : Attribute::Of::squared_depth, k};
+    k -= channels;
+  }
   if (frame.features.data && k < frame.feature_channels) return {Attribute::Of::feature, k};
   return {};
 }
@@ -53,12 +76,23 @@ struct AttributesView {
     return attributes <= 0 ? 0 : attributes <= int(AttributeRow::channels) ? 1 : most_rows;
   }
 
+  /// Rows that a frame of so many attributes keeps. The first is kept while later ones are drawn.
+  static constexpr unsigned kept_rows_for(int attributes) {
+    return rows_for(attributes) + (attributes > int(most) ? 1 : 0);
+  }
+
   const AttributeRow* data = nullptr;
   std::size_t splats = 0;
   unsigned rows = 0;  ///< 0, 1 or `most_rows`; behind the last attribute of a frame are zeros
   int first = 0;      ///< attribute of the frame that is the first here
+  /// The frame's first row, whatever is the first here: holds the `RayDepth` of splats whose view takes it.
+  const AttributeRow* first_row = nullptr;
 
   SWIFTGS_HD const AttributeRow& row(unsigned r, std::size_t splat) const { return data[r * splats + splat]; }
+  SWIFTGS_HD RayDepth ray_depth(std::size_t splat) const {
+    const float* const values = first_row[splat].values;
+    return {values[0], values[1], values[2]};
+  }
   /// Adds those of a splat of this weight to `sums`.
   SWIFTGS_HD void add(float (&sums)[most], std::size_t splat, float weight) const {
     for (unsigned r = 0; r < rows; ++r)
@@ -68,17 +102,25 @@ struct AttributesView {
 };
 
 /// Writes the planes of attributes at column x of row y, by their sums.
-SWIFTGS_HD inline void store_attributes(const FrameView& frame, const AttributesView& attributes,
-                                        std::size_t x, std::size_t y, float transmittance,
-                                        const float* sums) {
+SWIFTGS_HD inline void store_attributes(const View& view, const AttributesView& attributes, std::size_t x,
+                                        std::size_t y, float transmittance, const float* sums) {
+  const FrameView& frame = view.frame;
   const float alpha = 1 - transmittance;
+  const auto mean = [&](float sum) { return alpha > 0 ? sum / alpha : 0.0f; };
   for (unsigned i = 0; i < attributes.rows * AttributeRow::channels; ++i) {
-    const Attribute to = attribute(frame, attributes.first + int(i));
+    const Attribute to = attribute(view, attributes.first + int(i));
     if (to.of == Attribute::Of::nothing) return;
-    if (to.of == Attribute::Of::normal) {
+    if (to.of == Attribute::Of::ray_depth) {
+      const RayDepth sum{sums[i], sums[i + 1], sums[i + 2]};
+      if (frame.depth.data) frame.depth.row(y)[x] = mean(sum.at(place_of(view, x, y)));
+      i += RayDepth::terms - 1;
+    } else if (to.of == Attribute::Of::squared_ray_depth) {
+      frame.squared_depth.row(y)[x] = mean(sum_of_squares(sums + i, place_of(view, x, y)));
+      i += RayDepth::squares - 1;
+    } else if (to.of == Attribute::Of::normal) {
       frame.normal.row(y)[3 * x + std::size_t(to.channel)] = sums[i];
     } else if (to.of == Attribute::Of::squared_depth) {
-      frame.squared_depth.row(y)[x] = alpha > 0 ? sums[i] / alpha : 0.0f;
+      frame.squared_depth.row(y)[x] = mean(sums[i]);
     } else {
       float* const feature =
           frame.features.row(y) + x * std::size_t(frame.feature_channels) + std::size_t(to.channel);

@@ -53,7 +53,7 @@ struct RasterJob {
   TileListsView lists;
   Views views;
   RasterCounts* counts = nullptr;  ///< @shape{raster blocks} filled where not null
-  AttributesView attributes{};     ///< never with `counts`
+  AttributesView attributes{};     ///< on devices never with `counts`
   bool only_attributes = false;    ///< all other planes were drawn
 
   /// Whether pixels of `view` have to remember splats.
@@ -67,7 +67,19 @@ struct RasterJob {
 SWIFTGS_HD inline void store_pixel(const RasterJob& job, const View& view, std::size_t x, std::size_t y,
                                    const BlendedPixel& pixel, const float* sums) {
   if (!job.only_attributes) store_pixel(view.frame, x, y, pixel, view.background);
-  if (job.attributes.rows != 0) store_attributes(view.frame, job.attributes, x, y, pixel.transmittance, sums);
+  if (job.attributes.rows != 0) store_attributes(view, job.attributes, x, y, pixel.transmittance, sums);
+}
+
+/// Writes the planes of picked splats at column x of row y.
+SWIFTGS_HD inline void store_picks(const RasterJob& job, const View& view, std::size_t x, std::size_t y,
+                                   const SplatPicks& picks) {
+  store_picks(view.frame, job.splats, x, y, picks);
+  if (!view.camera.depth_along_ray) return;
+  const auto depth = [&](std::uint32_t splat) {
+    return splat == SplatPicks::none ? 0.0f : job.attributes.ray_depth(splat).at(place_of(view, x, y));
+  };
+  if (view.frame.first_depth.data) view.frame.first_depth.row(y)[x] = depth(picks.first);
+  if (view.frame.median_depth.data) view.frame.median_depth.row(y)[x] = depth(picks.median);
 }
 
 /// The raster blocks of `job`. Throws `std::invalid_argument` if the lists are not of as many tiles as the
@@ -187,6 +199,7 @@ struct BlendRasterBlock {
     float sums[raster_block_side][raster_block_side][AttributesView::most];
     if (job.attributes.rows != 0) std::memset(sums, 0, sizeof sums);
     const bool pick = job.picks(view);
+    const bool along_ray = view.frame.occluder.data && view.camera.depth_along_ray;
     bool stopped[raster_block_side][raster_block_side] = {};
     int live_in_row[raster_block_side];
     for (int row = 0; row < rows; ++row) live_in_row[row] = columns;
@@ -212,8 +225,12 @@ struct BlendRasterBlock {
           if (stopped[row][column]) continue;
           const float alpha = kernel.alpha(column);
           if (alpha == 0) continue;
+          const auto at_x = std::size_t(x0 + column), at_y = std::size_t(y0 + row);
+          if (along_ray &&
+              occluded(view, at_x, at_y, job.attributes.ray_depth(id).at(place_of(view, at_x, at_y))))
+            continue;
           const float next = dimmed(pixel.transmittance, alpha);
-          if (next < view.rules.stop_below || occluded(view, x0 + column, y0 + row, colour.depth)) {
+          if (next < view.rules.stop_below || (!along_ray && occluded(view, at_x, at_y, colour.depth))) {
             stopped[row][column] = true;
             --live_in_row[row], --live, ++counts.pixels_stopped;
             continue;
@@ -233,16 +250,17 @@ struct BlendRasterBlock {
       for (int column = 0; column < columns; ++column) {
         const auto x = std::size_t(x0 + column), y = std::size_t(y0 + row);
         store_pixel(job, view, x, y, pixels[row][column], sums[row][column]);
-        if (pick) store_picks(view.frame, job.splats, x, y, picks[row][column]);
+        if (pick) store_picks(job, view, x, y, picks[row][column]);
       }
     counts.longest_item = counts.intersections_visited;
     if (job.counts) job.counts[block] = counts;
   }
 
  private:
-  /// Lists run front to back, so a pixel ends at the first splat that the caller's surface hides.
-  static bool occluded(const View& view, int x, int y, float depth) {
-    return view.frame.occluder.data && depth >= view.frame.occluder_at(std::size_t(x), std::size_t(y));
+  /// Lists run front to back by the depths of means: by these a pixel ends at the first splat that the
+  /// caller's surface hides. Depths along the ray do not ascend, so that a pixel skips such a splat.
+  static bool occluded(const View& view, std::size_t x, std::size_t y, float depth) {
+    return view.frame.occluder.data && depth >= view.frame.occluder_at(x, y);
   }
 };
 

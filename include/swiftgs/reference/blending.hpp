@@ -18,25 +18,29 @@ struct Pixel {
   Eigen::Vector3d colour = Eigen::Vector3d::Zero();  ///< sum of weight * colour
   double transmittance = 1;
   double weight = 0;  ///< sum of weights
-  double depth = 0;   ///< sum of weight * z
+  double depth = 0;   ///< sum of weight * depth
   bool stopped = false;
-  float occluder = std::numeric_limits<float>::infinity();  ///< a splat of this z or more is hidden
+  float occluder = std::numeric_limits<float>::infinity();  ///< a splat of this depth or more is hidden
 };
 
-/// Offers `splat`, whose exponent at this pixel is `sigma`, to `pixel`; true when it contributed.
-inline bool blend(Pixel& pixel, const Splat& splat, double sigma, const Conventions& k) {
+/// Offers `splat`, whose exponent and depth at this pixel are `sigma` and `depth`, to `pixel`; true when it
+/// contributed.
+inline bool blend(Pixel& pixel, const Splat& splat, double sigma, double depth, const Conventions& k) {
   const double alpha = std::min(double(k.alpha_max), splat.opacity * std::exp(-sigma));
   if (!(alpha >= double(k.alpha_min))) return false;
   const double next = pixel.transmittance * (1 - alpha), stop = k.stop;
-  // Depths are compared as they are sorted, rounded to float: all that follow are hidden as well.
-  if ((k.stop_at_equal ? next <= stop : next < stop) || float(splat.depth) >= pixel.occluder) {
+  // Depths are compared as they are sorted, rounded to float. Where they are those of means, all that follow
+  // are hidden as well.
+  const bool hidden = float(depth) >= pixel.occluder, along_ray = k.depth_at == Conventions::DepthAt::ray;
+  if (hidden && along_ray) return false;
+  if (hidden || (k.stop_at_equal ? next <= stop : next < stop)) {
     pixel.stopped = true;
     return false;
   }
   const double weight = alpha * pixel.transmittance;
   pixel.colour += weight * splat.colour;
   pixel.weight += weight;
-  pixel.depth += weight * splat.depth;
+  pixel.depth += weight * depth;
   pixel.transmittance = next;
   return true;
 }
@@ -66,7 +70,7 @@ inline std::uint64_t blend_row(Pixel* pixels, int y, const Splat& splat, const C
     const double along = dx - offset;
     const double twice_sigma = splat.x_weight * along * along + y_term;
     if (twice_sigma > splat.cutoff) continue;
-    contributions += blend(pixels[x], splat, 0.5 * twice_sigma, k);
+    contributions += blend(pixels[x], splat, 0.5 * twice_sigma, splat.depth_at(x, y), k);
   }
   return contributions;
 }

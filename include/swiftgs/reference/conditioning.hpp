@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
+#include <stdexcept>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -280,7 +281,8 @@ inline void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pi
 
 /// Renders `scene` as `render_reference` does, six more times with every float of it moved by up to a unit in
 /// its last place, and finds where decisions are ambiguous. What moves is decided by `seed` alone.
-/// Throws `std::invalid_argument` as `render_reference` does, and where `conventions` are not valid.
+/// Throws `std::invalid_argument` as `render_reference` does, and where `conventions` are not valid or
+/// measure depth along the ray.
 inline ConditionedFrame render_conditioned(const Scene& scene, const Camera& camera,
                                            const Conventions& conventions, dvec3 background = dvec3(0),
                                            std::uint64_t seed = 1, int threads = 0,
@@ -288,6 +290,8 @@ inline ConditionedFrame render_conditioned(const Scene& scene, const Camera& cam
   using namespace reference;
   ConditionedFrame out;
   check_reference_arguments(scene, camera, background, occluder);
+  if (conventions.depth_at != Conventions::DepthAt::centre)
+    throw std::invalid_argument("render_conditioned: expected depths of centres");
   validate(conventions);
   threads = thread_count(threads);
   prepare(out.frame, camera);

@@ -34,6 +34,8 @@ struct ReferencePlanes : PerPlane<std::vector<double>, std::vector<std::uint32_t
   /// Least part of itself that an alpha is off `Conventions::alpha_min`, or a transmittance off
   /// `Conventions::stop`.
   std::vector<double> threshold_margin;
+  /// Least part of itself that the depth of a splat which could show is off the occluder.
+  std::vector<double> occluder_margin;
 
   std::size_t pixels() const { return std::size_t(width) * std::size_t(height); }
 };
@@ -71,6 +73,7 @@ struct PlanesPixel {
   double first_depth = 0, median_depth = 0, weight = 0, next_weight = 0, depth_of_id = 0;
   std::uint32_t id = no_gaussian, median_id = no_gaussian;
   double first_margin = nowhere, median_margin = nowhere, threshold_margin = nowhere;
+  double occluder_margin = nowhere;
 
   /// Offers a splat; returns its weight, 0 where it does not show.
   double offer(const Splat& splat, const Normal& facing, int x, int y, const Conventions& k) {
@@ -82,19 +85,22 @@ struct PlanesPixel {
     const double before = blended.transmittance;
     if (alpha >= double(k.alpha_min) && k.stop > 0)
       approach(threshold_margin, before * (1 - alpha) / double(k.stop), 1);
-    if (!blend(blended, splat, sigma, k)) return 0;
+    const double depth = splat.depth_at(x, y);
+    if (alpha >= double(k.alpha_min) && std::isfinite(blended.occluder))
+      approach(occluder_margin, double(blended.occluder) / depth, 1);
+    if (!blend(blended, splat, sigma, depth, k)) return 0;
 
     const double left = blended.transmittance, part = alpha * before;
-    squared_depth += part * std::min(splat.depth * splat.depth, double(most_attribute(k.alpha_max)));
+    squared_depth += part * std::min(depth * depth, double(most_attribute(k.alpha_max)));
     normal += part * facing.direction;
     if (facing.undecided) undecided_normals += part;
-    pick(std::uint32_t(splat.index), part, splat.depth);
+    pick(std::uint32_t(splat.index), part, depth);
     const auto takes_below = [&](double threshold, double& margin) {
       approach(margin, left, threshold);
       return before >= threshold && left < threshold;
     };
-    if (takes_below(1 - double(k.first_alpha), first_margin)) first_depth = splat.depth;
-    if (takes_below(0.5, median_margin)) median_depth = splat.depth, median_id = std::uint32_t(splat.index);
+    if (takes_below(1 - double(k.first_alpha), first_margin)) first_depth = depth;
+    if (takes_below(0.5, median_margin)) median_depth = depth, median_id = std::uint32_t(splat.index);
     return part;
   }
 
@@ -116,8 +122,9 @@ struct PlanesPixel {
 inline void prepare(ReferencePlanes& out, const Camera& camera, int feature_channels) {
   out.width = camera.width, out.height = camera.height, out.feature_channels = feature_channels;
   for_each_plane([&](std::size_t channels, auto& values) { values.resize(channels * out.pixels()); }, out);
-  for (auto* margins : {&out.weight, &out.next_weight, &out.depth_of_id, &out.first_margin,
-                        &out.median_margin, &out.undecided_normals, &out.threshold_margin})
+  for (auto* margins :
+       {&out.weight, &out.next_weight, &out.depth_of_id, &out.first_margin, &out.median_margin,
+        &out.undecided_normals, &out.threshold_margin, &out.occluder_margin})
     margins->resize(out.pixels());
 }
 
@@ -137,6 +144,7 @@ inline void write_pixel(ReferencePlanes& out, std::size_t i, const PlanesPixel& 
   out.depth_of_id[i] = pixel.depth_of_id;
   out.first_margin[i] = pixel.first_margin, out.median_margin[i] = pixel.median_margin;
   out.undecided_normals[i] = pixel.undecided_normals, out.threshold_margin[i] = pixel.threshold_margin;
+  out.occluder_margin[i] = pixel.occluder_margin;
 }
 
 /// Blends `splats`, front to back, into the image rows [first, last).

@@ -11,9 +11,11 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
+#include <Eigen/QR>
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
+#include <swiftgs/plane/attributes.hpp>
 #include <swiftgs/reference/colour.hpp>
 #include <swiftgs/reference/lens.hpp>
 #include <swiftgs/scene.hpp>
@@ -37,11 +39,17 @@ struct Splat {
   double x_weight = 0, y_weight = 0, shear = 0;
   double opacity = 0;  ///< with the anti-aliasing factor
   double cutoff = 0;   ///< at 2 sigma above this, alpha is below `alpha_min` whatever the rounding
-  double depth = 0;    ///< as `Conventions::depth` has it
+  double depth = 0;    ///< of the mean, as `Conventions::depth` has it
+  Eigen::Vector2d slope = Eigen::Vector2d::Zero();   ///< of depth along the ray @units{depth per pixel}
   Eigen::Vector3d colour = Eigen::Vector3d::Zero();  ///< RGB, the scene's own values
   Covariance covariance;
   std::size_t index = 0;                               ///< of the Gaussian in its scene
   int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< no pixel outside is reached
+
+  /// At pixel (column, row), as `Conventions::depth_at` has it.
+  double depth_at(int column, int row) const {
+    return depth + slope.dot(Eigen::Vector2d(column + 0.5 - x, row + 0.5 - y));
+  }
 };
 
 /// Columns of the image, and the one whose nearest copy of a splat they show. @units{pixels}
@@ -72,15 +80,19 @@ struct View {
   std::vector<Columns> parts;  ///< of the image, each with a copy of every splat that it shows
 };
 
-/// Projects the covariance of Gaussian `i`, which a lens shows with this Jacobian.
-inline Covariance project_covariance(const Scene& scene, std::size_t i,
-                                     const Eigen::Matrix<double, 2, 3>& jacobian, const View& view) {
+/// How camera space moves with the unit sphere of Gaussian `i`.
+inline Eigen::Matrix3d gaussian_axes(const Scene& scene, std::size_t i, const View& view) {
   // The rotation as it is stored, not normalised again: float's rounding of it is part of the scene.
   const Quaternion& q = scene.rotations[i];
   const Eigen::Matrix3d axes = Eigen::Quaterniond(q.w, q.x, q.y, q.z).toRotationMatrix();
   const vec3& s = scene.scales[i];
-  const Eigen::Matrix<double, 2, 3> factor =
-      jacobian * view.rotation * axes * Eigen::Vector3d(s.x, s.y, s.z).asDiagonal();
+  return view.rotation * axes * Eigen::Vector3d(s.x, s.y, s.z).asDiagonal();
+}
+
+/// Projects the covariance of Gaussian `i`, which a lens shows with this Jacobian.
+inline Covariance project_covariance(const Scene& scene, std::size_t i,
+                                     const Eigen::Matrix<double, 2, 3>& jacobian, const View& view) {
+  const Eigen::Matrix<double, 2, 3> factor = jacobian * gaussian_axes(scene, i, view);
 
   // The determinant of F F^T is |row 0 x row 1|^2 (Cauchy-Binet): no difference of products of large numbers.
   const Eigen::Vector3d row_x = factor.row(0), row_y = factor.row(1);
@@ -91,6 +103,27 @@ inline Covariance project_covariance(const Scene& scene, std::size_t i,
           .yy = yy + blur,
           .det = det_sharp + blur * (xx + yy) + blur * blur,
           .det_sharp = det_sharp};
+}
+
+/// Slope of the depth along the ray of `splat`, whose mean is at `p`: that of the plane over the image that
+/// fits depths on the Gaussian best, in least squares with the blur as noise of the image. None where
+/// renderers could not sum squares of depths.
+inline Eigen::Vector2d slope_of_depth(const Splat& splat, const Scene& scene, const Eigen::Vector3d& p,
+                                      const Eigen::Matrix<double, 2, 3>& jacobian, const View& view) {
+  const Eigen::Matrix3d axes = gaussian_axes(scene, splat.index, view);
+  Eigen::Matrix<double, 5, 2> places = Eigen::Matrix<double, 5, 2>::Zero();
+  places.topRows<3>() = (jacobian * axes).transpose();
+  places.bottomRows<2>().diagonal().setConstant(std::sqrt(double(view.conventions.blur)));
+  Eigen::Matrix<double, 5, 1> depths = Eigen::Matrix<double, 5, 1>::Zero();
+  const Eigen::Vector3d ahead = view.lens.by_distance() ? p.stableNormalized() : Eigen::Vector3d(0, 0, 1);
+  depths.head<3>() = axes.transpose() * ahead;
+  const Eigen::Vector2d slope = places.householderQr().solve(depths);
+
+  const double width = view.camera.width, height = view.camera.height;
+  const double middle = splat.depth + slope.dot(Eigen::Vector2d(width / 2 - splat.x, height / 2 - splat.y));
+  const double most = std::abs(middle) + std::abs(slope.x()) * width + std::abs(slope.y()) * height;
+  const bool summed = most * most <= double(most_attribute(view.conventions.alpha_max));
+  return summed ? slope : Eigen::Vector2d::Zero();
 }
 
 /// The whole numbers in [low, high], as a half-open range inside [0, size).
@@ -179,6 +212,8 @@ inline std::optional<Splat> project_unculled(const Scene& scene, std::size_t i, 
   splat.depth = view.lens.depth(p);
   splat.index = i;
   splat.covariance = cov;
+  if (k.depth_at == Conventions::DepthAt::ray)
+    splat.slope = slope_of_depth(splat, scene, p, seen->jacobian, view);
   const double sum =
       splat.x + splat.y + splat.x_weight + splat.y_weight + splat.shear + splat.depth + splat.opacity;
   if (!std::isfinite(sum)) return {};

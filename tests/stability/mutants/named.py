@@ -12,6 +12,7 @@ CPU = "policies/cpu_test"
 PICKER = "policies/pixel_picker_test"
 PLANES = "policies/plane_arithmetic_test"
 FRAMES = "policies/contract_planes_test --test-case=*Serial*"
+CPU_FRAMES = "policies/contract_planes_test --test-case=*Cpu*"
 BANDS = "mpi/mpi_strips_test"
 
 NAMED = [
@@ -56,7 +57,7 @@ NAMED = [
     Mutant("planes: normals of an orthographic lens face its centre", I + "plane/normal.hpp",
            "if (v.lens.model != LensModel::orthographic) {", "{", test=PLANES),
     Mutant("planes: squared depths are not divided by alpha", I + "plane/attributes.hpp",
-           "alpha > 0 ? sums[i] / alpha : 0.0f", "sums[i]", test=PLANES),
+           "alpha > 0 ? sum / alpha : 0.0f", "sum", test=PLANES),
     Mutant("planes: features that are not finite are drawn", I + "attribute_stage.hpp",
            "!finite ? 0.0f : ", "", test=PLANES),
     Mutant("planes: attributes beyond those of one rasterization are left out", I + "attribute_stage.hpp",
@@ -67,7 +68,21 @@ NAMED = [
            "offer(id, weight, next,", "offer(id, alpha, next,", test=FRAMES),
     Mutant("planes: the first alpha is 0.05 whatever is asked", I + "view.hpp", "1 - c.first_alpha", "0.95f",
            test=FRAMES),
+    Mutant("ray depth: squares have half of a mixed term", I + "plane/ray_depth.hpp", "2 * x, 2 * y, x, 2 * y, y",
+           "2 * x, 2 * y, x, y, y", test=PLANES),
+    Mutant("ray depth: blur does not lessen slopes", I + "plane/ray_depth.hpp", " + blur * (uu + ww + blur)", "",
+           test=PLANES),
+    Mutant("ray depth: slopes are not limited", I + "plane/ray_depth.hpp", "if (!is_summed(", "if (false && !is_summed(",
+           test=PLANES),
+    Mutant("ray depth: an occluder before a centre ends the pixel", I + "raster/raster.hpp",
+           "(!along_ray && occluded(", "(occluded(", test=FRAMES),
+    Mutant("ray depth: later attributes take the place of depths", I + "attribute_stage.hpp",
+           "(first == 0 ? 0 : job.splats.size())", "0", test=FRAMES),
+    Mutant("ray depth: picked splats have the depth of their centres", I + "raster/raster.hpp",
+           "if (!view.camera.depth_along_ray) return;", "return;", test=FRAMES),
     # Vectors of the Cpu.
+    Mutant("cpu ray depth: an occluder hides by the depth in the middle of the image", "backends/cpu/ray-inl.hpp",
+           "hn::Add(hn::Set(d, depth.middle), across)", "hn::Set(d, depth.middle)", test=CPU_FRAMES),
     Mutant("cpu project: needles through lenses in float", "backends/cpu/project.cpp",
            "hn::Le(length, MostLengthInFloat(mean_x, mean_y))", "hn::Eq(length, length)", test=CPU),
     Mutant("cpu project: angles of 1e-7", "backends/cpu/doubles-inl.hpp", "return hn::CopySign(turn.v, y.v);",

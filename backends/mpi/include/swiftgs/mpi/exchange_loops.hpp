@@ -76,6 +76,7 @@ struct SWIFTGS_API JoinAttributes {
   AttributeRow* joined;
   std::size_t splats;
   unsigned rows;
+  AttributeRow* first_row;  ///< where the first row is kept beside; null: nowhere
 
   SWIFTGS_HD void operator()(std::size_t i) const {
     for (unsigned r = 0; r < rows; ++r) {
@@ -85,6 +86,7 @@ struct SWIFTGS_API JoinAttributes {
       else if (i >= at && i - at < count)
         to = own.row(r, i - at);
     }
+    if (first_row) first_row[i] = joined[i];
   }
 };
 

@@ -66,7 +66,7 @@ class SplatExchange {
       stage(of_view_, shares.splats.of_view, joined_.of_view);
       stage(colours_, colours.each, joined_colours_.each);
       attribute_rows_.reset(sent_rows(0) * out);
-      joined_attribute_rows_.reset(AttributesView::rows_for(attributes) * in);
+      joined_attribute_rows_.reset(AttributesView::kept_rows_for(attributes) * in);
       attributes_.packed.reserve(b, attribute_rows_.span(), direct_);
       attributes_.joined.reserve(b, {joined_attribute_rows_.data(), sent_rows(0) * in}, direct_);
     } catch (const std::bad_alloc&) {
@@ -167,13 +167,16 @@ class SplatExchange {
       });
     const std::size_t begin = from_[own_], count = from_[own_ + 1] - begin;
     AttributeRow* const joined = joined_attribute_rows_.data();
+    const bool kept = attribute_count_ > int(AttributesView::most);  // later rows take the place of the first
+    AttributeRow* const first_row = kept ? joined + AttributesView::most_rows * received() : joined;
     b.for_each(received(), JoinAttributes{{attribute_rows_.data() + begin, sent(), sent_rows(first), first},
                                           count,
                                           std::size_t(to_begins_[own_]),
                                           joined,
                                           received(),
-                                          rows});
-    return {joined, received(), rows, first};
+                                          rows,
+                                          kept && first == 0 ? first_row : nullptr});
+    return {joined, received(), rows, first, first_row};
   }
 
   Splats<B>& joined() { return joined_; }

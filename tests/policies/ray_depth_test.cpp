@@ -1,0 +1,359 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Depth along the ray: planes of depth and occluders where a splat's depth varies over it.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/builtin_scene.hpp>
+
+#include "policies/lenses.hpp"
+#include "policies/planes.hpp"
+#include "policies/views.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+template <class B, class Sort = EarlySort, class Raster = AxisSharedThreshold<FloatCholesky>,
+          class Bounds = Ellipse>
+using With = Renderer<B, Sort, Raster, Bounds>;
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+Conventions along_ray(Conventions conventions = {}) {
+  conventions.depth_at = Conventions::DepthAt::ray;
+  return conventions;
+}
+
+/// Rounding alone reaches half of it. Split terms err more than others.
+template <class Raster = AxisSharedThreshold<FloatCholesky>>
+PlaneBounds bounds_of() {
+  const double split = Raster::name.find("split") != std::string_view::npos ? 2 : 1;
+  return {.sum = 1.5e-5 * split,
+          .mean = 6e-5 * split,
+          .threshold = 1e-4,
+          .pick = 1e-5,
+          .picked = 1e-5,
+          .least = 1,
+          .occluder = 1e-5};
+}
+
+bool sees_behind(const Lens& lens) {
+  return lens.model == LensModel::fisheye || lens.model == LensModel::equirectangular;
+}
+
+/// Depths of a surface that no splat follows.
+std::vector<float> waves(const Camera& camera, float near, float far) {
+  std::vector<float> depths;
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x)
+      depths.push_back(near + (far - near) * (0.5f + 0.5f * std::sin(0.3f * float(x) + 0.2f * float(y))));
+  return depths;
+}
+
+template <class R>
+Frame draw(R& renderer, const Scene& scene, const Camera& camera, const Conventions& conventions,
+           const std::vector<float>& occluder = {}, int features = -1) {
+  Frame frame;
+  FrameView view = prepare(frame, camera.width, camera.height,
+                           all_planes(features < 0 ? scene.feature_channels : features));
+  if (!occluder.empty()) view.occluder = {occluder.data(), std::ptrdiff_t(sizeof(float)) * camera.width};
+  RenderSettings settings;
+  settings.conventions = conventions;
+  renderer.render_into(renderer.backend().upload(scene).view(), camera, settings, view);
+  return frame;
+}
+
+/// A plane z = `middle` + `across` x + `down` y of camera space, and flat cards that cover it.
+struct Wall {
+  double middle, across, down;
+
+  vec3 at(double x, double y) const {
+    return vec3(float(x), float(y), float(middle + across * x + down * y));
+  }
+  /// Its depth at a pixel, through a pinhole and through an orthographic lens.
+  double depth(const Camera& camera, int column, int row) const {
+    const double u = (column + 0.5 - camera.cx) / camera.fx, v = (row + 0.5 - camera.cy) / camera.fy;
+    const double along = across * u + down * v;
+    return camera.lens.model == LensModel::orthographic ? middle + along : middle / (1 - along);
+  }
+  /// Cards of this standard deviation, a deviation apart, within `half` of the axis.
+  Scene cards(double half, double size) const {
+    // Turns z to the wall's normal, (-across, -down, 1).
+    const double length = std::sqrt(across * across + down * down + 1), w = std::sqrt((1 + 1 / length) / 2);
+    const Quaternion turned{float(w), float(down / length / (2 * w)), float(-across / length / (2 * w)), 0};
+    Scene scene;
+    for (double y = -half; y <= half; y += size)
+      for (double x = -half; x <= half; x += size) {
+        append(scene, at(x, y), float(size), 0.6f);
+        scene.scales.back().z = 0, scene.rotations.back() = turned;
+      }
+    return scene;
+  }
+};
+
+/// Of `found` from the wall's depth, in parts of it, where the frame is nearly opaque.
+struct DepthError {
+  double root_mean_square = 0, worst = 0;
+
+  DepthError(const Wall& wall, const Camera& camera, const Frame& frame, const std::vector<float>& found) {
+    std::size_t pixels = 0;
+    for (int y = 0; y < camera.height; ++y)
+      for (int x = 0; x < camera.width; ++x) {
+        const std::size_t i = std::size_t(y) * std::size_t(camera.width) + std::size_t(x);
+        if (frame.alpha[i] < 0.9f) continue;
+        const double wanted = wall.depth(camera, x, y), error = std::abs(double(found[i]) / wanted - 1);
+        root_mean_square += error * error, worst = std::max(worst, error), ++pixels;
+      }
+    CHECK(pixels == frame.pixels());
+    root_mean_square = std::sqrt(root_mean_square / double(pixels));
+  }
+};
+
+}  // namespace
+
+TEST_CASE_TEMPLATE("ray depth: planes are those of the reference by every rasterizer", B,
+                   SWIFTGS_TEST_HOSTS) {
+  const Scene usual = with_features(random_scene(400, 1, 5), 5);
+  const Scene dense = with_features(make_builtin_scene(8'000), 4);
+  const Camera usual_camera = forward_camera(67, 45), dense_camera = scaled(builtin_camera(), 0.1);
+  const ReferencePlanes of_usual = render_reference_planes(usual, usual_camera, along_ray());
+  const ReferencePlanes of_dense = render_reference_planes(dense, dense_camera, along_ray());
+  for_each_raster([&]<class Raster>(Raster) {
+    if constexpr (stores_half<Raster>) return;
+    CAPTURE(Raster::name);
+    With<B, EarlySort, Raster> renderer(make_backend<B>());
+    check_planes(draw(renderer, usual, usual_camera, along_ray()), of_usual, bounds_of<Raster>());
+    check_planes(draw(renderer, dense, dense_camera, along_ray()), of_dense, bounds_of<Raster>());
+  });
+}
+
+SWIFTGS_CONTRACT("ray depth: means are those of the reference and devices refuse what is of one splat") {
+  const Scene scene = make_builtin_scene(8'000);
+  const Camera camera = scaled(builtin_camera(), 0.1);
+  const ReferencePlanes expected = render_reference_planes(scene, camera, along_ray());
+  With<B> renderer(std::move(backend));
+  const auto on = renderer.backend().upload(scene);
+  RenderSettings settings;
+  settings.conventions = along_ray();
+  const double bound = on_host<B> ? 6e-5 : 2.4e-4;
+  for (const bool squared : {false, true})
+    for (const bool count : {false, true}) {
+      settings.outputs = {.depth = true, .squared_depth = squared}, settings.count = count;
+      const Frame frame = renderer.render(on, camera, settings);
+      double worst = 0;
+      for (std::size_t i = 0; i < frame.pixels(); ++i) {
+        if (expected.threshold_margin[i] <= 1e-4 || expected.alpha[i] == 0) continue;
+        worst = std::max(worst, std::abs(double(frame.depth[i]) / expected.depth[i] - 1));
+        if (squared)
+          worst = std::max(worst, std::abs(double(frame.squared_depth[i]) / expected.squared_depth[i] - 1));
+      }
+      CHECK(worst <= bound);
+    }
+  if constexpr (!on_host<B>) {
+    settings.outputs = {.median_depth = true};
+    CHECK_THROWS_WITH_AS(renderer.render(on, camera, settings),
+                         "render: view 0 has an occluder, first or median depths along the ray, expected "
+                         "depths of centres for these on a device",
+                         std::invalid_argument);
+  }
+}
+
+TEST_CASE_TEMPLATE("ray depth: planes are those of the reference through every lens", B, SWIFTGS_TEST_HOSTS) {
+  const Scene scene = with_features(make_builtin_scene(8'000), 3);
+  With<B> renderer(make_backend<B>());
+  for (const Camera& camera : cameras_of_lenses())
+    for (const auto depth : {Conventions::Depth::z, Conventions::Depth::distance}) {
+      // At right angles to the axis z changes fast, and is next to nothing.
+      if (sees_behind(camera.lens) && depth == Conventions::Depth::z) continue;
+      CAPTURE(name_of(camera.lens.model));
+      CAPTURE(camera.lens.is_distorted());
+      CAPTURE(int(depth));
+      Conventions conventions = along_ray();
+      conventions.depth = depth;
+      check_planes(draw(renderer, scene, camera, conventions),
+                   render_reference_planes(scene, camera, conventions), bounds_of<>());
+    }
+}
+
+TEST_CASE_TEMPLATE("ray depth: an occluder hides where splats are behind it and not the splats behind those",
+                   B, SWIFTGS_TEST_HOSTS) {
+  const Scene scene = with_features(make_builtin_scene(8'000), 20);  // more than one pass sums
+  const Camera camera = scaled(builtin_camera(), 0.1);
+  const std::vector<float> occluder = waves(camera, 2, 7);
+  const ReferencePlanes expected = render_reference_planes(
+      scene, camera, along_ray(), 0, Span<const float>{occluder.data(), occluder.size()});
+  for_each_raster([&]<class Raster>(Raster) {
+    if constexpr (stores_half<Raster>) return;
+    CAPTURE(Raster::name);
+    With<B, EarlySort, Raster> renderer(make_backend<B>());
+    const Frame frame = draw(renderer, scene, camera, along_ray(), occluder);
+    check_planes(frame, expected, bounds_of<Raster>(), 0.05);
+    CHECK(frame.alpha != draw(renderer, scene, camera, {}, occluder).alpha);
+    // Colour alone, and counted.
+    Frame lean;
+    FrameView view = prepare(lean, camera.width, camera.height, {});
+    view.occluder = {occluder.data(), std::ptrdiff_t(sizeof(float)) * camera.width};
+    RenderSettings settings;
+    settings.conventions = along_ray();
+    const auto on = renderer.backend().upload(scene);
+    for (const bool count : {false, true}) {
+      settings.count = count;
+      renderer.render_into(on.view(), camera, settings, view);
+      CHECK(lean.colour == frame.colour);
+    }
+    CHECK(renderer.statistics().raster.contributing_pairs > 0);
+  });
+}
+
+TEST_CASE_TEMPLATE("ray depth: parts and views of an image have its bits", B, SWIFTGS_TEST_HOSTS) {
+  With<B> together(make_backend<B>()), alone(make_backend<B>());
+  const auto scene = together.backend().upload(with_features(random_scene(400, 1, 2), 20));
+  AskedView asked{forward_camera(100, 75), along_ray()};
+  asked.occluder = true, asked.further = all_planes(20), asked.upward = 0b01100100010;
+  check_parts(together, scene.view(), asked, cut(100, 75, {0}, every(75, default_tile_side)));
+  check_parts(together, scene.view(), asked, cut(100, 75, {0, 16, 48}, {0, 32}));
+  AskedView lean{turned_camera(64, 48, 0.2, 0.4), along_ray(Conventions::inria())}, centre = asked;
+  centre.conventions = {};
+  check_views(together, alone, scene.view(), {asked, centre, lean});
+  check_views(together, alone, scene.view(), {centre, lean, lean, asked});
+}
+
+TEST_CASE_TEMPLATE("ray depth: sorts and conservative bounds change no bit", B, SWIFTGS_TEST_HOSTS) {
+  const Scene scene = with_features(make_builtin_scene(3'000), 4);
+  const Camera camera = scaled(builtin_camera(), 0.1);
+  const std::vector<float> occluder = waves(camera, 2, 7);
+  With<B> usual(make_backend<B>());
+  const Frame expected = draw(usual, scene, camera, along_ray(), occluder);
+  for_each_type(AllSorts(), [&]<class Sort>(Sort) {
+    for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
+      if constexpr (Bounds::conservative) {
+        CAPTURE(Sort::name);
+        CAPTURE(Bounds::name);
+        With<B, Sort, AxisSharedThreshold<FloatCholesky>, Bounds> renderer(make_backend<B>());
+        CHECK(same_planes(draw(renderer, scene, camera, along_ray(), occluder), expected));
+      }
+    });
+  });
+}
+
+TEST_CASE_TEMPLATE("ray depth: cards of a wall have its depth", B, SWIFTGS_TEST_HOSTS) {
+  With<B> renderer(make_backend<B>());
+  const Wall wall{6, 0.7, -0.5};
+  Camera camera = forward_camera(96, 64, 120);
+  struct Errors {
+    DepthError mean, first, median;
+  };
+  const auto errors = [&](double size, const Conventions& conventions) {
+    const Frame frame = draw(renderer, wall.cards(4, size), camera, conventions);
+    const auto of = [&](const std::vector<float>& depth) { return DepthError(wall, camera, frame, depth); };
+    return Errors{of(frame.depth), of(frame.first_depth), of(frame.median_depth)};
+  };
+  // Slopes are those of the image at a card's centre, and blur makes them less.
+  const Errors ray = errors(0.3, along_ray()), centre = errors(0.3, {});
+  CHECK(ray.mean.root_mean_square <= 2.5e-3);
+  CHECK(centre.mean.root_mean_square >= 3e-2);
+  CHECK(ray.mean.worst <= 4e-3);
+  CHECK(ray.first.worst <= 1.5e-2);
+  CHECK(centre.first.worst >= 1e-1);
+  CHECK(ray.median.worst <= 4e-3);
+  CHECK(centre.median.worst >= 5e-2);
+  const Errors smaller = errors(0.15, along_ray());
+  CHECK(smaller.mean.root_mean_square <= 1.5e-3);
+  CHECK(smaller.first.worst <= 8e-3);
+
+  // Without perspective and blur no error is left but rounding.
+  camera.lens.model = LensModel::orthographic, camera.fx = camera.fy = 24;
+  CHECK(errors(0.3, along_ray()).mean.worst <= 5e-4);
+  Conventions sharp = along_ray();
+  sharp.blur = 0;
+  const Errors exact = errors(0.3, sharp);
+  CHECK(exact.mean.worst <= 1e-6);
+  CHECK(exact.first.worst <= 5e-7);
+  CHECK(exact.median.worst <= 5e-7);
+}
+
+TEST_CASE_TEMPLATE("ray depth: a mesh cuts cards along the line where their walls meet", B,
+                   SWIFTGS_TEST_HOSTS) {
+  With<B> renderer(make_backend<B>());
+  const Wall wall{6, 0.7, -0.5}, mesh{6.1, -0.4, 0.3};
+  const Camera camera = forward_camera(96, 64, 120);
+  const Scene scene = wall.cards(4, 0.3);
+  std::vector<float> occluder;
+  for (int y = 0; y < camera.height; ++y)
+    for (int x = 0; x < camera.width; ++x) occluder.push_back(float(mesh.depth(camera, x, y)));
+  const Frame whole = draw(renderer, scene, camera, {});
+  // Light that is missing where the wall lies in front of the mesh, or shows where it lies behind.
+  const auto wrong = [&](const Conventions& conventions) {
+    const Frame cut = draw(renderer, scene, camera, conventions, occluder);
+    double sum = 0;
+    for (int y = 0; y < camera.height; ++y)
+      for (int x = 0; x < camera.width; ++x) {
+        const std::size_t i = std::size_t(y) * std::size_t(camera.width) + std::size_t(x);
+        const bool in_front = wall.depth(camera, x, y) < mesh.depth(camera, x, y);
+        sum += std::abs(double(cut.alpha[i]) - (in_front ? double(whole.alpha[i]) : 0.0));
+      }
+    return sum / double(whole.pixels());
+  };
+  CHECK(wrong(along_ray()) <= 3e-3);
+  CHECK(wrong({}) >= 3e-2);
+}
+
+TEST_CASE_TEMPLATE("ray depth: needles and giants and extreme numbers stay finite", B, SWIFTGS_TEST_HOSTS) {
+  Random random(3);
+  Scene scene = random_scene(300, 0, 4);
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    if (i % 6 == 0) scene.scales[i] = vec3{random.f(1, 30), random.f(1e-6, 1e-3), random.f(1e-6, 1e-3)};
+    if (i % 6 == 1) scene.scales[i] = vec3(1e-38f, 1e-20f, 0.5f);
+    if (i % 6 == 2) scene.scales[i] = vec3(1e10f, 0.5f, 1e-10f);
+    if (i % 6 == 3) scene.scales[i] = vec3(0), scene.means[i].z = 0.011f;
+    if (i % 6 == 4) scene.scales[i].z = 0;
+    if (i % 60 == 5) scene.scales[i] = vec3(1e16f), scene.means[i].z = 1e9f;
+  }
+  With<B> renderer(make_backend<B>());
+  for (const double far : {1e10, 1e38})
+    for (const float blur : {0.3f, 0.0f}) {
+      Conventions conventions = along_ray();
+      conventions.far_plane = float(far), conventions.blur = blur;
+      const Camera camera = forward_camera(60, 44);
+      const std::vector<float> occluder = waves(camera, 2, 7);
+      for (const bool hides : {false, true}) {
+        const Frame frame =
+            draw(renderer, scene, camera, conventions, hides ? occluder : std::vector<float>());
+        CHECK(is_finite(frame));
+      }
+      if (far == 1e10)
+        scene.means[0].z = scene.means[7].z = 3e37f, scene.scales[0] = scene.scales[7] = vec3(1e37f);
+    }
+}
+
+TEST_CASE_TEMPLATE("ray depth: recorded frames refuse another depth than was reserved", B,
+                   SWIFTGS_TEST_HOSTS) {
+  With<B> renderer(make_backend<B>());
+  const auto scene = renderer.backend().upload(random_scene(400, 0, 3));
+  Frame frame, other;
+  const Camera camera = forward_camera(60, 44);
+  FrameView to = prepare(frame, 60, 44, all_planes());
+  View view = make_view(camera, along_ray(), to);
+  renderer.reserve(scene.view(), {&view, 1});
+  FrameReport report;
+  renderer.record(scene.view(), &report);
+  CHECK(same_planes(frame, renderer.render(scene, camera, settings_of_all(0, along_ray()))));
+  view = make_view(camera, {}, to);
+  renderer.reserve(scene.view(), {&view, 1});
+  view = make_view(camera, along_ray(), to);
+  CHECK_THROWS_AS(renderer.set_views({&view, 1}), std::invalid_argument);
+}
+
+TEST_CASE("ray depth: presets take centres") {
+  CHECK(Conventions::gsplat().depth_at == Conventions::DepthAt::centre);
+  CHECK(Conventions::inria().depth_at == Conventions::DepthAt::centre);
+}
