@@ -37,8 +37,8 @@ template <Blending kBlending>
 HWY_INLINE void BlendGroup(const Batch& HWY_RESTRICT batch, const BlendRules& rules,
                            Evaluated& HWY_RESTRICT of, RasterBlockState& HWY_RESTRICT state,
                            RasterCounts& counts) {
-  constexpr bool kDepth = kBlending >= Blending::depths, kOccluder = kBlending >= Blending::occluded;
-  constexpr bool kWeighed = kBlending >= Blending::weighed;
+  constexpr bool kDepth = SumsDepth(kBlending), kOccluder = IsOccluded(kBlending);
+  constexpr bool kWeighed = KeepsWeights(kBlending);
   const F32 d;
   const std::size_t group = of.group, first = of.first, n = of.size;
   const std::uint32_t* HWY_RESTRICT list = of.list;
@@ -67,7 +67,7 @@ HWY_INLINE void BlendGroup(const Batch& HWY_RESTRICT batch, const BlendRules& ru
     const Mask goes_on = hn::Ge(through, stop_below);
     const Vec weight = hn::IfThenElseZero(goes_on, hn::Mul(alpha, before));
     if constexpr (kWeighed) hn::Store(weight, d, of.weights[i]), most = hn::Max(most, weight);
-    if constexpr (kBlending >= Blending::counted) {
+    if constexpr (kBlending == Blending::all_counted) {
       counts.pixels_stopped += hn::CountTrue(d, hn::AndNot(goes_on, hn::Ge(before, stop_below)));
       counts.contributing_pairs += hn::CountTrue(d, hn::And(goes_on, kept));
     }

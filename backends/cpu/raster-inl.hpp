@@ -138,6 +138,8 @@ HWY_INLINE void PrefetchSplats(const RasterJob& job, std::size_t from, std::size
   for (to = std::min(to, end); from < to; ++from) {
     hwy::Prefetch(&job.splats.shapes[job.lists.ids[from]]);
     hwy::Prefetch(&job.colours.each[job.lists.ids[from]]);
+    for (unsigned r = 0; r < job.attributes.rows; ++r)
+      hwy::Prefetch(&job.attributes.row(r, job.lists.ids[from]));
   }
 }
 
@@ -177,19 +179,19 @@ using DrawFunction = void (*)(const RasterJob&, const Batch&, const BlendRules&,
 template <Blending kBlending>
 HWY_NOINLINE void DrawGroup(const RasterJob& job, const Batch& batch, const BlendRules& rules, Evaluated& of,
                             RasterBlockState& state, const PlaneStates& planes, RasterCounts& counts) {
-  if constexpr (kBlending >= Blending::weighed)
+  if constexpr (KeepsWeights(kBlending))
     if (planes.rays) HideGroup(job.attributes, batch, *planes.rays, of);
   BlendGroup<kBlending>(batch, rules, of, state, counts);
-  if constexpr (kBlending >= Blending::weighed) {
+  if constexpr (KeepsWeights(kBlending)) {
     if (planes.picks) PickGroup(batch, rules, of, state, *planes.picks);
-    if (planes.sums) SumGroup(job.attributes, batch, of, *planes.sums);
+    if (planes.sums) SumGroup(job.attributes, of, *planes.sums);
   }
 }
 
 /// By `Blending`.
-inline constexpr DrawFunction draw_functions[] = {DrawGroup<Blending::colours>, DrawGroup<Blending::depths>,
-                                                  DrawGroup<Blending::occluded>, DrawGroup<Blending::weighed>,
-                                                  DrawGroup<Blending::counted>};
+inline constexpr DrawFunction draw_functions[] = {
+    DrawGroup<Blending::colours>, DrawGroup<Blending::depths>,      DrawGroup<Blending::occluded>,
+    DrawGroup<Blending::weighed>, DrawGroup<Blending::all_weighed>, DrawGroup<Blending::all_counted>};
 
 /// Renders raster blocks [begin, end): traverses each list in batches, and each batch group by group.
 /// `kColours`: all views are of `Blending::colours`.
@@ -234,6 +236,7 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
       for (std::size_t k = 0; k < splats; ++k) {
         const std::uint32_t id = ids[k];
         std::memcpy(batch.colours[k], &job.colours.each[id], sizeof batch.colours[k]);
+        if (planes.sums) LoadAttributes(job.attributes, id, k, sums);
         Touched touched =
             exponent.Prepare(k, job.splats.shapes[id], place.first_centre, view.rules.log2_alpha_min);
         if (some_hidden && is_hidden(job.colours.each[id])) touched = {0, 0};

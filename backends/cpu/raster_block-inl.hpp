@@ -117,20 +117,25 @@ struct Blocks {
   }
 };
 
-/// What blending sums, each beside all before it.
+/// What is done beside blending colours.
 enum class Blending {
   colours,
   depths,
-  occluded,  ///< ends at an occluder
-  weighed,   ///< keeps weights, for picks and attributes
-  counted,   ///< fills `RasterCounts`
+  occluded,     ///< and depths: ends at an occluder
+  weighed,      ///< keeps weights, for picks and attributes
+  all_weighed,  ///< and depths, and ends at an occluder
+  all_counted,  ///< and fills `RasterCounts`
 };
+constexpr bool SumsDepth(Blending b) { return b != Blending::colours && b != Blending::weighed; }
+constexpr bool IsOccluded(Blending b) { return b == Blending::occluded || b >= Blending::all_weighed; }
+constexpr bool KeepsWeights(Blending b) { return b >= Blending::weighed; }
 
 HWY_INLINE Blending BlendingOf(const RasterJob& job, const View& view) {
-  if (job.counts) return Blending::counted;
-  if (job.picks(view) || job.attributes.rows != 0) return Blending::weighed;
-  if (view.frame.occluder.data) return Blending::occluded;
-  return job.sums_depth(view) ? Blending::depths : Blending::colours;
+  if (job.counts) return Blending::all_counted;
+  const bool occluded = view.frame.occluder.data, depths = job.sums_depth(view);
+  if (job.picks(view) || job.attributes.rows != 0)
+    return occluded || depths ? Blending::all_weighed : Blending::weighed;
+  return occluded ? Blending::occluded : depths ? Blending::depths : Blending::colours;
 }
 
 HWY_INLINE void Fill(Plane& plane, float value) {
@@ -156,7 +161,7 @@ template <class Groups>
 HWY_INLINE void Clear(const PlacedRasterBlock& block, Blending blending, RasterBlockState& state) {
   const F32 d;
   for (Plane* plane : {&state.red, &state.green, &state.blue}) Fill(*plane, 0);
-  if (blending >= Blending::depths) Fill(state.depth, 0);
+  if (SumsDepth(blending)) Fill(state.depth, 0);
   for (std::size_t row = 0; row < raster_block_side; ++row)
     for (std::size_t column = 0; column < raster_block_side; column += lanes) {
       const int columns = int(row) < block.rows ? block.columns : 0;
@@ -166,7 +171,7 @@ HWY_INLINE void Clear(const PlacedRasterBlock& block, Blending blending, RasterB
     }
   if (block.columns < raster_block_side || block.rows < raster_block_side)
     Groups::FromRows(state.transmittance);
-  if (blending < Blending::occluded) return;
+  if (!IsOccluded(blending)) return;
   if (block.view.frame.occluder.data && !block.view.camera.depth_along_ray)
     LoadOccluder<Groups>(block, state.occluder);
   else

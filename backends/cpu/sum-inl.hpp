@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 
 #include <hwy/highway.h>
 
@@ -21,37 +22,49 @@
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 
-/// Sums of the attributes of a raster block's pixels.
+/// Sums of the attributes of a raster block's pixels, and attributes of a batch.
 struct alignas(64) AttributeState {
   Plane sums[AttributesView::most];
+  float values[batch_size][AttributesView::most];  ///< of each splat
 };
 
 HWY_INLINE void ClearSums(const AttributesView& attributes, AttributeState& state) {
   for (std::size_t i = 0; i < attributes.rows * AttributeRow::channels; ++i) Fill(state.sums[i], 0);
 }
 
-/// Adds attributes by the weights that `BlendGroup` blended `of` with.
-HWY_INLINE void SumGroup(const AttributesView& attributes, const Batch& HWY_RESTRICT batch,
-                         const Evaluated& HWY_RESTRICT of, AttributeState& HWY_RESTRICT state) {
-  static_assert(AttributeRow::channels == 4);
+/// Takes the attributes of the batch's k-th splat.
+HWY_INLINE void LoadAttributes(const AttributesView& attributes, std::size_t splat, std::size_t k,
+                               AttributeState& HWY_RESTRICT state) {
+  for (unsigned r = 0; r < attributes.rows; ++r)
+    std::memcpy(state.values[k] + r * AttributeRow::channels, &attributes.row(r, splat),
+                sizeof(AttributeRow));
+}
+
+/// Rows that are summed together: as many as there are registers for.
+constexpr unsigned rows_at_once = lanes == 16 ? AttributesView::most_rows : 2;
+
+/// Adds `kRows` rows of attributes, from `row` on.
+template <unsigned kRows>
+HWY_INLINE void SumRows(unsigned row, const Evaluated& HWY_RESTRICT of, AttributeState& HWY_RESTRICT state) {
+  constexpr std::size_t count = kRows * AttributeRow::channels;
   const F32 d;
-  for (unsigned r = 0; r < attributes.rows; ++r) {
-    float* to[AttributeRow::channels];
-    for (unsigned c = 0; c < AttributeRow::channels; ++c)
-      to[c] = state.sums[r * AttributeRow::channels + c][of.group] + of.first;
-    Vec sum0 = hn::Load(d, to[0]), sum1 = hn::Load(d, to[1]);
-    Vec sum2 = hn::Load(d, to[2]), sum3 = hn::Load(d, to[3]);
-    for (std::size_t i = 0; i < of.size; ++i) {
-      const float* HWY_RESTRICT values = attributes.row(r, batch.splats[of.list[i]]).values;
-      const Vec weight = hn::Load(d, of.weights[i]);
-      sum0 = hn::MulAdd(weight, hn::Set(d, values[0]), sum0);
-      sum1 = hn::MulAdd(weight, hn::Set(d, values[1]), sum1);
-      sum2 = hn::MulAdd(weight, hn::Set(d, values[2]), sum2);
-      sum3 = hn::MulAdd(weight, hn::Set(d, values[3]), sum3);
-    }
-    hn::Store(sum0, d, to[0]), hn::Store(sum1, d, to[1]);
-    hn::Store(sum2, d, to[2]), hn::Store(sum3, d, to[3]);
+  const std::size_t first = row * AttributeRow::channels;
+  Vec sums[count];
+  for (std::size_t c = 0; c < count; ++c) sums[c] = hn::Load(d, state.sums[first + c][of.group] + of.first);
+  for (std::size_t i = 0; i < of.size; ++i) {
+    const float* HWY_RESTRICT values = state.values[of.list[i]] + first;
+    const Vec weight = hn::Load(d, of.weights[i]);
+    for (std::size_t c = 0; c < count; ++c) sums[c] = hn::MulAdd(weight, hn::Set(d, values[c]), sums[c]);
   }
+  for (std::size_t c = 0; c < count; ++c) hn::Store(sums[c], d, state.sums[first + c][of.group] + of.first);
+}
+
+/// Adds attributes by the weights that `BlendGroup` blended `of` with.
+HWY_INLINE void SumGroup(const AttributesView& attributes, const Evaluated& HWY_RESTRICT of,
+                         AttributeState& HWY_RESTRICT state) {
+  static_assert(AttributesView::most_rows % rows_at_once == 0);
+  if (attributes.rows == 1) return SumRows<1>(0, of, state);
+  for (unsigned row = 0; row < attributes.rows; row += rows_at_once) SumRows<rows_at_once>(row, of, state);
 }
 
 /// Writes means that depend on the place, by `sum(sums, place)` of the `count` sums of a pixel. Turns these

@@ -92,7 +92,7 @@ NAMED = [
     Mutant("cpu pick: of equal weights that of the later batch", "backends/cpu/pick-inl.hpp",
            "found = hn::Gt(most, weight)", "found = hn::Ge(most, weight)", test=CPU),
     Mutant("cpu planes: attributes of the first splat", "backends/cpu/sum-inl.hpp",
-           "batch.splats[of.list[i]]", "batch.splats[of.list[0]]", test=CPU),
+           "state.values[of.list[i]]", "state.values[of.list[0]]", test=CPU),
     Mutant("cpu pick: one half is below the limit", "backends/cpu/pick-inl.hpp",
            "hn::Ge(through, half)", "hn::Gt(through, half)", test=CPU),
     Mutant("cpu pick: a pixel that stopped crosses all limits", "backends/cpu/pick-inl.hpp",
