@@ -32,6 +32,7 @@ swiftgs_statistics to_struct(const Statistics& from) {
   to.segments = from.raster.segments, to.pixels_joined = from.raster.pixels_joined;
   to.longest_item = from.raster.longest_item;
   to.balanced_ms = from.balanced_ms();
+  to.intersections_hidden = from.intersections_hidden;
   return to;
 }
 

@@ -35,6 +35,9 @@ inline constexpr std::uint32_t first_size<swiftgs_gaussians> = offsetof(swiftgs_
 template <>
 inline constexpr std::uint32_t first_size<swiftgs_image> = offsetof(swiftgs_image, squared_depth);
 template <>
+inline constexpr std::uint32_t first_size<swiftgs_statistics> = offsetof(swiftgs_statistics,
+                                                                         intersections_hidden);
+template <>
 inline constexpr std::uint32_t first_size<swiftgs_view> = offsetof(swiftgs_view, stored_depth);
 template <>
 inline constexpr std::uint32_t first_size<swiftgs_renderer_entry> = offsetof(swiftgs_renderer_entry,

@@ -19,6 +19,9 @@ static_assert(int(PixelFormat::rgb_float) == SWIFTGS_RGB_FLOAT &&
               int(PixelFormat::rgba_float) == SWIFTGS_RGBA_FLOAT &&
               int(PixelFormat::rgba_half) == SWIFTGS_RGBA_HALF &&
               int(PixelFormat::rgba_8) == SWIFTGS_RGBA_8 && int(PixelFormat::bgra_8) == SWIFTGS_BGRA_8);
+static_assert(int(Conversion::as_is) == SWIFTGS_CONVERT_NOTHING &&
+              int(Conversion::srgb_to_linear) == SWIFTGS_CONVERT_SRGB_TO_LINEAR &&
+              int(Conversion::linear_to_srgb) == SWIFTGS_CONVERT_LINEAR_TO_SRGB);
 static_assert(int(Conventions::JacobianClamp::around_image) == SWIFTGS_CLAMP_AROUND_IMAGE &&
               int(Conventions::JacobianClamp::around_centre) == SWIFTGS_CLAMP_AROUND_CENTRE &&
               int(Conventions::Footprint::alpha) == SWIFTGS_FOOTPRINT_ALPHA &&
@@ -65,8 +68,8 @@ Conventions to_conventions(const swiftgs_conventions* given) {
 }
 
 View to_view(const swiftgs_view& from) {
-  require_zero(from.reserved, "swiftgs_view");
   require_choice(from.format, 5, "swiftgs_view: format");
+  require_choice(from.conversion, 3, "swiftgs_view: conversion");
   require_pointer(from.camera, "swiftgs_view: camera");
   const Camera camera = to_camera(from.camera);
   FrameView frame;
@@ -77,7 +80,7 @@ View to_view(const swiftgs_view& from) {
   frame.occluder = to_plane<const float>(from.occluder);
   if (const auto& by = from.stored_depth; by.p != 0 || by.q != 0 || by.r != 0 || by.s != 0)
     frame.stored_depth = {by.p, by.q, by.r, by.s};
-  frame.over = from.over != 0;
+  frame.over = from.over != 0, frame.conversion = Conversion(from.conversion);
   const vec3 background(from.background[0], from.background[1], from.background[2]);
   return make_view(camera, to_conventions(from.conventions), frame, background, {from.left, from.top});
 }

@@ -20,6 +20,7 @@
 
 #include "half-inl.hpp"
 #include "raster_block-inl.hpp"
+#include "srgb-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
@@ -39,7 +40,7 @@ HWY_INLINE void LoadBackground(vec3 background, Below& below) {
 /// Of row `y`.
 HWY_INLINE void LoadRow(const FrameView& frame, const PlacedRasterBlock& block, std::size_t y, Below& below) {
   for (std::size_t i = 0; i < std::size_t(block.columns); ++i) {
-    const vec4 colour = detail::load_colour(frame, std::size_t(block.x0) + i, y);
+    const vec4 colour = detail::load_below(frame, std::size_t(block.x0) + i, y);
     for (std::size_t c = 0; c < 4; ++c) below.channels[c][i] = colour[int(c)];
   }
 }
@@ -111,6 +112,7 @@ HWY_INLINE void StoreRasterBlock(const View& view, const PlacedRasterBlock& bloc
   const FrameView& frame = view.frame;
   const std::size_t pixel = bytes_per_pixel(frame.format), columns = std::size_t(block.columns);
   const bool whole = columns == raster_block_side;  // whole rows go to the frame, others by way of an array
+  const bool whole_picture = detail::is_whole_picture(frame, view.background);
   Below below;
   LoadBackground(view.background, below);
   for (Plane* plane : {&state.transmittance, &state.red, &state.green, &state.blue}) Groups::ToRows(*plane);
@@ -128,9 +130,16 @@ HWY_INLINE void StoreRasterBlock(const View& view, const PlacedRasterBlock& bloc
       const auto laid = [&](Vec colour, std::size_t channel) HWY_ATTR {
         return hn::MulAdd(transmittance, hn::Load(d, below.channels[channel] + column), colour);
       };
-      StoreColours(frame.format, laid(hn::Load(d, state.red[row] + column), 0),
-                   laid(hn::Load(d, state.green[row] + column), 1),
-                   laid(hn::Load(d, state.blue[row] + column), 2), laid(alpha, 3), by + pixel * column);
+      Vec red = laid(hn::Load(d, state.red[row] + column), 0);
+      Vec green = laid(hn::Load(d, state.green[row] + column), 1);
+      Vec blue = laid(hn::Load(d, state.blue[row] + column), 2);
+      const Vec opacity = laid(alpha, 3);
+      if (HWY_UNLIKELY(frame.conversion != Conversion::as_is)) {
+        const Vec by_alpha = whole_picture ? hn::Set(d, 1.0f) : opacity;
+        for (Vec* channel : {&red, &green, &blue})
+          *channel = ConvertChannel(*channel, by_alpha, frame.conversion == Conversion::linear_to_srgb);
+      }
+      StoreColours(frame.format, red, green, blue, opacity, by + pixel * column);
       hn::Store(alpha, d, alphas + column);
       if (frame.depth.data) {
         const Vec mean = hn::Div(hn::Load(d, state.depth[row] + column), alpha);

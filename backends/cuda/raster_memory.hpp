@@ -15,6 +15,8 @@ struct RasterMemory {
 
   DeviceBuffer<std::byte> scratch;
   DeviceBuffer<std::uint32_t> order;  ///< of raster blocks
+  DeviceBuffer<vec4> colours;         ///< of frames that convert them
+  DeviceBuffer<View> views;           ///< that draw to these
   DeviceBuffer<std::uint32_t> word;   ///< one counter of quiet frames, which kernels keep
   /// The word as the host knows it: from the last report that it has awaited, so before that frame was
   /// rasterized. 0 before the first report, and while frames are recorded.
@@ -37,7 +39,9 @@ struct RasterMemory {
     return memory.data();
   }
 
-  static auto buffers(auto& self) { return std::tie(self.scratch, self.order, self.word); }
+  static auto buffers(auto& self) {
+    return std::tie(self.scratch, self.order, self.colours, self.views, self.word);
+  }
 };
 
 }  // namespace swiftgs

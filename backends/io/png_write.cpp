@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <png.h>
 
@@ -19,15 +21,20 @@ std::uint8_t to_byte(float value) {
 
 void write_png(const std::filesystem::path& path, const Frame& frame) {
   io::expect_colour(frame);
+  const bool has_alpha = frame.alpha.size() == frame.pixels();
   std::vector<std::uint8_t> bytes;
-  bytes.reserve(frame.colour.size());
-  for (const float value : frame.colour) bytes.push_back(to_byte(value));
+  bytes.reserve((has_alpha ? 4 : 3) * frame.pixels());
+  for (std::size_t pixel = 0; pixel < frame.pixels(); ++pixel) {
+    const float alpha = has_alpha ? frame.alpha[pixel] : 1.0f;
+    for (std::size_t c = 0; c < 3; ++c) bytes.push_back(to_byte(frame.colour[3 * pixel + c] / alpha));
+    if (has_alpha) bytes.push_back(to_byte(alpha));
+  }
 
   png_image image{};
   image.version = PNG_IMAGE_VERSION;
   image.width = png_uint_32(frame.width);
   image.height = png_uint_32(frame.height);
-  image.format = PNG_FORMAT_RGB;
+  image.format = has_alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;
   std::vector<std::uint8_t> encoded(PNG_IMAGE_PNG_SIZE_MAX(image));
   png_alloc_size_t size = encoded.size();
   if (!png_image_write_to_memory(&image, encoded.data(), &size, 0, bytes.data(), 0, nullptr))

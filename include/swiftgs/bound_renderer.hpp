@@ -19,6 +19,7 @@
 #include <swiftgs/frame.hpp>
 #include <swiftgs/frame_capacity.hpp>
 #include <swiftgs/frame_plan.hpp>
+#include <swiftgs/hidden_stage.hpp>
 #include <swiftgs/pick_stage.hpp>
 #include <swiftgs/resident_frames.hpp>
 #include <swiftgs/stages.hpp>
@@ -45,8 +46,8 @@ class BoundRenderer {
  public:
   BoundRenderer(B backend, StagePolicies<B> policies)
       : stages_(std::move(backend), policies.bounds, std::move(policies.sort)), raster_(policies.raster) {
-    use_memory_of(this->backend(), raster_counts_, attributes_, view_storage_, recorded_storage_, resident_,
-                  picking_);
+    use_memory_of(this->backend(), raster_counts_, hidden_, attributes_, view_storage_, recorded_storage_,
+                  resident_, picking_);
   }
 
   B& backend() { return stages_.backend(); }
@@ -134,7 +135,8 @@ class BoundRenderer {
   /// Sets the views that `record` renders, in stream order. Recorded work that runs again renders them too.
   /// Between `reserve` calls, cameras, conventions, backgrounds, formats and the places of planes may change,
   /// and lenses if any of those reserved is no pinhole whose depth is z. Throws `std::invalid_argument`, and
-  /// changes nothing, if more changes: the number of views, a size, which planes there are.
+  /// changes nothing, if more changes: the number of views, a size, which planes there are,
+  /// whether colours are converted.
   void set_views(Span<const View> views) {
     for (const View& view : views) validate(view), detail::check_tiles(view);  // before anything changes
     PanoramaParts parts;
@@ -183,13 +185,14 @@ class BoundRenderer {
   /// Gives back all memory that the renderer and its backend keep, uploaded scenes excluded, after waiting
   /// for all work submitted so far. The next frame takes it again. Views that were set and what was reserved
   /// are forgotten, so `record` is refused until the next `reserve`. Frames of `render_resident`, `splats`,
-  /// `lists`, `tiles` and the raster part of `statistics` are gone.
+  /// `lists`, `tiles` and what `statistics` counts on request are gone.
   void trim() {
     B& b = backend();
     b.wait();
     last_ = LastFrame::none;
     stages_.trim();
-    trim_parts(b, raster_counts_, attributes_, view_storage_, recorded_storage_, resident_, picking_);
+    trim_parts(b, raster_counts_, hidden_, attributes_, view_storage_, recorded_storage_, resident_,
+               picking_);
     if constexpr (requires { b.trim(); }) b.trim();
     views_ = {}, parts_ = {}, recorded_parts_ = {}, tiles_ = {}, capacity_ = {}, recorded_ = {};
     counted_ = false;
@@ -275,16 +278,16 @@ class BoundRenderer {
     return {ms(0, 1), ms(1, 2), ms(2, 3), ms(0, 3)};
   }
 
-  /// What the last frame took; the raster part only where the settings asked to count, which is waited for.
+  /// What the last frame took. What is counted only where the settings asked for it is waited for.
   Statistics statistics() const {
     Statistics s{.gaussians = gaussians_,
                  .visible = std::size_t(report_.visible),
-                 .intersections = std::size_t(report_.intersections),
-                 .raster = {}};
+                 .intersections = std::size_t(report_.intersections)};
     if (counted_) {
       std::vector<RasterCounts> blocks(raster_counts_.size());
       backend().download(raster_counts_.span(), blocks.data());
       for (const RasterCounts& block : blocks) s.raster += block;
+      s.intersections_hidden = hidden_.total(backend());
     }
     return s;
   }
@@ -294,7 +297,7 @@ class BoundRenderer {
   StageMemory memory() const {
     StageMemory memory = stages_.memory();
     memory.project += bytes_of(view_storage_, recorded_storage_);
-    memory.raster += bytes_of(resident_, raster_counts_, attributes_, picking_);
+    memory.raster += bytes_of(resident_, raster_counts_, hidden_, attributes_, picking_);
     return memory;
   }
 
@@ -307,13 +310,14 @@ class BoundRenderer {
   const FrameTiles& tiles() const { return stages_.tiles(); }
 
  private:
-  /// Whether frames of both have the same size, and planes for the same outputs.
+  /// Whether frames of both have the same size, planes for the same outputs, and colours to convert or not.
   static bool same_shape(const View& a, const View& b) {
     bool same = a.frame.width == b.frame.width && a.frame.height == b.frame.height &&
                 a.grid.side == b.grid.side && !a.frame.occluder.data == !b.frame.occluder.data;
     for_each_plane([&](std::size_t, auto& of_a, auto& of_b) { same = same && !of_a.data == !of_b.data; },
                    a.frame, b.frame);
     same = same && a.frame.feature_channels == b.frame.feature_channels;
+    same = same && (a.frame.conversion == Conversion::as_is) == (b.frame.conversion == Conversion::as_is);
     return same && attribute_count(a) == attribute_count(b);
   }
 
@@ -327,6 +331,7 @@ class BoundRenderer {
           job.counts = counts;
           const auto rasterize = [&](const RasterJob& pass) { raster_.rasterize(backend(), pass); };
           attributes_.draw(backend(), plan.scene, job, rasterize);
+          if (counts) hidden_.count(backend(), job);
         },
         [&](std::size_t point) {
           if (measures.time) points_[point] = backend().now();
@@ -336,6 +341,7 @@ class BoundRenderer {
   Stages<B> stages_;
   RasterStage<B> raster_;
   typename B::template Buffer<RasterCounts> raster_counts_;
+  HiddenStage<B> hidden_;
   AttributeStage<B> attributes_;
   ViewStorage<B> view_storage_, recorded_storage_;  ///< of `render_into` and of `record`
   ResidentFrames<B> resident_;

@@ -14,11 +14,11 @@
 
 /// @file
 /// Frames, and their memory. Colours of a frame are in the scene's own values: those of the photographs that
-/// it was trained with, usually sRGB-encoded for a display. The library does not convert them. Copy them as
-/// they are to an image with encoded values in memory, for example R8G8B8A8_SRGB. A shader that writes them
-/// to an sRGB framebuffer must decode them to linear light first, because the hardware encodes them again. A
-/// shader that adds them to linear light must decode them too. Splats are blended in the scene's values, so
-/// the image below them (`FrameView::over`) must hold the same kind of values.
+/// it was trained with, usually sRGB-encoded for a display. The library converts them only where
+/// `FrameView::conversion` says so. Copy them as they are to an image with encoded values in memory, for
+/// example R8G8B8A8_SRGB. A shader that writes them to an sRGB framebuffer needs linear light, because the
+/// hardware encodes it; so does a shader that adds them to linear light: let it decode, or
+/// `Conversion::srgb_to_linear`. Splats are blended in the scene's values.
 
 namespace swiftgs {
 
@@ -60,6 +60,19 @@ enum class PixelFormat {
   rgba_half,   ///< 8 bytes, IEEE half
   rgba_8,      ///< 4 bytes; cut to [0, 1] and rounded to the nearest of 255 steps
   bgra_8,      ///< the same with blue first, as most swap chains have it
+};
+
+/// What makes a frame's colours of the scene's values: the sRGB curve, its inverse, or nothing. Values beyond
+/// 0 and 1 are converted by the continued curve, see `to_srgb`.
+///
+/// Splats are blended in the scene's values. Then straight colours are converted, and multiplied by alpha
+/// again where the format has it; alpha is never converted. Where it is 0, colours become 0. The image below
+/// (`FrameView::over`) holds the frame's kind of values. A frame without alpha, or before a background that
+/// is not black, is a whole picture: its colours are converted as they are.
+enum class Conversion {
+  as_is,
+  srgb_to_linear,  ///< the scene's values are sRGB-encoded, the frame's linear light
+  linear_to_srgb,  ///< the other way round
 };
 
 /// @units{bytes}
@@ -204,6 +217,7 @@ struct FrameView {
 
   /// Show the image that `colour` already holds, instead of the background, behind the splats.
   bool over = false;
+  Conversion conversion = Conversion::as_is;  ///< of `colour`
 
   std::size_t pixels() const { return std::size_t(width) * height; }
   /// @units{bytes}

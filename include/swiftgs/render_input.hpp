@@ -27,7 +27,7 @@ struct RenderSettings {
   /// RGB in the scene's own values, shown where transmittance is left; has no part in alpha.
   vec3 background{0};
   Outputs outputs;     ///< of `render`; `render_into` computes what its frame points to
-  bool count = false;  ///< fill the raster part of `Statistics`, which costs some time
+  bool count = false;  ///< fill all of `Statistics`, which costs some time
   bool time = false;   ///< take the `times` of the frame, which costs a device some microseconds
 };
 

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstddef>
 #include <filesystem>
 #include <initializer_list>
 #include <string>
+#include <vector>
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
+
+#include <swiftgs/io/image.hpp>
 
 #include "cli/command.hpp"
 #include "cli/json_in.hpp"
@@ -115,6 +120,26 @@ TEST_CASE("bench: sorts and conservative bounds have equal errors and share thei
     CHECK(row.at("psnr_db") == first.at("psnr_db"));
     CHECK(row.at("max_abs") == first.at("max_abs"));
   }
+}
+
+TEST_CASE("bench: images show the planes of the first view") {
+  const TemporaryFolder place;
+  const std::string command =
+      "builtin:500 --renderers serial/early/per-pixel/ellipse --views 0,2 --images im";
+  const Json rows = measured(place, command + " --planes alpha,depth,normal,id").at("rows");
+  CHECK(rows[1].at("plane_images").empty());
+  const Json& shown = rows[0].at("plane_images");
+  REQUIRE(shown.size() == 4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    CHECK(shown[i].at("plane") == std::vector{"alpha", "depth", "normal", "id"}[i]);
+    const swiftgs::Image picture = swiftgs::read_image(place / shown[i].at("image").get<std::string>());
+    const auto [least, most] = std::minmax_element(picture.pixels.begin(), picture.pixels.end());
+    CHECK(picture.channels == 3);
+    CHECK((i == 0 ? *most == 1 : *most - *least > 0.4f));  // the scene hides nearly all behind it
+  }
+  // The frame itself is shown without its alpha.
+  CHECK(swiftgs::read_image(place / rows[0].at("image").get<std::string>()).channels == 3);
+  CHECK(measured(place, command).at("rows")[0].at("plane_images").empty());
 }
 
 TEST_CASE("bench: errors are left out of the views that are not asked for") {

@@ -2,6 +2,7 @@
 
 /* Frames: planes, formats, pitches, views, and what cannot be drawn. */
 #include <math.h>
+#include <stddef.h>
 #include <string.h>
 
 #include "check.h"
@@ -49,6 +50,19 @@ void test_formats(void) {
   CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
   for (int i = 0; i < 4 * pixels; ++i) same &= swapped[i] == bytes[i % 4 == 3 ? i : i / 4 * 4 + 2 - i % 4];
   CHECK(same);
+
+  /* Linear light: the curve's inverse of straight colours, alpha as before. */
+  float* const linear = make_floats(4 * pixels);
+  d.view.format = SWIFTGS_RGBA_FLOAT, d.view.conversion = SWIFTGS_CONVERT_SRGB_TO_LINEAR;
+  d.view.colour = (swiftgs_plane){linear, 16 * width};
+  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
+  for (int i = 0; i < 4 * pixels; ++i) {
+    const double opacity = rgba[i / 4 * 4 + 3], straight = opacity > 0 ? rgba[i] / opacity : 0;
+    const double light = straight <= 0.04045 ? straight / 12.92 : pow((straight + 0.055) / 1.055, 2.4);
+    same &= fabs(linear[i] - (i % 4 == 3 || opacity == 0 ? rgba[i] : light * opacity)) < 1e-6 * (1 + light);
+  }
+  CHECK(same && !same_floats(linear, rgba, 4 * pixels));
+  d.view.conversion = SWIFTGS_CONVERT_NOTHING;
 
   /* 1.0 is 0x3c00 as a half; a pixel is near it where its float is. */
   d.view.format = SWIFTGS_RGBA_HALF;
@@ -234,6 +248,16 @@ void test_occluder(void) {
       seen &= at[0] == plain[3 * i] && at[2] == plain[3 * i + 2];
   }
   CHECK(hidden && seen);
+  swiftgs_statistics statistics = {.size = sizeof(statistics)};
+  d.frame.measure = SWIFTGS_MEASURE_COUNTS;
+  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
+  d.frame.measure = 0;
+  CHECK_OK(swiftgs_renderer_statistics(d.renderer, &statistics));
+  CHECK(statistics.intersections_hidden > 0 && statistics.intersections_hidden < statistics.intersections);
+  /* A program that is older than this number. */
+  statistics.size = offsetof(swiftgs_statistics, intersections_hidden), statistics.intersections_hidden = 7;
+  CHECK_OK(swiftgs_renderer_statistics(d.renderer, &statistics));
+  CHECK(statistics.balanced_ms > 0 && statistics.intersections_hidden == 7);
   /* The same, reversed and without a far plane: 1 is before the camera, 0 nothing. */
   float* const same = make_floats(3 * pixels);
   memcpy(same, d.colour, 3 * pixels * sizeof(float));
@@ -374,7 +398,7 @@ void test_frame_errors(void) {
   REFUSE(d.view.median_id = odd, "median_id aligned to 4 bytes");
   REFUSE(d.view.features = narrow, "a frame with features to say how many channels");
   REFUSE((d.view.features = narrow, d.view.feature_channels = 2), "the pitch of features is 8 bytes");
-  REFUSE(d.view.reserved = 1, "swiftgs_view: reserved is 1, expected 0");
+  REFUSE(d.view.conversion = 3, "swiftgs_view: conversion is 3, expected 0 to 2");
   REFUSE(d.view.left = 8, "x is 8, expected a multiple of 16");
   REFUSE(d.view.top = 16, "48 pixels along y from 16");
   REFUSE(d.view.width = -1, "-1 pixels along x");

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <set>
 #include <sstream>
 #include <vector>
@@ -92,6 +95,29 @@ TEST_CASE("cli: render writes the planes that it is asked for to an EXR") {
     CHECK(has("few", channel) == of_few);
     CHECK_FALSE(has("none", channel));
   }
+}
+
+TEST_CASE("cli: render writes alpha to a PNG") {
+  const TemporaryFolder place;
+  swiftgs::Scene ball = swiftgs::make_builtin_scene(1);
+  ball.means[0] = swiftgs::vec3(0), ball.scales[0] = swiftgs::vec3(0.1f);
+  swiftgs::write_scene(place / "ball.ply", ball);
+  run(place, "render ball.ply --scale 0.05 --out with --planes alpha");
+  run(place, "render ball.ply --scale 0.05 --out without");
+  const swiftgs::Image with = swiftgs::read_image(*fs::directory_iterator(place / "with")),
+                       without = swiftgs::read_image(*fs::directory_iterator(place / "without"));
+  REQUIRE(with.channels == 4);
+  REQUIRE(without.channels == 3);
+  float worst = 0, least = 1;
+  for (std::size_t pixel = 0; pixel < with.pixels.size() / 4; ++pixel) {
+    const float alpha = with.pixels[4 * pixel + 3];
+    least = std::min(least, alpha);
+    for (std::size_t c = 0; c < 3; ++c)  // two roundings, and colours above 1 that are cut
+      if (with.pixels[4 * pixel + c] < 1)
+        worst = std::max(worst, std::abs(alpha * with.pixels[4 * pixel + c] - without.pixels[3 * pixel + c]));
+  }
+  CHECK(worst < 2.1f / 255);
+  CHECK(least < 0.5f);
 }
 
 TEST_CASE("cli: render --stats prints what a frame had to do") {

@@ -76,7 +76,11 @@ TEST_CASE("cli errors: options that make no sense say what was expected") {
     for (const std::string batch : {"0", "-3", "65537"})
       fails(place, command + " builtin:50 --batch=" + batch,
             {"--batch " + batch + ": expected 1 to 65536\n"});
-  fails(place, "render builtin:10 --planes depth", {"--planes: expected --format exr"});
+  for (const std::string planes : {"depth", "alpha,depth", "alpha --format pfm"})
+    fails(place, "render builtin:10 --planes " + planes,
+          {"--planes: expected --format exr, whose channels hold them, or alpha in a PNG\n"});
+  fails(place, "render builtin:10 --planes alpha --background 0,1,0",
+        {"--background 0,1,0: expected 0,0,0 in a PNG with alpha"});
   for (const std::string planes : {"colour", "features", "normals", "depth,depth", "alpha,"})
     for (const std::string command : {"render --format exr", "bench"})
       fails(place, command + " builtin:10 --planes " + planes,

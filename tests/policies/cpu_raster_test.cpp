@@ -105,10 +105,11 @@ TEST_CASE("cpu raster: every vector target stores each pixel format and ends at 
   std::vector<float> occluder;
   Random random(9);
   for (int i = 0; i < width * height; ++i) occluder.push_back(random.f(0, 30));
-  const auto over = [&](auto& backend, Image image) {
+  const auto over = [&](auto& backend, Image image, Conversion conversion) {
     const auto lists = build_lists<EarlySort, Ellipse>(backend, job);
     View view = view_into(image.frame(), {.background = vec3(9)});
     view.frame.over = true, view.frame.occluder = {occluder.data(), width * sizeof(float)};
+    view.frame.conversion = conversion;
     rasterize(backend, AxisSharedThreshold<FloatCholesky>(),
               RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}});
     return image;
@@ -125,13 +126,16 @@ TEST_CASE("cpu raster: every vector target stores each pixel format and ends at 
   for (const PixelFormat format : pixel_formats) {
     CAPTURE(int(format));
     const Image below = pattern(width, height, format), floats = converted(below, PixelFormat::rgba_float);
-    const std::vector<float> plain = channels(over(serial, floats));
+    const std::vector<float> plain = channels(over(serial, floats, Conversion::as_is));
     on_each_target([&] {
-      const Image above = over(cpu, floats);
+      const Image above = over(cpu, floats, Conversion::as_is);
       const Difference colour = difference(channels(above), plain, 1e-5);
       CHECK(colour.largest < 0.011);
       CHECK(colour.part_above < 0.002);
-      CHECK((over(cpu, below).bytes == converted(above, format).bytes));
+      CHECK((over(cpu, below, Conversion::as_is).bytes == converted(above, format).bytes));
+      if (format == PixelFormat::rgb_float) return;  // a whole picture
+      for (const Conversion conversion : {Conversion::srgb_to_linear, Conversion::linear_to_srgb})
+        CHECK((over(cpu, below, conversion).bytes == converted(over(cpu, floats, conversion), format).bytes));
     });
   }
 }

@@ -34,6 +34,7 @@ struct AskedView {
   vec3 background{0};
   PixelFormat format = PixelFormat::rgb_float;
   bool colour = true, alpha = true, depth = true, occluder = false, over = false;
+  Conversion conversion = Conversion::as_is;
   unsigned upward = 0;                               ///< a bit for each plane whose rows go up in memory
   FirstPixel first{};                                ///< of the part of the image that is shown
   int width = camera.width, height = camera.height;  ///< of this part
@@ -52,7 +53,7 @@ struct AskedView {
     if (!alpha) planes.alpha = {};
     if (!depth) planes.depth = {};
     if (!occluder) planes.occluder = {};
-    planes.over = over;
+    planes.over = over, planes.conversion = conversion;
     return planes;
   }
   View view(const FrameView& planes) const {
@@ -165,12 +166,13 @@ inline std::vector<AskedView> different_views() {
   AskedView plain{forward_camera(37, 21)};
   plain.background = vec3(0.3f, 1.7f, -0.4f);
   AskedView over{turned_camera(64, 48, 0.2, 0.4), Conventions::inria(), vec3(9), PixelFormat::rgba_8};
-  over.over = true, over.depth = false;
+  over.over = true, over.depth = false, over.conversion = Conversion::linear_to_srgb;
   AskedView empty = empty_view(16, 16);
   empty.format = PixelFormat::rgba_half, empty.alpha = false;
   AskedView hidden{turned_camera(100, 75, -0.3, -0.5)};
   hidden.conventions.antialiased = true, hidden.conventions.alpha_min = 1.0f / 100;
   hidden.background = vec3(0.5f, 0.2f, 0), hidden.format = PixelFormat::rgba_float, hidden.occluder = true;
+  hidden.conversion = Conversion::srgb_to_linear;
   return {plain, over, empty, over, hidden};
 }
 
@@ -196,7 +198,7 @@ inline std::vector<AskedView> views_of_every_kind() {
                          i % 3 == 0 ? Conventions::inria() : Conventions::gsplat(),
                          vec3(0.3f, 1.7f, -0.4f + 0.1f * float(i)), format};
           view.over = over, view.occluder = occluder, view.upward = upward;
-          view.alpha = i % 5 != 0, view.depth = i % 7 != 0;
+          view.alpha = i % 5 != 0, view.depth = i % 7 != 0, view.conversion = Conversion(i % 3);
           views.push_back(view);
         }
   return views;

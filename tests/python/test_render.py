@@ -173,12 +173,30 @@ def test_frames_are_drawn_into_memory_lent_by_dlpack(renderer, camera, expected)
     assert np.array_equal(colour, expected.colour)
 
 
+def test_conversions_of_colours(renderer, camera, expected):
+    def light(encoded):
+        return np.where(encoded <= 0.04045, encoded / 12.92, ((encoded + 0.055) / 1.055)**2.4)
+
+    linear = renderer.render(camera, conversion="srgb-to-linear").colour
+    assert np.allclose(linear, light(expected.colour), rtol=2e-6, atol=1e-9) and not np.array_equal(linear, light(linear))
+    again = renderer.render([camera, camera], conversion="srgb-to-linear").colour
+    assert np.array_equal(again[0], linear) and np.array_equal(again[1], linear)
+    encoded = renderer.render(camera, conversion="linear-to-srgb").colour
+    assert np.allclose(light(encoded), expected.colour, rtol=4e-6, atol=1e-8)
+    with pytest.raises(ValueError, match="conversion is 'gamma', expected one of None, 'srgb-to-linear', "):
+        renderer.render(camera, conversion="gamma")
+
+
 def test_over_and_occluder_and_first_pixel(renderer, camera, expected):
     colour = np.full((HEIGHT, WIDTH, 3), 0.25, np.float32)
     renderer.render(camera, out=swiftgs.Frame(colour, over=True))
     assert np.array_equal(colour, renderer.render(camera, background=(0.25, 0.25, 0.25)).colour)
     hidden = renderer.render(camera, occluder=np.zeros((HEIGHT, WIDTH), np.float32), alpha=True)
     assert not hidden.alpha.any()
+    renderer.render(camera, occluder=np.full((HEIGHT, WIDTH), 1e-3, np.float32), counts=True)
+    assert renderer.statistics.intersections_hidden == renderer.statistics.intersections > 0
+    renderer.render(camera, occluder=np.full((HEIGHT, WIDTH), np.inf, np.float32), counts=True)
+    assert renderer.statistics.intersections_hidden == 0
     window_depth = np.full((HEIGHT, WIDTH), 1 - 1e-3 / 2, np.float32)  # of what stands at the depth 2
     stored = swiftgs.StoredDepth.perspective(1e-3, np.inf)
     depths = np.full((HEIGHT, WIDTH), 1 / (stored.r * np.float64(window_depth[0, 0]) + stored.s), np.float32)

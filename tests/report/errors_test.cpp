@@ -94,9 +94,14 @@ TEST_CASE("report errors: members of hard frames that are missing or of another 
 
 TEST_CASE("report errors: images that are missing or none are named") {
   if (!has_vega()) return;
-  refuses_each(good_file, {{"/rows/0/image", "\"gone.png\"", "expected the image gone.png"},
-                           {"/views/0/reference_image", "\"results.json\"",
-                            "expected results.json to be a PNG or JPEG image"}});
+  refuses_each(
+      good_file,
+      {{"/rows/0/image", "\"gone.png\"", "expected the image gone.png"},
+       {"/rows/0/plane_images", "[{\"plane\": \"id\", \"image\": \"gone.png\"}]",
+        "expected the image gone.png"},
+       {"/rows/0/plane_images", "[{\"plane\": \"id\"}]", "plane_images.image: expected a text"},
+       {"/rows/0/plane_images", "7", "plane_images: expected an array"},
+       {"/views/0/reference_image", "\"results.json\"", "expected results.json to be a PNG or JPEG image"}});
 }
 
 TEST_CASE("report errors: a page does not take the place of the results it shows") {

@@ -187,11 +187,13 @@ TEST_CASE("report: frames stand beside their reference and error map") {
       0x00, 0x00, 0x01, 0x00, 0x00, 0x00, 0x01, 0x08, 0x00, 0x00, 0x00, 0x00, 0x3a, 0x7e, 0x9b, 0x55, 0x00,
       0x00, 0x00, 0x0a, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0x68, 0x00, 0x00, 0x00, 0x82, 0x00, 0x81,
       0x77, 0xcd, 0x72, 0xb6, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
-  for (const char* name : {"images/frame.png", "images/error.png", "images/reference.png"})
+  for (const char* name :
+       {"images/frame.png", "images/error.png", "images/reference.png", "images/depth.png"})
     place.write(name, {reinterpret_cast<const char*>(pixel), sizeof pixel});
   Json results = results_of({{}});
   results["rows"][0]["image"] = "images/frame.png";
   results["rows"][0]["error_image"] = "images/error.png";
+  results["rows"][0]["plane_images"] = {{{"plane", "median_depth"}, {"image", "images/depth.png"}}};
   results["views"][0]["reference_image"] = "images/reference.png";
   const Json facts = facts_of(place, results);
   REQUIRE(facts["images"].size() == 2);
@@ -200,6 +202,8 @@ TEST_CASE("report: frames stand beside their reference and error map") {
     CHECK(image["width"] == 1);
   }
   CHECK(facts["errorLegend"] == true);
+  CHECK(facts["ways"] == Json({"slider", "frame", "reference", "error map", "median depth"}));
+  CHECK(facts["planeShown"] == Json({"median_depth of cpu/early/per-pixel/ellipse"}));
 }
 
 TEST_CASE("report: hard frames have a panel of normalised errors and one of errors for each family") {

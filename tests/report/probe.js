@@ -52,6 +52,10 @@ if (modes) {
   modes.value = 'error';
   modes.dispatchEvent(new Event('change'));
   facts.errorLegend = shown('.error-legend');
+  facts.ways = [...modes.options].map(option => option.textContent);
+  modes.value = modes.options[modes.options.length - 1].value;
+  modes.dispatchEvent(new Event('change'));
+  facts.planeShown = all('#images img').map(image => image.alt);
 }
 facts.unnamed = all('select, input').filter(node => !node.closest('label')).length;
 addEventListener('load', async () => {

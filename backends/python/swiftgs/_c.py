@@ -78,7 +78,7 @@ class View(_Sized):
                 ("depth", Plane), ("occluder", Plane), ("over", c_int32), ("left", c_int32), ("top", c_int32),
                 ("background", c_float * 3), ("stored_depth", StoredDepth), ("squared_depth", Plane),
                 ("first_depth", Plane), ("median_depth", Plane), ("normal", Plane), ("id", Plane),
-                ("median_id", Plane), ("features", Plane), ("feature_channels", c_int32), ("reserved", c_uint32)]
+                ("median_id", Plane), ("features", Plane), ("feature_channels", c_int32), ("conversion", c_int32)]
 
 
 class Frame(_Sized):
@@ -121,7 +121,8 @@ class Statistics(_Sized):
     _fields_ = [("size", c_uint32), ("reserved", c_uint32), ("gaussians", c_uint64), ("visible", c_uint64),
                 ("intersections", c_uint64), ("intersections_visited", c_uint64), ("rows_visited", c_uint64),
                 ("contributing_pairs", c_uint64), ("pixels_stopped", c_uint64), ("segments", c_uint64),
-                ("pixels_joined", c_uint64), ("longest_item", c_uint64), ("balanced_ms", c_double)]
+                ("pixels_joined", c_uint64), ("longest_item", c_uint64), ("balanced_ms", c_double),
+                ("intersections_hidden", c_uint64)]
 
 
 class Memory(_Sized):

@@ -14,6 +14,7 @@ from ._planes import FORMATS, PLANES, read_planes
 
 _VIEW = np.dtype(_c.View)
 _BLACK = (0, 0, 0)
+_CONVERSIONS = (None, "srgb-to-linear", "linear-to-srgb")
 
 
 def _column_and_row(first_pixel: Any) -> Tuple[int, int]:
@@ -74,11 +75,15 @@ class Frame:
                  id: Any = None, median_id: Any = None,  # pylint: disable=redefined-builtin
                  features: Any = None, occluder: Any = None, stored_depth: Optional[StoredDepth] = None,
                  over: bool = False, background: Any = _BLACK, conventions: Union[str, Conventions] = "gsplat",
-                 first_pixel: Optional[Tuple[int, int]] = None) -> None:
+                 first_pixel: Optional[Tuple[int, int]] = None, conversion: Optional[str] = None) -> None:
         """`occluder` is a depth buffer, only read: a splat at its depth or behind is not drawn. `stored_depth` says
         what its values mean; without it they are depths. `over` keeps what
         `colour` holds behind the splats, in place of `background` [3] or [C, 3]. With `first_pixel` the frame is a
-        part of the camera's image, which begins with that column and row, multiples of 16."""
+        part of the camera's image, which begins with that column and row, multiples of 16.
+
+        `conversion` makes the colours of a scene with sRGB-encoded values linear light ("srgb-to-linear"), or the other
+        way round ("linear-to-srgb"). Straight colours are converted, and multiplied by alpha again; RGB, and what lies
+        before a background that is not black, as a whole picture. `over` then takes and leaves converted colours."""
         self.colour, self.alpha, self.depth, self.squared_depth = colour, alpha, depth, squared_depth
         self.first_depth, self.median_depth, self.normal = first_depth, median_depth, normal
         self.id, self.median_id, self.features = id, median_id, features
@@ -100,6 +105,9 @@ class Frame:
             if not isinstance(stored_depth, StoredDepth):
                 raise TypeError(f"stored_depth is of type {type(stored_depth).__name__}, expected swiftgs.StoredDepth")
             self._views[0].stored_depth = _c.StoredDepth(*stored_depth)
+        if conversion not in _CONVERSIONS:
+            raise ValueError(f"conversion is {conversion!r}, expected one of {', '.join(map(repr, _CONVERSIONS))}")
+        self._views[0].conversion = _CONVERSIONS.index(conversion)
         self._fill(over)
         if background is not _BLACK:
             self.background = background
@@ -197,8 +205,8 @@ class Frame:
         self._struct.measure = _c.MEASURE_TIMES * bool(times) + _c.MEASURE_COUNTS * bool(counts)
 
     def save(self, path: Union[str, "os.PathLike[str]"], index: int = 0) -> None:
-        """Writes image `index` of a frame on the host as its ending says: `.png`, `.pfm`, or `.exr`, which has all
-        planes. Values are written as they are, without gamma."""
+        """Writes image `index` of a frame on the host as its ending says: `.png`, with alpha and straight colours if
+        the frame has the plane, `.pfm`, or `.exr`, which has all planes. Values are written as they are, without gamma."""
         if self.device is not None or self.colour is None:
             raise ValueError("save: expected a frame on the host with colour")
         at = range(len(self))[index]

@@ -37,6 +37,9 @@ class Statistics(NamedTuple):
     pixels_joined: int  #: pixels of those segments that were joined with what lies in front
     longest_item: int  #: most intersections that one core, warp or block worked off alone
     balanced_ms: float  #: the raster stage if its work were shared out evenly
+    #: those of `intersections` at or behind an occluder in all pixels of their tile; nearly all if a depth buffer is
+    #: taken for depths themselves, because `stored_depth` is missing
+    intersections_hidden: int
 
 
 class Picked(NamedTuple):
@@ -195,8 +198,8 @@ class Renderer:
         Without `out` the images are new arrays of NumPy, whatever the backend: of one image without an index of the
         image, of a sequence of cameras with it. `format` is "rgb", "rgba", "rgba-half" or "rgba8"; `alpha=True`,
         `depth=True` and so on add the planes of `Frame`, `features=3` the first three of the scene's, `colour=False`
-        leaves colour out, and `background`, `conventions`, `occluder`, `stored_depth` and `first_pixel` are those of
-        `Frame`. With `out`, a frame of yours, all of that is the frame's,
+        leaves colour out, and `background`, `conventions`, `occluder`, `stored_depth`, `first_pixel` and `conversion`
+        are those of `Frame`. With `out`, a frame of yours, all of that is the frame's,
         and the same frame comes back.
 
         Frames on the host are complete when it returns. Those in arrays of a CUDA device are in the order of their

@@ -72,6 +72,9 @@ Json json_of(const RowResult& r) {
   json["bytes"] = {{"project", r.bytes.project}, {"sort", r.bytes.sort}, {"raster", r.bytes.raster}};
   json["device_bytes"] = r.device_bytes, json["host_bytes"] = r.host_bytes;
   json["image"] = named_or_null(r.image), json["error_image"] = named_or_null(r.error_image);
+  json["plane_images"] = Json::array();
+  for (const PlaneImage& shown : r.plane_images)
+    json["plane_images"].push_back({{"plane", shown.plane}, {"image", shown.image}});
   return json;
 }
 

@@ -72,6 +72,12 @@ struct ViewResult {
   static auto members(auto& self) { return std::tie(self.place, self.photo, self.reference_image); }
 };
 
+struct PlaneImage {
+  std::string plane, image;
+
+  static auto members(auto& self) { return std::tie(self.plane, self.image); }
+};
+
 struct RowResult {
   Place place;
   int threads = 0;
@@ -88,12 +94,13 @@ struct RowResult {
   StageMemory bytes;
   std::uint64_t device_bytes = 0, host_bytes = 0;
   std::string image, error_image;
+  std::vector<PlaneImage> plane_images;
 
   static auto members(auto& self) {
     return std::tie(self.place, self.threads, self.renderer, self.planes, self.frames, self.batch, self.ms,
                     self.errors, self.photo, self.visible, self.intersections, self.contributing_pairs,
                     self.segments, self.pixels_joined, self.longest_item, self.counted_ms, self.bytes,
-                    self.device_bytes, self.host_bytes, self.image, self.error_image);
+                    self.device_bytes, self.host_bytes, self.image, self.error_image, self.plane_images);
   }
 };
 

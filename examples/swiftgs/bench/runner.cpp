@@ -7,6 +7,7 @@
 #include <swiftgs/bounds/three_sigma_square.hpp>
 
 #include "bench/machine.hpp"
+#include "draw/plane_pictures.hpp"
 #include "draw/renderer_words.hpp"
 
 namespace swiftgs::cli {
@@ -169,8 +170,12 @@ RowResult Runner::row_of(const Session& session, std::size_t view, Subject& subj
   row.errors = verdict.errors, row.photo = verdict.photo;
   if (judged && view == 0 && !options_.images.empty()) {
     // Renderers that draw the same bits share their files.
-    row.image = write_image(row.place, frame, "frame");
+    Frame opaque;
+    opaque.width = frame.width, opaque.height = frame.height, opaque.colour = frame.colour;
+    row.image = write_image(row.place, opaque, "frame");
     row.error_image = write_image(row.place, judge.error_map(frame), "error");
+    for (const PlanePicture& shown : pictures_of_planes(frame))
+      row.plane_images.push_back({shown.plane, write_image(row.place, shown.picture, shown.plane)});
   }
   return row;
 }

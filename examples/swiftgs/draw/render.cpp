@@ -92,8 +92,10 @@ void use_calibration(AnyRenderer& renderer, const std::string& file, const Scene
 
 void render(const RenderOptions& options) {
   const Writer write = writer_of(options.format);
-  if (!options.view.planes.empty() && options.format != "exr")
-    throw std::invalid_argument("--planes: expected --format exr, whose channels hold them");
+  const std::string& planes = options.view.planes;
+  if (!planes.empty() && options.format != "exr" && !(planes == "alpha" && options.format == "png"))
+    throw std::invalid_argument(
+        "--planes: expected --format exr, whose channels hold them, or alpha in a PNG");
   require_batch(options.batch);
   validate(options.lens);
   const Capture capture = capture_of(options.scene);
@@ -114,6 +116,9 @@ void render(const RenderOptions& options) {
   find_views(views, *scene, drawn.camera);
   use_lens(views, options.lens, *scene);
   settings = settings_for(settings, *scene);
+  if (options.format == "png" && settings.outputs.alpha && settings.background != vec3(0))
+    throw std::invalid_argument("--background " + options.view.background +
+                                ": expected 0,0,0 in a PNG with alpha, whose colours are straight");
   ResultFile json(options.json);
   ResultHead head = json.is_wanted() ? head_of("swiftgs-render") : ResultHead();
   head.notes = std::move(notes);

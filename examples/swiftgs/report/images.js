@@ -2,7 +2,8 @@
 'use strict';
 
 /// Frames beside the reference: one over the other with a slider between them, and the error map with its legend.
-/// `pairs` are {label, frame, reference, error, width, height}, of which `reference` and `error` may be null.
+/// `pairs` are {label, frame, reference, error, width, height, planes}, of which `reference` and `error` may be null;
+/// `planes` are {plane, source}, the frame's other planes as pictures.
 function imagePairs(pairs) {
   const stand = element('div', {class: 'stand'});
   const slider = element('input', {type: 'range', min: 0, max: 100, value: 50, class: 'slider'});
@@ -31,6 +32,8 @@ function imagePairs(pairs) {
     const reference = pair.reference && picture(pair.reference, 'Reference in float64', 'under');
     const shown = {slider: [reference, frame], frame: [frame], reference: [reference],
                    error: [pair.error && picture(pair.error, `Error map of ${pair.label}`, 'under')]};
+    for (const {plane, source} of pair.planes)
+      shown[plane] = [picture(source, `${plane} of ${pair.label}`, 'under')];
     stand.replaceChildren(...shown[mode]);
     sliderLine.hidden = mode !== 'slider';
     legend.hidden = mode !== 'error';
@@ -41,7 +44,8 @@ function imagePairs(pairs) {
   function choose() {
     const pair = pairs[choice.value], before = modes.value;
     const ways = [['slider', 'slider', pair.reference], ['frame', 'frame', true],
-                  ['reference', 'reference', pair.reference], ['error', 'error map', pair.error]]
+                  ['reference', 'reference', pair.reference], ['error', 'error map', pair.error],
+                  ...pair.planes.map(({plane}) => [plane, plane.replaceAll('_', ' '), true])]
       .filter(([, , there]) => there);
     modes.replaceChildren(...ways.map(([value, title]) => element('option', {value}, title)));
     if (ways.some(([value]) => value === before)) modes.value = before;

@@ -174,7 +174,8 @@ const page = (() => {
     const pairs = chosen.filter(row => typeof row.image === 'number').map(row => {
       const view = data.files[row.file].views.find(one => sameView(one, row));
       return {label: row.renderer + (several ? `, ${row.view}` : ''), frame: uri(row.image),
-              error: uri(row.error_image), reference: uri(view?.reference_image), width: row.width, height: row.height};
+              error: uri(row.error_image), reference: uri(view?.reference_image), width: row.width, height: row.height,
+              planes: (row.plane_images ?? []).map(({plane, image}) => ({plane, source: uri(image)}))};
     });
     pairs.sort((a, b) => a.label < b.label ? -1 : 1);
     find('#images').hidden = pairs.length === 0;

@@ -64,8 +64,10 @@ void report(const ReportOptions& options) {
     const bool is_stress = results["format"] == stress_format;
     if (!is_stress) {
       for (Json& view : results["views"]) images.take(view, "reference_image", name);
-      for (Json& row : results["rows"])
+      for (Json& row : results["rows"]) {
         images.take(row, "image", name), images.take(row, "error_image", name);
+        for (Json& plane : row["plane_images"]) images.take(plane, "image", name);
+      }
     }
     rows += results["rows"].size();
     results["file"] = std::filesystem::path(name).filename().string();

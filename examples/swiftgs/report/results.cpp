@@ -41,6 +41,8 @@ constexpr Needed members_of_view[] = {{"scene", Kind::text},
                                       {"photo_ssim", Kind::optional_number},
                                       {"reference_image", Kind::optional_text}};
 
+constexpr Needed members_of_plane_image[] = {{"plane", Kind::text}, {"image", Kind::text}};
+
 constexpr Needed members_of_row[] = {{"scene", Kind::text},
                                      {"gaussians", Kind::amount},
                                      {"enlarge", Kind::positive},
@@ -163,6 +165,10 @@ void check_members(const Json& value, const Needed (&members)[n], const std::str
 
 void check_row(const Json& row, const std::string& where) {
   check_members(row, members_of_row, where);
+  if (const auto planes = row.find("plane_images"); planes != row.end()) {  // older files have none
+    if (!planes->is_array()) refuse(where + ".plane_images", "an array");
+    for (const Json& plane : *planes) check_members(plane, members_of_plane_image, where + ".plane_images");
+  }
   if (const auto bytes = row.find("bytes"); bytes != row.end())  // older files have none
     check_members(*bytes, members_of_bytes, where + ".bytes");
   const auto ms = row.find("ms");

@@ -91,7 +91,7 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_share_scene(swiftgs_renderer* rend
 
 /// What a frame measures beside its images. Flags are added.
 enum {
-  SWIFTGS_MEASURE_COUNTS = 1,  ///< the raster part of `swiftgs_statistics`, which costs some time
+  SWIFTGS_MEASURE_COUNTS = 1,  ///< all of `swiftgs_statistics`, which costs some time
   SWIFTGS_MEASURE_TIMES = 2    ///< `swiftgs_renderer_times`, which costs a device some microseconds
 };
 
@@ -192,7 +192,7 @@ typedef struct swiftgs_statistics {
   uint64_t gaussians;      ///< in the scene
   uint64_t visible;        ///< projected to splats
   uint64_t intersections;  ///< pairs of splat and tile
-  /// The raster part, 0 unless the frame measured counts.
+  /// 0 unless the frame measured counts, as all below.
   uint64_t intersections_visited;  ///< before all pixels of their raster block had stopped
   uint64_t rows_visited;           ///< rows of pixels on which an intersection was evaluated
   uint64_t contributing_pairs;     ///< pairs of pixel and splat that were blended
@@ -201,9 +201,12 @@ typedef struct swiftgs_statistics {
   uint64_t pixels_joined;          ///< pixels of those segments that were joined with what lies in front
   uint64_t longest_item;           ///< most intersections that one core, warp or block worked off alone
   double balanced_ms;  ///< the raster stage if its work were shared out evenly @units{milliseconds}
+  /// Those of `intersections` at or behind an occluder in all pixels of their tile. A depth buffer that is
+  /// taken for depths themselves hides nearly all: see `stored_depth` of the view.
+  uint64_t intersections_hidden;
 } swiftgs_statistics;
 
-/// Fills `statistics`, whose size is set. Waits for the raster part where the frame measured it.
+/// Fills `statistics`, whose size is set. Waits for counts where the frame measured them.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_statistics(const swiftgs_renderer* renderer,
                                                          swiftgs_statistics* statistics);
 

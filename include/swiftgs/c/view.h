@@ -62,13 +62,23 @@ enum {
 SWIFTGS_C_API swiftgs_status swiftgs_conventions_named(const char* name, swiftgs_conventions* conventions);
 
 /// Format of colours in memory, interleaved. The last channel of RGBA is alpha, and colours are premultiplied
-/// by it. Colours are in the scene's own values, usually sRGB-encoded; the library does not convert them.
+/// by it. Colours are in the scene's own values, usually sRGB-encoded, unless `conversion` of the view says
+/// otherwise.
 enum {
   SWIFTGS_RGB_FLOAT = 0,   ///< 12 bytes
   SWIFTGS_RGBA_FLOAT = 1,  ///< 16 bytes
   SWIFTGS_RGBA_HALF = 2,   ///< 8 bytes, IEEE half
   SWIFTGS_RGBA_8 = 3,      ///< 4 bytes; cut to [0, 1] and rounded to the nearest of 255 steps
   SWIFTGS_BGRA_8 = 4       ///< the same with blue first, as most swap chains have it
+};
+
+/// What makes an image's colours of the scene's values: the sRGB curve or its inverse, of straight colours.
+/// Alpha is never converted. `over` lays splats on an image of the view's own kind of values; a view without
+/// alpha, or before a background that is not black, is converted as a whole picture.
+enum {
+  SWIFTGS_CONVERT_NOTHING = 0,
+  SWIFTGS_CONVERT_SRGB_TO_LINEAR = 1,  ///< the scene's values are sRGB-encoded, the view's linear light
+  SWIFTGS_CONVERT_LINEAR_TO_SRGB = 2   ///< the other way round
 };
 
 /// One plane of a frame in the caller's memory. NULL means absent, and absent planes are not computed.
@@ -124,11 +134,11 @@ typedef struct swiftgs_view {
   swiftgs_plane median_id;   ///< uint32: index of the Gaussian of `median_depth`; or `SWIFTGS_NOTHING`
   swiftgs_plane features;    ///< `feature_channels` floats: sum of weight times feature
   int32_t feature_channels;  ///< their number: the scene's first ones
-  uint32_t reserved;         ///< 0
+  int32_t conversion;        ///< of `colour`: `SWIFTGS_CONVERT_...`
 } swiftgs_view;
 
 /// Pixels of an image on the host, for `swiftgs_image_write`. Planes are those of `swiftgs_view`, only read.
-/// Only EXR holds more than colour.
+/// PNG holds colour, and alpha with straight colours; EXR holds all.
 typedef struct swiftgs_image {
   uint32_t size;             ///< `sizeof(swiftgs_image)`
   int32_t width, height;     ///< @units{pixels}

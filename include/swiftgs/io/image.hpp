@@ -27,8 +27,9 @@ SWIFTGS_API Image read_image(const std::filesystem::path& path);
 /// The same from memory; `name` stands for the file in error messages.
 SWIFTGS_API Image read_image(std::span<const std::byte> bytes, const std::string& name);
 
-/// Writes colour as 8-bit RGB, clamped to 0 to 1 and rounded; a NaN becomes 0. Values are the scene's own
-/// and written as they are: no gamma is applied. That is right if they are sRGB-encoded, as they usually
+/// Writes colour as 8-bit RGB, clamped to 0 to 1 and rounded; a NaN becomes 0. With alpha in the frame the
+/// image is RGBA, of straight colours: of colours over alpha, so the background should be black. Values are
+/// the scene's own and written as they are: no gamma is applied. That is right if they are sRGB-encoded, as they usually
 /// are. The writers throw `std::invalid_argument` if the frame holds no colour, or `std::system_error` if
 /// the file cannot be written; `path` then keeps what it held, as the new file takes its place when it is
 /// whole.

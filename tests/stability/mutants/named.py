@@ -13,6 +13,8 @@ PICKER = "policies/pixel_picker_test"
 PLANES = "policies/plane_arithmetic_test"
 FRAMES = "policies/contract_planes_test --test-case=*Serial*"
 CPU_FRAMES = "policies/contract_planes_test --test-case=*Cpu*"
+HIDDEN = "policies/contract_test --test-case=hidden*Serial*"
+CONVERSION = "policies/contract_test --test-case=conversion*Serial*"
 BANDS = "mpi/mpi_strips_test"
 
 NAMED = [
@@ -117,6 +119,15 @@ NAMED = [
     Mutant("exchange: a rank's own splats count as sent", "backends/mpi/include/swiftgs/mpi/renderer.hpp",
            "mine.sent = shares_.begins.back() - shares_.count_for(own);", "mine.sent = shares_.begins.back();",
            test="mpi/launch -n 3 mpi/mpi_frames_test"),
+    # Frames.
+    Mutant("hidden: a splat at the occluder's depth is not counted", I + "hidden_stage.hpp",
+           "job.splats.depths[job.lists.ids[middle]] >= depth", "job.splats.depths[job.lists.ids[middle]] > depth",
+           test=HIDDEN),
+    Mutant("conversion: the image below is taken as it is", I + "store_pixel.hpp",
+           "frame.over ? load_below(frame, x, y) : vec4(background, 0)",
+           "frame.over ? load_colour(frame, x, y) : vec4(background, 0)", test=CONVERSION),
+    Mutant("conversion: premultiplied colours go through the curve", I + "store_pixel.hpp",
+           "const float straight = channel / alpha;", "const float straight = channel;", test=CONVERSION),
     # Files.
     Mutant("spz: bytes that are rounded to the ends count as clamped", "backends/io/spz_encode.cpp",
            "!(value > -0.5f && value < 255.5f);\n    *to_++", "!(value > 0 && value < 255);\n    *to_++",

@@ -130,6 +130,9 @@ struct SplatAttributes;
 SWIFTGS_API void gather_attributes(Cuda& cuda, const SplatAttributes& from, const Views& views,
                                    AttributeRow* to);
 
+/// One thread block per tile.
+SWIFTGS_API void count_hidden(Cuda& cuda, const RasterJob& job, std::uint32_t* to);
+
 struct PickJob;
 /// One warp per pixel, eight pixels of a row in a thread block.
 SWIFTGS_API void pick_pixels(Cuda& cuda, const PickJob& job);

@@ -123,9 +123,9 @@ inline Extras extras_of(const RasterJob& job) {
   return std::any_of(job.views.begin(), job.views.end(), wants) ? Extras::depth : Extras::none;
 }
 
-/// Clears the counts of `job` and calls f.operator()<extras>(input). Throws as `raster_blocks_of`.
+/// `with_raster_input` of views that convert no colours.
 template <class F>
-void with_raster_input(Cuda& cuda, const RasterJob& job, const F& f) {
+void with_unconverted(Cuda& cuda, const RasterJob& job, const F& f) {
   const RasterBlocks raster_blocks = raster_blocks_of(job);
   if (job.counts) cuda.clear(job.counts, raster_blocks.size() * sizeof(RasterCounts));
   const std::uint32_t* const order = order_raster_blocks(cuda, job.lists, raster_blocks);
@@ -146,6 +146,29 @@ void with_raster_input(Cuda& cuda, const RasterJob& job, const F& f) {
         return f.template operator()<Extras::all>(input);
     }
   });
+}
+
+/// The views, but those that convert colours draw them as they are blended to memory of the backend. A single
+/// view is then `one`.
+SWIFTGS_API Views redirect_colours(Cuda& cuda, const Views& views, View& one);
+/// Converts what rasterizers have drawn there, and writes it to the frames of `job`.
+SWIFTGS_API void convert_colours(Cuda& cuda, const RasterJob& job);
+
+inline bool some_view_converts(const RasterJob& job) {
+  return !job.only_attributes && std::any_of(job.views.begin(), job.views.end(), [](const View& view) {
+    return view.frame.colour.data && view.frame.conversion != Conversion::as_is;
+  });
+}
+
+/// Clears the counts of `job` and calls f.operator()<extras>(input). Throws as `raster_blocks_of`.
+template <class F>
+void with_raster_input(Cuda& cuda, const RasterJob& job, const F& f) {
+  if (!some_view_converts(job)) return with_unconverted(cuda, job, f);
+  View one;
+  RasterJob redirected = job;
+  redirected.views = redirect_colours(cuda, job.views, one);
+  with_unconverted(cuda, redirected, f);
+  convert_colours(cuda, job);
 }
 
 /// Warps of `kernel` that an otherwise idle device holds at once. 0 unless `job` is counted.
