@@ -218,7 +218,7 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
     [[maybe_unused]] const DrawFunction draw_group = draw_functions[int(blending)];
     const PlaneStates planes{!kColours && job.picks(view) ? &picks : nullptr,
                              !kColours && job.attributes.rows != 0 ? &sums : nullptr,
-                             !kColours && HidesAlongRay(view) ? &rays : nullptr};
+                             !kColours && hides_along_ray(view) ? &rays : nullptr};
     Clear<Groups>(place, blending, state);
     if (planes.picks) ClearPicks(picks);
     if (planes.sums) ClearSums(job.attributes, sums);

@@ -172,7 +172,7 @@ HWY_INLINE void Clear(const PlacedRasterBlock& block, Blending blending, RasterB
   if (block.columns < raster_block_side || block.rows < raster_block_side)
     Groups::FromRows(state.transmittance);
   if (!IsOccluded(blending)) return;
-  if (block.view.frame.occluder.data && !block.view.camera.depth_along_ray)
+  if (block.view.frame.occluder.data && !hides_along_ray(block.view))
     LoadOccluder<Groups>(block, state.occluder);
   else
     Fill(state.occluder, std::numeric_limits<float>::infinity());

@@ -25,10 +25,6 @@ struct alignas(64) RayState {
   Plane x, y, occluder;
 };
 
-HWY_INLINE bool HidesAlongRay(const View& view) {
-  return view.frame.occluder.data && view.camera.depth_along_ray;
-}
-
 template <class Groups>
 HWY_INLINE void PrepareRays(const PlacedRasterBlock& block, RayState& rays) {
   const F32 d;

@@ -12,13 +12,13 @@ namespace kernels {
 inline constexpr unsigned attribute_threads = 256;
 
 /// One thread per splat.
-template <class ViewSource>
+template <bool along_ray, class ViewSource>
 __global__ void __launch_bounds__(attribute_threads)
     gather_attributes(const __grid_constant__ SplatAttributes from, const __grid_constant__ ViewSource views,
                       AttributeRow* to) {
   const std::size_t i = std::size_t(blockIdx.x) * blockDim.x + threadIdx.x;
   if (i >= from.splats.count().get()) return;
-  from.gather(views[from.splats.view(i)], i, to);
+  from.gather<along_ray>(views[from.splats.view(i)], i, to);
 }
 }  // namespace kernels
 
@@ -26,9 +26,14 @@ void gather_attributes(Cuda& cuda, const SplatAttributes& from, const Views& vie
   const std::size_t most = from.splats.size();
   if (most == 0) return;
   kernels::with_views(views, [&]<class ViewSource>(const ViewSource& source) {
-    launch("gather_attributes", kernels::gather_attributes<ViewSource>,
-           blocks_for(most, kernels::attribute_threads), kernels::attribute_threads, cuda.stream(), from,
-           source, to);
+    const auto gather = [&](auto kernel) {
+      launch("gather_attributes", kernel, blocks_for(most, kernels::attribute_threads),
+             kernels::attribute_threads, cuda.stream(), from, source, to);
+    };
+    if (from.along_ray(views.each))
+      gather(kernels::gather_attributes<true, ViewSource>);
+    else
+      gather(kernels::gather_attributes<false, ViewSource>);
   });
 }
 

@@ -41,20 +41,27 @@ struct RasterBlockPixel {
     return vec2(float(view().left() + place.x) + 0.5f, float(view().top() + place.y) + 0.5f);
   }
 
+  __device__ vec2 ray_place() const { return place_of(view(), std::size_t(place.x), std::size_t(place.y)); }
+
   /// Whether no pixel of the raster block is left that could show another splat. A barrier of the block.
   __device__ bool all_stopped() const { return __syncthreads_and(!pixel.live()) != 0; }
 
   /// Blends the splat whose id is `lists.ids[at]`.
   __device__ void blend(float alpha, const float4& colour, std::uint32_t at) {
-    if constexpr (extras) ++evaluated;
-    const float before = pixel.transmittance, left = Pixel::dimmed(before, alpha);
-    kernels::blend<extras>(pixel, alpha, left, colour, place.occluder, counts);
-    if constexpr (extras) {
+    if constexpr (!extras) {
+      kernels::blend<false>(pixel, alpha, Pixel::dimmed(pixel.transmittance, alpha), colour, INFINITY,
+                            counts);
+    } else {
       const RasterJob& job = input.job;
-      if (!(alpha > 0 && pixel.live()) || !(job.attributes.rows != 0 || job.picks(view()))) return;
       const std::uint32_t id = job.lists.ids[at];
+      const bool along_ray = hides_along_ray(view());
+      ++evaluated;
+      if (along_ray && alpha > 0 && job.attributes.ray_depth(id).at(ray_place()) >= place.occluder) return;
+      const float before = pixel.transmittance, left = Pixel::dimmed(before, alpha);
+      kernels::blend<true>(pixel, alpha, left, colour, along_ray ? INFINITY : place.occluder, counts);
+      if (!(alpha > 0 && pixel.live())) return;
       job.attributes.add(sums, id, alpha * before);
-      picks.offer(id, alpha * before, left, view().rules.first_below);
+      if (job.picks(view())) picks.offer(id, alpha * before, left, view().rules.first_below);
     }
   }
 
@@ -64,7 +71,7 @@ struct RasterBlockPixel {
     if (place.inside) {
       if constexpr (extras) {
         store_pixel(input.job, view(), x, y, pixel.blended(), sums);
-        if (input.job.picks(view())) store_picks(view().frame, input.job.splats, x, y, picks);
+        if (input.job.picks(view())) store_picks(input.job, view(), x, y, picks);
       } else {
         store_pixel(view().frame, x, y, pixel.blended(), view().background);
       }

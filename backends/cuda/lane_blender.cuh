@@ -62,10 +62,11 @@ struct LaneBlender {
   Pixel pixels[pixel_count];
   float occluders[pixel_count];
   ThreadCounts counts[pixel_count];
+  LaneRays<Planes::rays, pixel_count> rays;
   LanePlanes<Planes, pixel_count> planes;
 
-  __device__ LaneBlender(const View& view, float x_, float y_)
-      : rules(view.rules), x(x_), y(y_), right(0), occluders{}, planes(view) {}
+  __device__ LaneBlender(const RasterJob& job, const View& view, float x_, float y_)
+      : rules(view.rules), x(x_), y(y_), right(0), occluders{}, rays(job, view), planes(view) {}
 
   /// Blends `count` splats from `first` on: whole groups of `group_size` splats; with all extras, any number.
   __device__ void blend_queued(const Queue<Exponent, extras>& queue, unsigned first, unsigned count) {
@@ -73,11 +74,14 @@ struct LaneBlender {
       for (unsigned k = first; k < first + count; ++k) {
         float alphas[pixel_count];
         evaluate(queue.terms[k], queue.rests[k], alphas);
+        const bool along_ray = rays.depths;
 #pragma unroll
         for (unsigned p = 0; p < pixel_count; ++p) {
+          if (along_ray && alphas[p] > 0 && rays.hide(queue.ids[k], p)) alphas[p] = 0;
           const float before = pixels[p].transmittance;
           const float left = Pixel::dimmed_relative(before, alphas[p] * before, rules.alpha_max);
-          blend<true>(pixels[p], alphas[p], left, queue.colours[k], occluders[p], counts[p]);
+          blend<true>(pixels[p], alphas[p], left, queue.colours[k], along_ray ? INFINITY : occluders[p],
+                      counts[p]);
           if constexpr (Planes::picks)
             if (alphas[p] > 0 && pixels[p].live()) planes.offer(p, queue.ids[k], alphas[p] * before, before);
         }
@@ -119,7 +123,7 @@ struct LaneBlender {
 #pragma unroll
       for (unsigned p = 0; p < pixel_count; ++p) alphas[p][k] = of_splat[p];
     }
-    const unsigned hidden = extras != Extras::none ? hide(alphas, colours) : 0;
+    const unsigned hidden = extras != Extras::none ? hide(alphas, colours, queue, first) : 0;
     float left[pixel_count][group_size + 1];
     weigh_group(pixels, alphas, rules.alpha_max, weights, left);
     if constexpr (Planes::picks) planes.offer_group(queue, first, weights, left);
@@ -145,12 +149,19 @@ struct LaneBlender {
 
   /// Leaves out splats of a group that lie at the occluders or behind. Depths do not fall within a group.
   /// Returns a bit for each pixel that would have shown one: it stops there, as where splats are blended one
-  /// by one, because a segment that a pixel enters is joined with a rounding.
-  __device__ unsigned hide(float (&alphas)[pixel_count][group_size], const float4* colours) const {
+  /// by one, because a segment that a pixel enters is joined with a rounding. By depths along the ray, which
+  /// may fall, it goes on.
+  __device__ unsigned hide(float (&alphas)[pixel_count][group_size], const float4* colours,
+                           const Queue<Exponent, extras>& queue, unsigned first) const {
     float nearest = occluders[0];
     if constexpr (pixel_count == 2) nearest = fminf(nearest, occluders[1]);
     unsigned hidden = 0;
     if (!(colours[group_size - 1].w >= nearest)) return hidden;
+    if constexpr (Planes::rays)
+      if (rays.depths) {
+        hide_along_ray(alphas, queue, first);
+        return hidden;
+      }
 #pragma unroll
     for (unsigned p = 0; p < pixel_count; ++p) {
 #pragma unroll
@@ -161,6 +172,22 @@ struct LaneBlender {
       }
     }
     return hidden;
+  }
+
+  __device__ void hide_along_ray(float (&alphas)[pixel_count][group_size],
+                                 const Queue<Exponent, extras>& queue, unsigned first) const {
+    // A bit for each splat that a pixel shows: an index into `alphas` would have them in memory.
+    unsigned shown = 0;
+#pragma unroll
+    for (unsigned i = 0; i < pixel_count * group_size; ++i)
+      if (alphas[i % pixel_count][i / pixel_count] > 0) shown |= 1u << i;
+    for (unsigned left = shown; left != 0; left &= left - 1) {
+      const unsigned i = unsigned(__ffs(int(left))) - 1;
+      if (rays.hide(queue.ids[first + i / pixel_count], i % pixel_count)) shown &= ~(1u << i);
+    }
+#pragma unroll
+    for (unsigned i = 0; i < pixel_count * group_size; ++i)
+      if (!(shown >> i & 1)) alphas[i % pixel_count][i / pixel_count] = 0;
   }
 
   __device__ void stop(unsigned pixels_to_stop) {

@@ -92,15 +92,17 @@ struct WorkItemBlender {
     const std::uint32_t count = min(splats.count(), most);
     if (warp() == 0) {
       const Share share(Round(1, pixels_of_warp_block, 0), 0);
-      LaneBlender<Exponent, threshold, extras, pixels_of_lane> lane(view, float(place.column),
+      LaneBlender<Exponent, threshold, extras, pixels_of_lane> lane(input.job, view, float(place.column),
                                                                     float(place.row));
+      lane.rays.put(view, place.x + place.column, place.y + place.row);
 #pragma unroll
       for (unsigned p = 0; p < pixels_of_lane; ++p) {
         const JoinedPixel from = shared.joined.load(pixel_of_warp_block(p));
         lane.pixels[p] = from.stopped();
         if (shared.live[p] >> lane_index() & 1) lane.pixels[p].start(rules.stop_below, from.total.w);
         shared.planes.go_on(pixel_of_warp_block(p), lane.planes, p, lane.pixels[p].live(), rules);
-        if constexpr (extras != Extras::none) lane.occluders[p] = place.pixel(view.frame, p, true).occluder;
+        if constexpr (extras != Extras::none)
+          lane.occluders[p] = lane.rays.take(p, place.pixel(view.frame, p, true).occluder);
       }
       __syncwarp();
       blend_splats(lane, splats, 0, count, count, share);
@@ -169,7 +171,7 @@ struct WorkItemBlender {
   template <unsigned pixel_count>
   __device__ void blend_round(const SegmentSplats& splats, const Round& round) {
     const Share share(round, group.rank);
-    LaneBlender<Exponent, threshold, extras, pixel_count> lane(view, 0, 0);
+    LaneBlender<Exponent, threshold, extras, pixel_count> lane(input.job, view, 0, 0);
     BeforeSegment befores[pixel_count];
 #pragma unroll
     for (unsigned p = 0; p < pixel_count; ++p) {
@@ -180,6 +182,7 @@ struct WorkItemBlender {
       if (p == 0) {
         const unsigned first = at.column % columns_between;
         lane.x = float(first), lane.right = float(at.column - first), lane.y = float(at.row);
+        lane.rays.put(view, place.x + int(at.column), place.y + int(at.row));
       }
       // A pixel that stops by the transmittance before the round stops in this segment or an earlier one.
       const float before = shared.joined.totals[pixel].w;
@@ -188,8 +191,8 @@ struct WorkItemBlender {
         if (live && share.segment == 0)
           befores[p].limits = limits_of(lane, pixel).in_segment(before, round.first);
       if constexpr (extras != Extras::none)
-        lane.occluders[p] =
-            PixelPlace(view.frame, place.x + int(at.column), place.y + int(at.row), true).occluder;
+        lane.occluders[p] = lane.rays.take(
+            p, PixelPlace(view.frame, place.x + int(at.column), place.y + int(at.row), true).occluder);
     }
     const unsigned first_of_warp = group.rank * round.segments_of_block() + warp() * round.segments_of_warp;
     const std::uint32_t most = round.splats_of(first_of_warp);

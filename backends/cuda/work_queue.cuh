@@ -171,8 +171,9 @@ struct WorkQueues {
     return reinterpret_cast<Planes*>(planes)[item - items];
   }
 
-  /// Reserves an item for a warp that blended, visited and left so many. Null if the traversal is short and
-  /// no helper is idle, if too little is left, or if the queues are full.
+  /// Reserves an item for a warp that blended, visited and left so many. Null if the traversal is short and,
+  /// where warps are `eager`, no helper is idle, if too little is left, or if the queues are full.
+  template <bool eager>
   __device__ WorkItem* reserve_item(std::uint32_t blended, std::uint32_t visited,
                                     std::uint32_t intersections_left) const {
     if (intersections_left < least_left) return nullptr;
@@ -182,7 +183,7 @@ struct WorkQueues {
       // A shorter queue, if one is full.
       unsigned q = queue_of(intersections_left);
       while (q != shorter && found(q) == most(q)) ++q;
-      if (found(q) != most(q) && (is_long || is_awaited(q))) {
+      if (found(q) != most(q) && (is_long || (eager && is_awaited(q)))) {
         slot = first[q] + atomicAdd(&state->queues[q].found, 1u);
         if (slot >= first[q + 1]) slot = none;
       }
@@ -200,8 +201,11 @@ struct WorkQueues {
   }
 
   /// After a traversal of a frame without work queues.
+  template <bool eager>
   __device__ void end_traversal(std::uint32_t blended, std::uint32_t visited) const {
-    if ((blended >= loud_blended || visited >= loud_visited) && lane_index() == 0)
+    const std::uint32_t most_blended = eager ? loud_blended : long_blended,
+                        most_visited = eager ? loud_visited : long_visited;
+    if ((blended >= most_blended || visited >= most_visited) && lane_index() == 0)
       word(*quiet_frames).store(0, cuda::memory_order_relaxed);
   }
 

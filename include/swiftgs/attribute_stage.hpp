@@ -3,8 +3,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <stdexcept>
-#include <string>
 #include <tuple>
 
 #include <swiftgs/backend.hpp>
@@ -26,36 +24,50 @@ struct SplatAttributes {
   int first = 0;      ///< attribute of the frame
   unsigned rows = 0;  ///< of `AttributesView`
 
-  /// Writes the rows of splat `i`, which `view` shows.
+  /// Whether views may need depths along the ray here. Their arithmetic takes a device many registers.
+  bool along_ray(Span<const View> views) const {
+    return first == 0 && std::any_of(views.begin(), views.end(), takes_ray_depth);
+  }
+
+  /// Writes the rows of splat `i`, which `view` shows. `some_along_ray`: as of `along_ray`.
+  template <bool some_along_ray>
   SWIFTGS_HD void gather(const View& view, std::size_t i, AttributeRow* to) const {
-    RayDepth along_ray;
-    if (first == 0 && takes_ray_depth(view))
-      along_ray = ray_depth(view.camera, gaussian(scene, splats.gaussians[i]), splats.shapes[i].mean,
-                            splats.depths[i], most_attribute(view.rules.alpha_max));
-    for (unsigned r = 0; r < rows; ++r) to[r * splats.size() + i] = row(view, r, i, along_ray);
+    Geometry of;
+    const std::size_t id = splats.gaussians[i];
+    if (some_along_ray && takes_ray_depth(view))
+      of.along_ray = ray_depth(view.camera, gaussian(scene, id), splats.shapes[i].mean, splats.depths[i],
+                               most_attribute(view.rules.alpha_max));
+    // Both are among the first attributes of a frame.
+    if (first == 0 && view.frame.normal.data) of.normal = splat_normal(view.camera, scene, id);
+    for (unsigned r = 0; r < rows; ++r) to[r * splats.size() + i] = row(view, r, i, of);
   }
 
  private:
+  struct Geometry {
+    RayDepth along_ray;
+    vec3 normal{0};
+  };
+
   /// What is not finite counts as 0. Larger magnitudes than `most_attribute` are cut to it.
-  SWIFTGS_HD AttributeRow row(const View& view, unsigned r, std::size_t i, const RayDepth& along_ray) const {
+  SWIFTGS_HD AttributeRow row(const View& view, unsigned r, std::size_t i, const Geometry& of) const {
     const float largest = 3.4028234663852886e38f, most = most_attribute(view.rules.alpha_max);
     const float depth = splats.depths[i];
     const std::size_t id = splats.gaussians[i];
     AttributeRow out;
-    vec3 normal(0);
     for (unsigned c = 0; c < AttributeRow::channels; ++c) {
       const Attribute from = attribute(view, first + int(r * AttributeRow::channels + c));
       float value = 0;
       switch (from.of) {
         case Attribute::Of::ray_depth:
-          value = from.channel == 0 ? along_ray.middle : from.channel == 1 ? along_ray.x : along_ray.y;
+          value = from.channel == 0   ? of.along_ray.middle
+                  : from.channel == 1 ? of.along_ray.x
+                                      : of.along_ray.y;
           break;
         case Attribute::Of::squared_ray_depth:
-          value = along_ray.square(from.channel);
+          value = of.along_ray.square(from.channel);
           break;
         case Attribute::Of::normal:
-          if (c == 0 || from.channel == 0) normal = splat_normal(view.camera, scene, id);
-          value = normal[from.channel];
+          value = of.normal[from.channel];
           break;
         case Attribute::Of::squared_depth:
           value = depth * depth < most ? depth * depth : most;  // it may be infinite
@@ -78,7 +90,7 @@ struct GatherAttributes {
   const View* views;
   AttributeRow* to;
 
-  void operator()(std::size_t i) const { from.gather(views[from.splats.view(i)], i, to); }
+  void operator()(std::size_t i) const { from.gather<true>(views[from.splats.view(i)], i, to); }
 };
 
 /// Writes attributes of all splats to `to`, @shape{rows, splats}, on hosts. A device overloads this.
@@ -95,19 +107,6 @@ inline int attribute_count(Span<const View> views) {
   return most;
 }
 
-/// Devices sum depths along the ray, but do not find that of one splat at a pixel. Throws
-/// `std::invalid_argument` for views that need it.
-inline void refuse_pixels_along_ray(Span<const View> views) {
-  for (std::size_t i = 0; i < views.size; ++i) {
-    const FrameView& frame = views[i].frame;
-    if (views[i].camera.depth_along_ray &&
-        (frame.occluder.data || frame.first_depth.data || frame.median_depth.data))
-      throw std::invalid_argument("render: view " + std::to_string(i) +
-                                  " has an occluder, first or median depths along the ray, expected depths "
-                                  "of centres for these on a device");
-  }
-}
-
 /// Rasterizes frames that may ask for attributes.
 template <class B>
 class AttributeStage {
@@ -116,17 +115,22 @@ class AttributeStage {
   template <class Rasterize>
   void draw(B& b, const SceneView& scene, RasterJob job, const Rasterize& rasterize) {
     const int count = attribute_count(job.views.each), most = int(AttributesView::most);
-    if constexpr (!B::reaches_host_memory) refuse_pixels_along_ray(job.views.each);
-    // A device's kernels that count know nothing of attributes.
-    const bool counts_apart = job.counts && !B::reaches_host_memory;
-    if (count == 0 || counts_apart) rasterize(job);
-    if (counts_apart) job.counts = nullptr, job.only_attributes = true;
     each_.reset(AttributesView::kept_rows_for(count) * job.splats.size());
-    for (int first = 0; first < count; first += most, job.counts = nullptr, job.only_attributes = true) {
+    const auto gather = [&](int first) {
       const SplatAttributes from{scene, job.splats, first, AttributesView::rows_for(count - first)};
       AttributeRow* const rows = each_.data() + (first == 0 ? 0 : job.splats.size());
       gather_attributes(b, from, job.views, rows);
-      job.attributes = {rows, job.splats.size(), from.rows, first, each_.data()};
+      return AttributesView{rows, job.splats.size(), from.rows, first, each_.data()};
+    };
+    // A device's kernels that count sum no attributes.
+    const bool counts_apart = job.counts && !B::reaches_host_memory;
+    if (count == 0 || counts_apart) {
+      if (count != 0) job.attributes = gather(0), job.attributes.rows = 0;
+      rasterize(job);
+    }
+    if (counts_apart) job.counts = nullptr, job.only_attributes = true;
+    for (int first = 0; first < count; first += most, job.counts = nullptr, job.only_attributes = true) {
+      job.attributes = gather(first);
       rasterize(job);
     }
   }

@@ -71,7 +71,7 @@ enum class PixelFormat {
 /// is not black, is a whole picture: its colours are converted as they are.
 enum class Conversion {
   as_is,
-  srgb_to_linear,  ///< the scene's values are sRGB-encoded, the frame's linear light
+  srgb_to_linear,  ///< the scene's values are sRGB-encoded; the frame's are linear light
   linear_to_srgb,  ///< the other way round
 };
 

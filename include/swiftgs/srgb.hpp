@@ -47,12 +47,12 @@ SWIFTGS_HD inline float with_sign_of(float sign, float magnitude) {
 }  // namespace detail
 
 /// sRGB-encoded value of linear light, within 7 units in the last place. NaN stays NaN.
-SWIFTGS_HD inline float to_srgb(float linear) {
-  const float x = detail::with_sign_of(0, linear),
+SWIFTGS_HD inline float to_srgb(float light) {
+  const float x = detail::with_sign_of(0, light),
               finite = x < detail::largest_float ? x : detail::largest_float;
   const float root = std::sqrt(x) * detail::inverse_root<12>(finite);  // x^(1/2.4)
   const float curved = std::fma(1.055f, root, -0.055f), straight = 12.92f * x;
-  return detail::with_sign_of(linear, x <= 0.0031308f ? straight : curved);
+  return detail::with_sign_of(light, x <= 0.0031308f ? straight : curved);
 }
 
 /// Linear light of an sRGB-encoded value, within 7 units in the last place. NaN stays NaN.

@@ -100,6 +100,44 @@ SWIFTGS_DEVICE_CASE(
   check_many_rows(together, scene);
 }
 
+SWIFTGS_DEVICE_CASE("cuda raster pixels: a rasterizer of the caller draws every plane") {
+  const Scene scene = with_features(random_scene(2000, 1, 22), 20);
+  const Camera camera = forward_camera(170, 90);
+  for (const auto depth_at : {Conventions::DepthAt::centre, Conventions::DepthAt::ray}) {
+    RenderSettings settings;
+    settings.outputs = {.alpha = true,
+                        .depth = true,
+                        .squared_depth = true,
+                        .first_depth = true,
+                        .median_depth = true,
+                        .normal = true,
+                        .id = true,
+                        .median_id = true,
+                        .features = 20};
+    settings.conventions.depth_at = depth_at;
+    const auto draw = [&]<class B>(B backend) {
+      Renderer<B, EarlySort, HalfAsOpaque, Ellipse> renderer(std::move(backend));
+      return renderer.render(renderer.backend().upload(scene), camera, settings);
+    };
+    const Frame serial = draw(Serial()), drawn = draw(Cuda());
+    CHECK(psnr(drawn.colour, serial.colour) > 60);
+    CHECK(psnr(drawn.normal, serial.normal) > 60);
+    CHECK(psnr(drawn.features, serial.features) > 60);
+    const auto part_differing = [&](const auto& a, const auto& b) {
+      std::size_t differing = 0;
+      for (std::size_t i = 0; i < a.size(); ++i)
+        differing += !(std::abs(double(a[i]) - double(b[i])) <= 1e-4 * std::abs(double(b[i])));
+      return double(differing) / double(a.size());
+    };
+    CHECK(part_differing(drawn.depth, serial.depth) < 0.001);
+    CHECK(part_differing(drawn.squared_depth, serial.squared_depth) < 0.001);
+    CHECK(part_differing(drawn.first_depth, serial.first_depth) < 0.001);
+    CHECK(part_differing(drawn.median_depth, serial.median_depth) < 0.001);
+    CHECK(part_differing(drawn.id, serial.id) < 0.001);
+    CHECK(part_differing(drawn.median_id, serial.median_id) < 0.001);
+  }
+}
+
 SWIFTGS_DEVICE_CASE("cuda raster pixels: counts are the host's where no threshold is near") {
   // Each leaves a fifth, so that the sixth that shows ends every pixel. Two are hidden.
   SplatSet splats;

@@ -9,7 +9,7 @@ file(GLOB_RECURSE headers "${ROOT}/include/swiftgs/*.hpp" "${ROOT}/backends/*/in
 list(FILTER headers EXCLUDE REGEX "/include/swiftgs/builtin[./]")
 set(found)
 foreach(file IN LISTS headers pages)
-  file(STRINGS "${file}" lines REGEX "linear(,| RGB)|display values")
+  file(STRINGS "${file}" lines REGEX "(^|[^_])linear(,| RGB)|display values")
   foreach(line IN LISTS lines)
     string(APPEND found "\n${file}: ${line}")
   endforeach()

@@ -34,9 +34,11 @@ Conventions along_ray(Conventions conventions = {}) {
 }
 
 /// Rounding alone reaches half of it. Split terms err more than others.
-template <class Raster = AxisSharedThreshold<FloatCholesky>>
+template <class B>
+constexpr double slack = on_host<B> ? 1 : 4;
+template <class B, class Raster = AxisSharedThreshold<FloatCholesky>>
 PlaneBounds bounds_of() {
-  const double split = Raster::name.find("split") != std::string_view::npos ? 2 : 1;
+  const double split = slack<B> * (Raster::name.find("split") != std::string_view::npos ? 2 : 1);
   return {.sum = 1.5e-5 * split,
           .mean = 6e-5 * split,
           .threshold = 1e-4,
@@ -61,15 +63,18 @@ std::vector<float> waves(const Camera& camera, float near, float far) {
 
 template <class R>
 Frame draw(R& renderer, const Scene& scene, const Camera& camera, const Conventions& conventions,
-           const std::vector<float>& occluder = {}, int features = -1) {
-  Frame frame;
-  FrameView view = prepare(frame, camera.width, camera.height,
-                           all_planes(features < 0 ? scene.feature_channels : features));
-  if (!occluder.empty()) view.occluder = {occluder.data(), std::ptrdiff_t(sizeof(float)) * camera.width};
+           const std::vector<float>& occluder = {}, bool planes = true, bool count = false) {
+  const auto& backend = renderer.backend();
+  PlanesOn<BackendOf<R>> on(backend, camera.width, camera.height,
+                            planes ? all_planes(scene.feature_channels) : Outputs{}, 7);
+  const auto depths = to_backend(backend, occluder);
+  FrameView view = on.view();
+  if (!occluder.empty()) view.occluder = {depths.data(), std::ptrdiff_t(sizeof(float)) * camera.width};
   RenderSettings settings;
-  settings.conventions = conventions;
-  renderer.render_into(renderer.backend().upload(scene).view(), camera, settings, view);
-  return frame;
+  settings.conventions = conventions, settings.count = count;
+  const auto uploaded = backend.upload(scene);
+  renderer.render_into(uploaded.view(), camera, settings, view);
+  return on.on_host(backend);
 }
 
 /// A plane z = `middle` + `across` x + `down` y of camera space, and flat cards that cover it.
@@ -120,8 +125,7 @@ struct DepthError {
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("ray depth: planes are those of the reference by every rasterizer", B,
-                   SWIFTGS_TEST_HOSTS) {
+SWIFTGS_CONTRACT("ray depth: planes are those of the reference by every rasterizer") {
   const Scene usual = with_features(random_scene(400, 1, 5), 5);
   const Scene dense = with_features(make_builtin_scene(8'000), 4);
   const Camera usual_camera = forward_camera(67, 45), dense_camera = scaled(builtin_camera(), 0.1);
@@ -131,43 +135,31 @@ TEST_CASE_TEMPLATE("ray depth: planes are those of the reference by every raster
     if constexpr (stores_half<Raster>) return;
     CAPTURE(Raster::name);
     With<B, EarlySort, Raster> renderer(make_backend<B>());
-    check_planes(draw(renderer, usual, usual_camera, along_ray()), of_usual, bounds_of<Raster>());
-    check_planes(draw(renderer, dense, dense_camera, along_ray()), of_dense, bounds_of<Raster>());
+    check_planes(draw(renderer, usual, usual_camera, along_ray()), of_usual, bounds_of<B, Raster>());
+    check_planes(draw(renderer, dense, dense_camera, along_ray()), of_dense, bounds_of<B, Raster>());
   });
 }
 
-SWIFTGS_CONTRACT("ray depth: means are those of the reference and devices refuse what is of one splat") {
+SWIFTGS_CONTRACT("ray depth: counted frames and frames of few planes have the same bits") {
   const Scene scene = make_builtin_scene(8'000);
   const Camera camera = scaled(builtin_camera(), 0.1);
-  const ReferencePlanes expected = render_reference_planes(scene, camera, along_ray());
   With<B> renderer(std::move(backend));
   const auto on = renderer.backend().upload(scene);
-  RenderSettings settings;
-  settings.conventions = along_ray();
-  const double bound = on_host<B> ? 6e-5 : 2.4e-4;
-  for (const bool squared : {false, true})
-    for (const bool count : {false, true}) {
-      settings.outputs = {.depth = true, .squared_depth = squared}, settings.count = count;
-      const Frame frame = renderer.render(on, camera, settings);
-      double worst = 0;
-      for (std::size_t i = 0; i < frame.pixels(); ++i) {
-        if (expected.threshold_margin[i] <= 1e-4 || expected.alpha[i] == 0) continue;
-        worst = std::max(worst, std::abs(double(frame.depth[i]) / expected.depth[i] - 1));
-        if (squared)
-          worst = std::max(worst, std::abs(double(frame.squared_depth[i]) / expected.squared_depth[i] - 1));
-      }
-      CHECK(worst <= bound);
-    }
-  if constexpr (!on_host<B>) {
-    settings.outputs = {.median_depth = true};
-    CHECK_THROWS_WITH_AS(renderer.render(on, camera, settings),
-                         "render: view 0 has an occluder, first or median depths along the ray, expected "
-                         "depths of centres for these on a device",
-                         std::invalid_argument);
+  RenderSettings settings = settings_of_all(0, along_ray());
+  const Frame expected = renderer.render(on, camera, settings);
+  for (const bool count : {false, true}) {
+    settings.count = count, settings.outputs = all_planes();
+    CHECK(same_planes(renderer.render(on, camera, settings), expected));
+    settings.outputs = {.depth = true};
+    CHECK(renderer.render(on, camera, settings).depth == expected.depth);
+    settings.outputs = {.squared_depth = true, .median_depth = true};
+    const Frame few = renderer.render(on, camera, settings);
+    CHECK(few.squared_depth == expected.squared_depth);
+    CHECK(few.median_depth == expected.median_depth);
   }
 }
 
-TEST_CASE_TEMPLATE("ray depth: planes are those of the reference through every lens", B, SWIFTGS_TEST_HOSTS) {
+SWIFTGS_CONTRACT("ray depth: planes are those of the reference through every lens") {
   const Scene scene = with_features(make_builtin_scene(8'000), 3);
   With<B> renderer(make_backend<B>());
   for (const Camera& camera : cameras_of_lenses())
@@ -180,12 +172,11 @@ TEST_CASE_TEMPLATE("ray depth: planes are those of the reference through every l
       Conventions conventions = along_ray();
       conventions.depth = depth;
       check_planes(draw(renderer, scene, camera, conventions),
-                   render_reference_planes(scene, camera, conventions), bounds_of<>());
+                   render_reference_planes(scene, camera, conventions), bounds_of<B>());
     }
 }
 
-TEST_CASE_TEMPLATE("ray depth: an occluder hides where splats are behind it and not the splats behind those",
-                   B, SWIFTGS_TEST_HOSTS) {
+SWIFTGS_CONTRACT("ray depth: an occluder hides where splats are behind it and not the splats behind those") {
   const Scene scene = with_features(make_builtin_scene(8'000), 20);  // more than one pass sums
   const Camera camera = scaled(builtin_camera(), 0.1);
   const std::vector<float> occluder = waves(camera, 2, 7);
@@ -196,25 +187,16 @@ TEST_CASE_TEMPLATE("ray depth: an occluder hides where splats are behind it and 
     CAPTURE(Raster::name);
     With<B, EarlySort, Raster> renderer(make_backend<B>());
     const Frame frame = draw(renderer, scene, camera, along_ray(), occluder);
-    check_planes(frame, expected, bounds_of<Raster>(), 0.05);
+    check_planes(frame, expected, bounds_of<B, Raster>(), 0.05);
     CHECK(frame.alpha != draw(renderer, scene, camera, {}, occluder).alpha);
     // Colour alone, and counted.
-    Frame lean;
-    FrameView view = prepare(lean, camera.width, camera.height, {});
-    view.occluder = {occluder.data(), std::ptrdiff_t(sizeof(float)) * camera.width};
-    RenderSettings settings;
-    settings.conventions = along_ray();
-    const auto on = renderer.backend().upload(scene);
-    for (const bool count : {false, true}) {
-      settings.count = count;
-      renderer.render_into(on.view(), camera, settings, view);
-      CHECK(lean.colour == frame.colour);
-    }
+    for (const bool count : {false, true})
+      CHECK(draw(renderer, scene, camera, along_ray(), occluder, false, count).colour == frame.colour);
     CHECK(renderer.statistics().raster.contributing_pairs > 0);
   });
 }
 
-TEST_CASE_TEMPLATE("ray depth: parts and views of an image have its bits", B, SWIFTGS_TEST_HOSTS) {
+SWIFTGS_CONTRACT("ray depth: parts and views of an image have its bits") {
   With<B> together(make_backend<B>()), alone(make_backend<B>());
   const auto scene = together.backend().upload(with_features(random_scene(400, 1, 2), 20));
   AskedView asked{forward_camera(100, 75), along_ray()};
@@ -227,7 +209,7 @@ TEST_CASE_TEMPLATE("ray depth: parts and views of an image have its bits", B, SW
   check_views(together, alone, scene.view(), {centre, lean, lean, asked});
 }
 
-TEST_CASE_TEMPLATE("ray depth: sorts and conservative bounds change no bit", B, SWIFTGS_TEST_HOSTS) {
+SWIFTGS_CONTRACT("ray depth: sorts and conservative bounds change no bit") {
   const Scene scene = with_features(make_builtin_scene(3'000), 4);
   const Camera camera = scaled(builtin_camera(), 0.1);
   const std::vector<float> occluder = waves(camera, 2, 7);
@@ -245,7 +227,7 @@ TEST_CASE_TEMPLATE("ray depth: sorts and conservative bounds change no bit", B, 
   });
 }
 
-TEST_CASE_TEMPLATE("ray depth: cards of a wall have its depth", B, SWIFTGS_TEST_HOSTS) {
+SWIFTGS_CONTRACT("ray depth: cards of a wall have its depth") {
   With<B> renderer(make_backend<B>());
   const Wall wall{6, 0.7, -0.5};
   Camera camera = forward_camera(96, 64, 120);
@@ -276,13 +258,12 @@ TEST_CASE_TEMPLATE("ray depth: cards of a wall have its depth", B, SWIFTGS_TEST_
   Conventions sharp = along_ray();
   sharp.blur = 0;
   const Errors exact = errors(0.3, sharp);
-  CHECK(exact.mean.worst <= 1e-6);
-  CHECK(exact.first.worst <= 5e-7);
-  CHECK(exact.median.worst <= 5e-7);
+  CHECK(exact.mean.worst <= 1e-6 * slack<B>);
+  CHECK(exact.first.worst <= 5e-7 * slack<B>);
+  CHECK(exact.median.worst <= 5e-7 * slack<B>);
 }
 
-TEST_CASE_TEMPLATE("ray depth: a mesh cuts cards along the line where their walls meet", B,
-                   SWIFTGS_TEST_HOSTS) {
+SWIFTGS_CONTRACT("ray depth: a mesh cuts cards along the line where their walls meet") {
   With<B> renderer(make_backend<B>());
   const Wall wall{6, 0.7, -0.5}, mesh{6.1, -0.4, 0.3};
   const Camera camera = forward_camera(96, 64, 120);
@@ -307,7 +288,7 @@ TEST_CASE_TEMPLATE("ray depth: a mesh cuts cards along the line where their wall
   CHECK(wrong({}) >= 3e-2);
 }
 
-TEST_CASE_TEMPLATE("ray depth: needles and giants and extreme numbers stay finite", B, SWIFTGS_TEST_HOSTS) {
+SWIFTGS_CONTRACT("ray depth: needles and giants and extreme numbers stay finite") {
   Random random(3);
   Scene scene = random_scene(300, 0, 4);
   for (std::size_t i = 0; i < scene.size(); ++i) {
@@ -335,21 +316,17 @@ TEST_CASE_TEMPLATE("ray depth: needles and giants and extreme numbers stay finit
     }
 }
 
-TEST_CASE_TEMPLATE("ray depth: recorded frames refuse another depth than was reserved", B,
-                   SWIFTGS_TEST_HOSTS) {
-  With<B> renderer(make_backend<B>());
+SWIFTGS_CONTRACT("ray depth: recorded frames refuse another depth than was reserved") {
+  With<B> renderer(std::move(backend));
   const auto scene = renderer.backend().upload(random_scene(400, 0, 3));
-  Frame frame, other;
   const Camera camera = forward_camera(60, 44);
-  FrameView to = prepare(frame, 60, 44, all_planes());
-  View view = make_view(camera, along_ray(), to);
+  PlanesOn<B> on(renderer.backend(), 60, 44, all_planes(), 7);
+  View view = make_view(camera, along_ray(), on.view());
   renderer.reserve(scene.view(), {&view, 1});
-  FrameReport report;
-  renderer.record(scene.view(), &report);
-  CHECK(same_planes(frame, renderer.render(scene, camera, settings_of_all(0, along_ray()))));
-  view = make_view(camera, {}, to);
+  view = make_view(camera, {}, on.view());
+  CHECK_THROWS_AS(renderer.set_views({&view, 1}), std::invalid_argument);
   renderer.reserve(scene.view(), {&view, 1});
-  view = make_view(camera, along_ray(), to);
+  view = make_view(camera, along_ray(), on.view());
   CHECK_THROWS_AS(renderer.set_views({&view, 1}), std::invalid_argument);
 }
 

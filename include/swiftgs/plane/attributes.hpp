@@ -30,6 +30,12 @@ SWIFTGS_HD inline bool takes_ray_depth(const View& view) {
           frame.occluder.data);
 }
 
+/// Whether `view` has an occluder that hides splats by their depths along the ray. These do not ascend in a
+/// list, so that a pixel skips a hidden splat, where by the depths of means it ends.
+SWIFTGS_HD inline bool hides_along_ray(const View& view) {
+  return view.camera.depth_along_ray && view.frame.occluder.data;
+}
+
 /// Attributes that a view asks for.
 SWIFTGS_HD inline int attribute_count(const View& view) {
   const FrameView& frame = view.frame;

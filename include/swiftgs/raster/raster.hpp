@@ -53,7 +53,7 @@ struct RasterJob {
   TileListsView lists;
   Views views;
   RasterCounts* counts = nullptr;  ///< @shape{raster blocks} filled where not null
-  AttributesView attributes{};     ///< on devices never with `counts`
+  AttributesView attributes{};     ///< on devices without rows where there are `counts`
   bool only_attributes = false;    ///< all other planes were drawn
 
   /// Whether pixels of `view` have to remember splats.
@@ -199,7 +199,7 @@ struct BlendRasterBlock {
     float sums[raster_block_side][raster_block_side][AttributesView::most];
     if (job.attributes.rows != 0) std::memset(sums, 0, sizeof sums);
     const bool pick = job.picks(view);
-    const bool along_ray = view.frame.occluder.data && view.camera.depth_along_ray;
+    const bool along_ray = hides_along_ray(view);
     bool stopped[raster_block_side][raster_block_side] = {};
     int live_in_row[raster_block_side];
     for (int row = 0; row < rows; ++row) live_in_row[row] = columns;
@@ -257,8 +257,6 @@ struct BlendRasterBlock {
   }
 
  private:
-  /// Lists run front to back by the depths of means: by these a pixel ends at the first splat that the
-  /// caller's surface hides. Depths along the ray do not ascend, so that a pixel skips such a splat.
   static bool occluded(const View& view, std::size_t x, std::size_t y, float depth) {
     return view.frame.occluder.data && depth >= view.frame.occluder_at(x, y);
   }

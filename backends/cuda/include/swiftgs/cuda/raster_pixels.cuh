@@ -17,8 +17,9 @@ inline constexpr unsigned raster_pixels_threads = raster_block_side * raster_blo
 static_assert(warp_size == 2 * raster_block_side, "a warp counts two rows");
 
 /// `BlendRasterBlock` on a device, with its decisions and its counts: one thread block per raster block, one
-/// thread per pixel. A warp traverses the list by itself until its pixels have stopped.
-template <RasterPolicy R, class ViewSource>
+/// thread per pixel. A warp traverses the list by itself until its pixels have stopped. Without `planes`
+/// there are neither picks nor attributes.
+template <RasterPolicy R, bool planes, class ViewSource>
 __global__ void __launch_bounds__(raster_pixels_threads)
     raster_pixels(const __grid_constant__ RasterInput<ViewSource> input, std::uint32_t warps_at_once) {
   const RasterJob& job = input.job;
@@ -35,6 +36,9 @@ __global__ void __launch_bounds__(raster_pixels_threads)
       inside && frame.occluder.data ? frame.occluder_at(std::size_t(x), std::size_t(y)) : INFINITY;
 
   BlendedPixel pixel;
+  SplatPicks picks;
+  float sums[AttributesView::most]{};
+  const bool along_ray = planes && hides_along_ray(view);
   bool live = inside;
   std::uint32_t pairs = 0, visited = 0, rows = 0;
 
@@ -55,8 +59,12 @@ __global__ void __launch_bounds__(raster_pixels_threads)
     kernel.start_row(centre_y);
     const float alpha = kernel.alpha(column);
     if (alpha == 0) continue;
+    if (along_ray) {
+      const vec2 at_pixel = place_of(view, std::size_t(x), std::size_t(y));
+      if (job.attributes.ray_depth(id).at(at_pixel) >= occluder) continue;
+    }
     const float next = dimmed(pixel.transmittance, alpha);
-    if (next < view.rules.stop_below || colour.depth >= occluder) {
+    if (next < view.rules.stop_below || (!along_ray && colour.depth >= occluder)) {
       live = false;
       continue;
     }
@@ -64,10 +72,18 @@ __global__ void __launch_bounds__(raster_pixels_threads)
     pixel.colour += weight * colour.rgb;
     pixel.depth += weight * colour.depth;
     pixel.transmittance = next;
+    if constexpr (planes) {
+      job.attributes.add(sums, id, weight);
+      picks.offer(id, weight, next, view.rules.first_below);
+    }
     ++pairs;
   }
 
-  if (inside) store_pixel(frame, std::size_t(x), std::size_t(y), pixel, view.background);
+  if (inside) {
+    store_pixel(job, view, std::size_t(x), std::size_t(y), pixel, sums);
+    if constexpr (planes)
+      if (job.picks(view)) store_picks(job, view, std::size_t(x), std::size_t(y), picks);
+  }
   if (job.counts)
     add_counts(
         job.counts[OwnRasterBlock::number(input)],
@@ -77,8 +93,8 @@ __global__ void __launch_bounds__(raster_pixels_threads)
 template <RasterPolicy R>
 struct RasterPixelsKernel {
   static constexpr unsigned threads = raster_pixels_threads;
-  template <Extras, class ViewSource>
-  static constexpr auto of = &raster_pixels<R, ViewSource>;
+  template <Extras extras, class ViewSource>
+  static constexpr auto of = &raster_pixels<R, (extras >= Extras::picks), ViewSource>;
 };
 
 template <RasterPolicy R>
