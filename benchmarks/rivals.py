@@ -9,6 +9,10 @@ among ten in a row, `ms_alone` that of one from an idle device until it is idle 
 of many; renderers take turns in a random order. gsplat's packed and unpacked arrays and both of HiGS's tiles are timed.
 Faster-GS draws by its path for inference, without clamping colours.
 
+SwiftGS and gsplat also draw planes beside colour. A call named `depth` draws alpha and expected depth, one named `id`
+the Gaussian of the largest weight, for which gsplat walks its tile lists a second time; its 3DGS has no median depth.
+gsplat always draws alpha, so `SwiftGS` does too.
+
 `errors` are those of the first views, of the same frames at full size against `tests/python/float64.py`, with the rules
 by which each renderer blends. A frame in float64 takes a minute of a core. `--references FOLDER` keeps them there;
 `--only-references` draws these alone, and needs no device.
@@ -33,19 +37,35 @@ def kept_by_swiftgs(case, _tensors):
 
     def frame_of(view):
         camera = swiftgs.Camera.from_matrices(view["viewmat"].cpu().numpy(), view["K"].cpu().numpy(), width, height)
-        frame = swiftgs.Frame(torch.empty(height, width, 3, device="cuda"),
-                              torch.empty(height, width, 1, device="cuda"))
-        return {"SwiftGS": lambda: renderer.render(camera, out=frame).colour}
+
+        def plane(channels=1, kind=torch.float32):
+            return torch.empty(height, width, channels, dtype=kind, device="cuda")
+        frames = {"SwiftGS": swiftgs.Frame(plane(3), plane()),
+                  "SwiftGS, colour alone": swiftgs.Frame(plane(3)),
+                  "SwiftGS, depth": swiftgs.Frame(plane(3), plane(), plane()),
+                  "SwiftGS, id": swiftgs.Frame(plane(3), id=plane(kind=torch.uint32))}
+        return {name: lambda frame=frame: renderer.render(camera, out=frame).colour for name, frame in frames.items()}
     return frame_of
 
 
-def kept_by_gsplat(_case, tensors):
+def kept_by_gsplat(case, tensors):
     import gsplat  # pylint: disable=import-outside-toplevel
 
     def frame_of(view):
         arguments = dict(tensors, viewmats=view["viewmat"][None], Ks=view["K"][None])
-        return {name: lambda packed=packed: gsplat.rasterization(**arguments, packed=packed)[0][0]
-                for name, packed in (("gsplat", True), ("gsplat, not packed", False))}
+
+        def drawn(packed, mode="RGB"):
+            return gsplat.rasterization(**arguments, packed=packed, render_mode=mode)[0][0, ..., :3]
+
+        def drawn_with_ids():
+            images, _, meta = gsplat.rasterization(**arguments, packed=False)
+            splats = [meta[name] for name in ("means2d", "conics", "opacities", "isect_offsets", "flatten_ids")]
+            gsplat.rasterize_top_contributing_gaussian_ids(*splats, *case.size, meta["tile_size"], 1)
+            return images[0]
+        return {"gsplat": lambda: drawn(True), "gsplat, not packed": lambda: drawn(False),
+                "gsplat, depth": lambda: drawn(True, "RGB+ED"),
+                "gsplat, not packed, depth": lambda: drawn(False, "RGB+ED"),
+                "gsplat, not packed, id": drawn_with_ids}
     return frame_of
 
 

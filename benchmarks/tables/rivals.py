@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""This library beside gsplat, HiGS and Faster-GS: time against error of the same frames."""
+"""This library beside gsplat, HiGS and Faster-GS: time against error of the same frames, and what planes cost."""
 import dataclasses
 from statistics import median
 
@@ -9,10 +9,17 @@ from tables.results import InputError, check_rows
 from tables.summary import commit_of
 
 NAME = "rivals.json"
+PLANES_NAME = "rivals-planes.json"
 OPTIONAL = "Faster-GS"  # rivals.py may run without it
 # Each with its calls, of which the fastest in a scene counts.
 RIVALS = {"gsplat": ("gsplat", "gsplat, not packed"), OPTIONAL: (OPTIONAL,),
           "HiGS": ("HiGS, tiles of 8", "HiGS, tiles of 16"), "SwiftGS": ("SwiftGS",)}
+# Frames with planes beside colour, likewise: of each renderer colour first, which the others are compared with.
+WITH_PLANES = {
+    "SwiftGS": {"colour": ("SwiftGS, colour alone",), "alpha, expected depth": ("SwiftGS, depth",),
+                "id of the largest weight": ("SwiftGS, id",)},
+    "gsplat": {"colour": RIVALS["gsplat"], "alpha, expected depth": ("gsplat, depth", "gsplat, not packed, depth"),
+               "id of the largest weight": ("gsplat, not packed, id",)}}
 
 
 @dataclasses.dataclass(frozen=True)
@@ -22,14 +29,20 @@ class Found:
     db: float
 
 
-def read(source, machine):
-    """The file of rivals.py."""
-    path = source.path(machine, NAME)
-    found = source.json(machine, NAME, "swiftgs-rivals", rows=list, machine=dict)
+def read_file(source, machine, name):
+    """A file of rivals.py; its rows may have times of any calls."""
+    path = source.path(machine, name)
+    found = source.json(machine, name, "swiftgs-rivals", rows=list, machine=dict)
     check_rows(path, found["rows"], texts=("scene",), counts=("gaussians",))
     for n, row in enumerate(found["rows"]):
         if not isinstance(row.get("ms"), dict) or not isinstance(row.get("errors", {}), dict):
             raise InputError(f"{path}: rows[{n}]: expected objects ms and errors")
+    return path, found
+
+
+def read(source, machine):
+    """The file of all rivals, with their errors."""
+    path, found = read_file(source, machine, NAME)
     calls = [call for rival in rivals_in(found) for call in RIVALS[rival]]
     for row in found["rows"]:
         check_rows(path, [row["ms"]], numbers=calls)
@@ -51,11 +64,15 @@ def scenes_of(found):
     return scenes
 
 
+def fastest(rows, calls):
+    """(milliseconds, call) of the fastest call over the views of one scene."""
+    return min((median(row["ms"][call] for row in rows), call) for call in calls)
+
+
 def reached(rows, rival):
     """What a rival reaches over the views of one scene."""
-    times = {call: median(row["ms"][call] for row in rows) for call in RIVALS[rival]}
-    call = min(times, key=times.get)
-    return Found(times[call], min((row["errors"][call]["psnr_db"] for row in rows if "errors" in row), default=None))
+    time, call = fastest(rows, RIVALS[rival])
+    return Found(time, min((row["errors"][call]["psnr_db"] for row in rows if "errors" in row), default=None))
 
 
 def rivals(source, machine):
@@ -82,4 +99,24 @@ def views_of(scenes):
     return f"{numbers[0]} to {numbers[-1]}" if len(numbers) > 1 else str(numbers[0])
 
 
-TABLES = {"rivals": rivals}
+def rivals_planes(source, machine):
+    """Milliseconds of frames with planes, and how many times those of colour they take, of SwiftGS and gsplat."""
+    path, found = read_file(source, machine, PLANES_NAME)
+    calls = [call for sets in WITH_PLANES.values() for of_set in sets.values() for call in of_set]
+    check_rows(path, [row["ms"] for row in found["rows"]], numbers=calls)
+    scenes, about = scenes_of(found), found["machine"]
+    rows = []
+    for rival, sets in WITH_PLANES.items():
+        for planes, of_set in sets.items():
+            row = [rival, planes]
+            for views in scenes.values():
+                colour, time = fastest(views, sets["colour"])[0], fastest(views, of_set)[0]
+                row += [ms(time), "-" if planes == "colour" else f"{time / colour:.2f}"]
+            rows.append(row)
+    return (prose(f"Milliseconds a frame, the median over {views_of(scenes)} views, and how many times the frame of "
+                  f"colour it takes. One {about['gpu']}, {about['date']}, commit {commit_of(about)}.")
+            + "\n\n" + table(["", "planes", *(text for scene in scenes for text in (f"{scene}, ms", "times"))], rows,
+                             words=2))
+
+
+TABLES = {"rivals": rivals, "rivals-planes": rivals_planes}

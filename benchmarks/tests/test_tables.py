@@ -496,6 +496,31 @@ class Tables(unittest.TestCase):
             self.assertEqual((code, text), (2, page))
             self.assertIn(message, error)
 
+    def test_frames_with_planes_are_compared_with_the_fastest_frame_of_colour(self):
+        folder = self.place / "rivals-planes" / "gpu"
+        folder.mkdir(parents=True)
+        ms = {"SwiftGS": 0.42, "SwiftGS, colour alone": 0.4, "SwiftGS, depth": 0.5, "SwiftGS, id": 0.6, "gsplat": 3,
+              "gsplat, not packed": 2, "gsplat, depth": 2.5, "gsplat, not packed, depth": 2.6,
+              "gsplat, not packed, id": 5}
+        row = {"scene": "fox", "gaussians": 200_000, "size": [640, 480], "ms": ms}
+        good = {"format": "swiftgs-rivals", "version": 1,
+                "machine": {"gpu": "a GPU", "date": "2026-11-21", "commit": 40 * "0"},
+                "rows": [{**row, "ms": {call: time * factor for call, time in ms.items()}} for factor in (9, 1, 0.5)]}
+        page = "<!-- table: rivals-planes gpu -->\n<!-- end -->\n"
+        synthetic_folder.synthetic.write(folder / "rivals-planes.json", good)
+        code, text, _, error = self.update(page, results=folder.parent)
+        self.assertEqual((code, error), (0, ""))
+        for line in ("| SwiftGS | colour | 0.400 | - |", "| SwiftGS | alpha, expected depth | 0.500 | 1.25 |",
+                     "| SwiftGS | id of the largest weight | 0.600 | 1.50 |", "| gsplat | colour | 2.00 | - |",
+                     "| gsplat | alpha, expected depth | 2.50 | 1.25 |",
+                     "| gsplat | id of the largest weight | 5.00 | 2.50 |"):
+            self.assertIn(line, text)
+        del ms["gsplat, depth"]
+        synthetic_folder.synthetic.write(folder / "rivals-planes.json", {**good, "rows": [row]})
+        code, text, _, error = self.update(page, results=folder.parent)
+        self.assertEqual((code, text), (2, page))
+        self.assertIn("gsplat, depth: expected a number", error)
+
     def test_the_figure_of_rivals_shows_the_results(self):
         figure = ROOT / "docs/images/rivals.svg"
         self.assertEqual(figure.read_text(encoding="utf-8"), rivals_figure.draw(rivals_figure.found_in(Source())))
