@@ -90,7 +90,8 @@ struct LaneRays<true, pixel_count> {
     const vec2 place = place_of(view, std::size_t(x_in_frame), std::size_t(y_in_frame));
     x = place.x, y = place.y;
   }
-  /// Takes the occluder of the p-th pixel. Returns that of means: one before which each needs a look here.
+  /// Takes the occluder of the p-th pixel. Returns the one for depths of means; along the ray this is
+  /// -infinity, so that every splat is tested here.
   __device__ float take(unsigned p, float occluder) {
     occluders[p] = occluder;
     return depths ? -INFINITY : occluder;

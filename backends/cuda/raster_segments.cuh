@@ -62,11 +62,12 @@ void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
         return launch_warps(raster_warps<Exponent, threshold, extras, false, ViewSource>);
     launch_warps(raster_warps<Exponent, threshold, extras, true, ViewSource>);
     const auto segments = raster_segments<Exponent, threshold, extras, ViewSource>;
+    const BlockShape block(segment_threads, sizeof(Shared));
     const unsigned clusters = unsigned(cuda.multiprocessors()) * blocks_of_multiprocessor / blocks_of_group;
     try {
-      launch_early<blocks_of_group>(cuda, name, segments, std::max(clusters, 1u) * blocks_of_group,
-                                    {segment_threads, sizeof(Shared)}, input, work_queues,
-                                    warps_at_once(cuda, job, segments, {segment_threads, sizeof(Shared)}));
+      allow_shared(segments, block);
+      launch_early<blocks_of_group>(cuda, name, segments, std::max(clusters, 1u) * blocks_of_group, block,
+                                    input, work_queues, warps_at_once(cuda, job, segments, block));
     } catch (const DeviceError&) {
       work_queues.forget(cuda);  // the next frame must not blend items of this one
       throw;

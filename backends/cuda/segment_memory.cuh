@@ -52,7 +52,7 @@ struct SegmentShared {
 /// What lies in front of a segment of a pixel.
 struct BeforeSegment {
   float transmittance;  ///< negative: no pixel, or it has stopped
-  PickLimits limits{};  ///< in the segment; as if all were passed, where the transmittance is a bound
+  PickLimits limits{};  ///< in the segment; passed where the transmittance is only a bound
 };
 
 /// In a round each warp blends one segment, or some at once. If more than half of the warp block's pixels are

@@ -85,8 +85,8 @@ inline constexpr std::uint32_t long_blended = 4096, long_visited = 8192;
 /// registers for pushing, and 1 to 2 the joining.
 inline constexpr std::uint32_t most_quiet_frames = 8;
 /// They share again after a frame in which one warp blended or visited so many.
-/// These limits lie below those for pushing. The price: while a warp visits between 4,096 and 8,192
-/// intersections, eight of ten frames may start the helper kernel in vain.
+/// These limits lie below those for pushing, but not of kernels that are not eager. The price: while a warp
+/// visits between 4,096 and 8,192 intersections, eight of ten frames may start the helper kernel in vain.
 inline constexpr std::uint32_t loud_blended = long_blended / 2, loud_visited = long_visited / 2;
 /// A traversal looks for idle helpers at the end of each segment, and after so many intersections without
 /// one.

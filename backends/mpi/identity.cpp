@@ -117,7 +117,7 @@ std::uint64_t views_identity(Span<const View> views) {
     add(c.tan_x_min, c.tan_x_max, c.tan_y_min, c.tan_y_max, c.near_plane, c.far_plane);
     add(c.blur, c.min_compensation, c.alpha_min, c.antialiased);
     const Distortion& d = c.lens.distortion;
-    add(int(c.lens.model), c.depth_is_distance, c.depth_along_ray);
+    add(int(c.lens.model), c.depth_is_distance, c.depth_along_ray, int(view.frame.conversion));
     for (const double number : d.radial) add(number);
     for (const double number : d.rational) add(number);
     add(d.tangential[0], d.tangential[1], d.prism[0], d.prism[1]);

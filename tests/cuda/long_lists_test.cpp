@@ -120,6 +120,7 @@ struct Wanted {
   const char* name;
   bool depth = false, occluder = false;
   Outputs further{};
+  bool along_ray = false;
 };
 const std::vector<Wanted>& wanted_planes() {
   static const Outputs picks{.first_depth = true, .median_depth = true, .id = true, .median_id = true};
@@ -127,11 +128,15 @@ const std::vector<Wanted>& wanted_planes() {
     Outputs row = picks, rows = picks;
     row.normal = true;
     rows.squared_depth = rows.normal = true, rows.features = 7;
+    Outputs rays = rows;
+    rays.features = 4;  // 16 attributes: a frame is rasterized once
     return std::vector<Wanted>{{"colour"},
                                {"depth", true, true},
                                {"picks", false, true, picks},
                                {"picks and a row", true, false, row},
-                               {"picks and rows", true, true, rows}};
+                               {"picks and rows", true, true, rows},
+                               {"picks along the ray", false, true, picks, true},
+                               {"all along the ray", true, true, rays, true}};
   }();
   return all;
 }
@@ -140,6 +145,7 @@ const std::vector<Wanted>& wanted_planes() {
 AskedView square_view(int side, const Wanted& wanted, const Conventions& conventions) {
   AskedView view{square_camera(side), conventions, vec3(1)};
   view.depth = wanted.depth, view.occluder = wanted.occluder, view.further = wanted.further;
+  if (wanted.along_ray) view.conventions.depth_at = Conventions::DepthAt::ray;
   return view;
 }
 

@@ -62,7 +62,7 @@ struct OneSplat {
     view.rules.alpha_max = alpha_max;
     const SplatAttributes from{swiftgs::view(scene), {{&shape, 1}, {&depth, 1}, {&gaussian, 1}}, first, 4};
     AttributeRow rows[AttributesView::most_rows];
-    from.gather(view, 0, rows);
+    from.gather<true>(view, 0, rows);
     return {rows[row].values, rows[row].values + AttributeRow::channels};
   }
 };

@@ -22,8 +22,8 @@
 namespace swiftgs {
 
 /// What rasterizing one raster block took. On devices, only `contributing_pairs` and `pixels_stopped` repeat
-/// from run to run, since any warp may take the rest of a long list; of frames that remember splats, none
-/// does. `balanced_ps` repeats on no backend.
+/// from run to run, since any warp may take the rest of a long list. `balanced_ps` repeats on no
+/// backend.
 struct RasterCounts {
   std::uint64_t intersections_visited = 0;  ///< of its tile's list, before all its pixels had stopped
   std::uint64_t rows_visited = 0;           ///< rows of pixels on which an intersection was evaluated

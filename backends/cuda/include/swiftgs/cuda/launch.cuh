@@ -55,8 +55,14 @@ struct BlockShape {
   BlockShape(unsigned threads_, std::size_t shared_ = 0) : threads(threads_), shared(shared_) {}
 };
 
-/// Most shared memory that a kernel has unless it asks for more.
-inline constexpr std::size_t shared_unasked = 48 * 1024;
+/// Lets `kernel` have the shared memory of `block`, before it is started and before anything is asked of it.
+template <class... Parameters>
+void allow_shared(void (*kernel)(Parameters...), const BlockShape& block) {
+  constexpr std::size_t unasked = 48 * 1024;
+  if (block.shared > unasked)
+    check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, int(block.shared)),
+               "cudaFuncSetAttribute");
+}
 
 /// As `launch` on the stream of `cuda`, but the device may start thread blocks of `kernel` as those of the
 /// kernel before end. This hides launch latency: 12 of a frame's 380 microseconds. The kernel begins with
@@ -65,9 +71,6 @@ template <unsigned blocks_of_cluster = 1, bool early = kernels_await_earlier, cl
           class... Arguments>
 void launch_early(const Cuda& cuda, const char* name, void (*kernel)(Parameters...), dim3 blocks,
                   const BlockShape& block, const Arguments&... arguments) {
-  if (block.shared > shared_unasked)
-    check_cuda(cudaFuncSetAttribute(kernel, cudaFuncAttributeMaxDynamicSharedMemorySize, int(block.shared)),
-               name);
   cudaLaunchAttribute attributes[2]{};
   attributes[0].id = cudaLaunchAttributeProgrammaticStreamSerialization;
   attributes[0].val.programmaticStreamSerializationAllowed = 1;

@@ -117,7 +117,7 @@ inline Extras extras_of(const RasterJob& job) {
   if (job.attributes.rows != 0) return job.attributes.rows == 1 ? Extras::row : Extras::rows;
   const auto picks = [&](const View& view) { return job.picks(view); };
   if (std::any_of(job.views.begin(), job.views.end(), picks) ||
-      !keeps_digits(job.views[0].rules.log2_relative_min))
+      (!job.views.stored && !keeps_digits(job.views[0].rules.log2_relative_min)))
     return Extras::picks;
   const auto wants = [&](const View& view) { return job.sums_depth(view) || view.frame.occluder.data; };
   return std::any_of(job.views.begin(), job.views.end(), wants) ? Extras::depth : Extras::none;
