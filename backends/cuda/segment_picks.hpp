@@ -27,8 +27,8 @@ struct alignas(16) JoinedPicks {
   }
 };
 
-/// Limits of the transmittance that pixels have not passed. The splat that passes one is picked: the last in
-/// front of which the transmittance is not below.
+/// Limits of the transmittance that a pixel has not passed. A splat is picked if the transmittance is above
+/// the limit in front of it, or at it, and below the limit behind it.
 struct PickLimits {
   static constexpr float passed = NAN;  ///< nothing is below it, nor above
 

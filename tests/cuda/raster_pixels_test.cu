@@ -105,15 +105,7 @@ SWIFTGS_DEVICE_CASE("cuda raster pixels: a rasterizer of the caller draws every 
   const Camera camera = forward_camera(170, 90);
   for (const auto depth_at : {Conventions::DepthAt::centre, Conventions::DepthAt::ray}) {
     RenderSettings settings;
-    settings.outputs = {.alpha = true,
-                        .depth = true,
-                        .squared_depth = true,
-                        .first_depth = true,
-                        .median_depth = true,
-                        .normal = true,
-                        .id = true,
-                        .median_id = true,
-                        .features = 20};
+    settings.outputs = all_planes(20);
     settings.conventions.depth_at = depth_at;
     const auto draw = [&]<class B>(B backend) {
       Renderer<B, EarlySort, HalfAsOpaque, Ellipse> renderer(std::move(backend));

@@ -18,19 +18,6 @@
 
 namespace swiftgs::test {
 
-/// Every plane, with so many features.
-inline Outputs all_planes(int features = 0) {
-  return {.alpha = true,
-          .depth = true,
-          .squared_depth = true,
-          .first_depth = true,
-          .median_depth = true,
-          .normal = true,
-          .id = true,
-          .median_id = true,
-          .features = features};
-}
-
 inline RenderSettings settings_of_all(int features = 0, const Conventions& conventions = {}) {
   RenderSettings settings;
   settings.conventions = conventions, settings.outputs = all_planes(features);
