@@ -25,7 +25,10 @@ run_workflow() {
     failed_names+=$(sed -n "s/.*<testcase name=\"\([^\"]*\)\".* status=\"fail\".*/test: failed in $1: \1/p" "$results")$'\n'
   fi
   # A workflow that ends before its tests, or says that it failed when no test did, is a failure of its own.
-  [ "$status" -ne 0 ] && [ "$failures" -eq 0 ] && tests=$((tests + 1)) failures=1
+  if [ "$status" -ne 0 ] && [ "$failures" -eq 0 ]; then
+    tests=$((tests + 1)) failures=1
+    failed_names+="test: failed in $1: its build, or no test ran"$'\n'
+  fi
   passed=$((passed + tests - failures - not_run)) failed=$((failed + failures)) skipped=$((skipped + not_run))
 }
 

@@ -11,7 +11,6 @@
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
-#include <Eigen/QR>
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
@@ -117,7 +116,14 @@ inline Eigen::Vector2d slope_of_depth(const Splat& splat, const Scene& scene, co
   Eigen::Matrix<double, 5, 1> depths = Eigen::Matrix<double, 5, 1>::Zero();
   const Eigen::Vector3d ahead = view.lens.by_distance() ? p.stableNormalized() : Eigen::Vector3d(0, 0, 1);
   depths.head<3>() = axes.transpose() * ahead;
-  const Eigen::Vector2d slope = places.householderQr().solve(depths);
+  // By the columns made orthogonal, the right side last.
+  const double across = places.col(0).norm();
+  const Eigen::Matrix<double, 5, 1> first = places.col(0) / across;
+  const double shared = first.dot(places.col(1));
+  const Eigen::Matrix<double, 5, 1> rest = places.col(1) - shared * first;
+  const double down = rest.norm(), along_first = first.dot(depths);
+  const double second = rest.dot(depths - along_first * first) / (down * down);
+  const Eigen::Vector2d slope((along_first - shared * second) / across, second);
 
   const double width = view.camera.width, height = view.camera.height;
   const double middle = splat.depth + slope.dot(Eigen::Vector2d(width / 2 - splat.x, height / 2 - splat.y));
