@@ -34,12 +34,16 @@ static swiftgs_scene* load(const char* path) {
   return scene;
 }
 
-static swiftgs_camera first_camera(const char* path) {
+/* In the coordinates of the scene, whose zero lies at its origin. */
+static swiftgs_camera first_camera(const char* path, const swiftgs_scene_info* info) {
   swiftgs_cameras* cameras = NULL;
   swiftgs_camera camera = {.size = sizeof(camera)};
   check(swiftgs_cameras_read(path, &cameras), "reading cameras");
   check(swiftgs_cameras_get(cameras, 0, &camera), "the first camera");
   swiftgs_cameras_free(cameras);
+  for (int row = 0; row < 3; ++row)
+    for (int axis = 0; axis < 3; ++axis)
+      camera.translation[row] += camera.rotation[3 * row + axis] * info->origin[axis];
   return camera;
 }
 
@@ -81,7 +85,7 @@ int main(int argc, char** argv) {
 
   swiftgs_camera camera = {.size = sizeof(camera)};
   if (argc > 2)
-    camera = first_camera(argv[2]);
+    camera = first_camera(argv[2], &info);
   else if (argc > 1)
     camera = camera_outside(&info);
   else

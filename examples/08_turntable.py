@@ -80,6 +80,7 @@ def main():
     else:
         scene = swiftgs.load(arguments.scene)
         cameras = swiftgs.load_cameras(arguments.scene) if arguments.scene.is_dir() else []
+        cameras = [camera.relative_to(scene.origin) for camera in cameras]
     path = path_around(scene, cameras, arguments.up, arguments.frames, *arguments.size)
 
     arguments.out.mkdir(parents=True, exist_ok=True)

@@ -52,7 +52,7 @@ def main():
 
     scene, cameras = swiftgs.load(arguments.capture), swiftgs.load_cameras(arguments.capture)
     found = {path.name: path for path in sorted((arguments.capture / "photos").iterdir())}
-    held_out = [camera for camera in cameras if camera.name in found]
+    held_out = [camera.relative_to(scene.origin) for camera in cameras if camera.name in found]
     photographs = {camera.name: swiftgs.load_image(found[camera.name])[..., :3] for camera in held_out}
     if not held_out:
         raise SystemExit(f"{arguments.capture / 'photos'}: expected photographs with the names of cameras")

@@ -16,6 +16,7 @@ import swiftgs
 PATH = os.environ.get("SCENE")
 scene = swiftgs.load(PATH) if PATH else swiftgs.Scene.builtin(50_000)
 camera = swiftgs.load_cameras(PATH)[0].scaled(0.5) if PATH and os.path.isdir(PATH) else swiftgs.Camera.builtin(640, 360)
+camera = camera.relative_to(scene.origin)  # which is other than 0 in scenes far from the world's zero
 print(scene, camera, sep="\n")
 
 # %% [markdown]

@@ -66,6 +66,8 @@ Scene to_scene(const swiftgs_gaussians& from) {
   if (from.memory == SWIFTGS_DEVICE) for_each_array(fetch, arrays);
   Scene scene = to_scene(Serial(), arrays);
   scene.antialiased = from.antialiased != 0;
+  scene.origin = {from.origin[0], from.origin[1], from.origin[2]};
+  validate(scene);
   return scene;
 }
 

@@ -80,6 +80,7 @@ swiftgs_scene_info info_of(const swiftgs_scene& from) {
   info.count = scene.size(), info.stored = from.stored, info.dropped = from.dropped;
   info.antialiased = scene.antialiased, info.feature_channels = scene.feature_channels;
   info.format = from.format.c_str();
+  for (int axis = 0; axis < 3; ++axis) info.origin[axis] = scene.origin[axis];
   bool found = false;
   for (const vec3& mean : scene.means) {
     using swiftgs::detail::is_not_finite;
@@ -104,7 +105,12 @@ swiftgs_gaussians arrays_of(const Scene& scene, std::size_t size) {
         if (!from.empty()) to = {swiftgs::detail::floats_of(from).data, std::int64_t(each * sizeof(from[0]))};
       },
       scene, arrays);
-  if (size < sizeof arrays) arrays.feature_channels = 0;
+  for (int axis = 0; axis < 3; ++axis) arrays.origin[axis] = scene.origin[axis];
+  if (size < offsetof(swiftgs_gaussians, origin)) arrays.feature_channels = 0;
+  if (size < sizeof arrays && scene.origin != dvec3(0.0))
+    throw std::invalid_argument(
+        "swiftgs_gaussians: size is " + std::to_string(size) +
+        ", expected room for the origin of a scene far from zero: the program is older than origins");
   return arrays;
 }
 

@@ -33,6 +33,8 @@ inline constexpr std::uint32_t first_size<swiftgs_conventions> = offsetof(swiftg
 template <>
 inline constexpr std::uint32_t first_size<swiftgs_gaussians> = offsetof(swiftgs_gaussians, features);
 template <>
+inline constexpr std::uint32_t first_size<swiftgs_scene_info> = offsetof(swiftgs_scene_info, origin);
+template <>
 inline constexpr std::uint32_t first_size<swiftgs_image> = offsetof(swiftgs_image, squared_depth);
 template <>
 inline constexpr std::uint32_t first_size<swiftgs_statistics> = offsetof(swiftgs_statistics,

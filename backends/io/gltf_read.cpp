@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <map>
+#include <optional>
 #include <set>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -191,6 +193,7 @@ class GltfReader {
     file_.stored += gaussians.count;
     if (stays(movement)) {
       decode(gaussians, axes(), logarithmic_, {0, gaussians.count, at}, progress, file_.scene);
+      stay(file_.scene, at, gaussians.count);
       return;
     }
     const Progress none;
@@ -216,7 +219,10 @@ class GltfReader {
     file_.notes.insert(file_.notes.end(), nested.notes.begin(), nested.notes.end());
     spz_format_ = nested.format;
     const Similarity movement = movement_of(document_, *instance.place);
-    if (!stays(movement)) move(nested.scene, movement, instance);
+    if (stays(movement))
+      stay(nested.scene, 0, nested.scene.size());
+    else
+      move(nested.scene, movement, instance);
     return std::move(nested.scene);
   }
 
@@ -232,14 +238,20 @@ class GltfReader {
     turned.translation = signs * movement.translation;
     for (int column = 0; column < 3; ++column)
       turned.rotation[column] = signs[column] * (signs * movement.rotation[column]);
-    const std::vector<vec3> before = part.means;
+    if (!origin_ && part.size() != 0) origin_ = origin_for(part, turned);
     try {
-      transform(part, turned);
+      transform(part, turned, origin_.value_or(dvec3(0.0)));
     } catch (const std::range_error&) {
       document_.item("nodes", instance.place->node, document_.root())
           .fail("a node that keeps Gaussians within the range of float");
     }
-    for (std::size_t i = 0; i < before.size(); ++i) rounding_.add(part, i, turned(dvec3(before[i])));
+  }
+
+  /// Gaussians [begin, begin + count), which are where they belong, relative to the origin.
+  void stay(Scene& scene, std::size_t begin, std::size_t count) {
+    if (!origin_ && count != 0) origin_ = dvec3(0.0);
+    if (!origin_ || *origin_ == dvec3(0.0)) return;
+    for (vec3& mean : std::span(scene.means).subspan(begin, count)) mean = vec3(dvec3(mean) - *origin_);
   }
 
   static void resize(Scene& scene, std::size_t count) {
@@ -264,7 +276,7 @@ class GltfReader {
   void finish() {
     file_.bytes = buffers_.size_beside();
     file_.dropped_nonfinite += drop_nonfinite(file_.scene);
-    note_rounded_means(file_, rounding_);
+    file_.scene.origin = origin_.value_or(dvec3(0.0));
     std::size_t clamped = 0;
     for (float& opacity : file_.scene.opacities) {
       if (opacity >= 0 && opacity <= 1) continue;
@@ -287,7 +299,7 @@ class GltfReader {
   std::vector<Instance> instances_{};
   std::uint64_t count_ = 0;  ///< of Gaussians of all instances
   bool logarithmic_ = false;
-  MeanRounding rounding_{};
+  std::optional<dvec3> origin_{};  ///< as the first Gaussians that are placed need it, and fit the others
   std::string spz_format_{};
   SceneFile file_{};
 };

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <string>
+
+#include <swiftgs/edit/origin.hpp>
 
 #include "half_float.hpp"
 #include "ksplat_layout.hpp"
@@ -49,6 +52,16 @@ dvec3 quantised_mean(const KsplatSection& section, const std::byte* record, std:
   return mean;
 }
 
+/// The position in the world of number `local` of a section, which `buckets` come to.
+template <int Level>
+dvec3 position_of(const KsplatSection& section, const std::byte* record, BucketWalk& buckets,
+                  std::uint64_t local) {
+  if constexpr (Level == 0)
+    return {number<0>(record, 0), number<0>(record, 1), number<0>(record, 2)};
+  else
+    return quantised_mean(section, record, buckets.bucket_of(local));
+}
+
 /// Each band has its coefficients of red, then of green, then of blue.
 template <class Value>
 void decode_harmonics(int degree, const Value& value, float* to) {
@@ -65,17 +78,10 @@ std::array<float, 256> colours_of_bytes() {
   return colours;
 }
 
-/// Where Gaussians go.
-struct DecodedSection {
-  Scene& scene;
-  MeanRounding rounding{};
-};
-
 /// Decodes Gaussians [begin, end) of a section, the first of which is number 0.
 template <int Level>
-void decode(const KsplatLayout& layout, const KsplatSection& section, DecodedSection& to, std::uint64_t begin,
+void decode(const KsplatLayout& layout, const KsplatSection& section, Scene& scene, std::uint64_t begin,
             std::uint64_t end) {
-  Scene& scene = to.scene;
   constexpr std::size_t size = Level == 0 ? 4 : 2, colour_at = Level == 0 ? 40 : 20;
   const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
   static const std::array<float, 256> colours = colours_of_bytes();
@@ -83,12 +89,7 @@ void decode(const KsplatLayout& layout, const KsplatSection& section, DecodedSec
   for (std::uint64_t local = begin; local < end; ++local) {
     const std::byte* record = section.records + local * section.record_bytes;
     const std::size_t i = section.first + local;
-    dvec3 mean;
-    if constexpr (Level == 0)
-      mean = {number<0>(record, 0), number<0>(record, 1), number<0>(record, 2)};
-    else
-      mean = quantised_mean(section, record, buckets.bucket_of(local));
-    scene.means[i] = vec3(mean);
+    scene.means[i] = vec3(position_of<Level>(section, record, buckets, local) - scene.origin);
     const std::byte *scale = record + 3 * size, *rotation = record + 6 * size, *colour = record + colour_at;
     scene.scales[i] = {number<Level>(scale, 0), number<Level>(scale, 1), number<Level>(scale, 2)};
     scene.rotations[i] = normalised(number<Level>(rotation, 0), number<Level>(rotation, 1),
@@ -106,8 +107,23 @@ void decode(const KsplatLayout& layout, const KsplatSection& section, DecodedSec
             return number<Level>(sh, k);
         },
         scene.sh_rest.data() + i * rest);
-    to.rounding.add(scene, i, mean);
   }
+}
+
+/// Looks at Gaussians of each section.
+template <int Level>
+dvec3 origin_of(const KsplatLayout& layout) {
+  OriginChoice choice;
+  for (const KsplatSection& section : layout.sections) {
+    BucketWalk buckets(section, 0);
+    OriginChoice::for_each_sample(section.count, [&](std::size_t local) {
+      const std::byte* record = section.records + local * section.record_bytes;
+      const std::byte* scale = record + 3 * (Level == 0 ? 4 : 2);
+      const auto size = [&](std::size_t axis) { return std::abs(number<Level>(scale, axis)); };
+      choice.add(position_of<Level>(section, record, buckets, local), std::max({size(0), size(1), size(2)}));
+    });
+  }
+  return choice.origin();
 }
 
 }  // namespace
@@ -119,18 +135,18 @@ SceneFile read_ksplat(const Source& source, const SceneReadOptions& options) {
   file.format = ".ksplat (level " + std::to_string(layout.level) + ")";
   file.stored = layout.count;
   allocate(file.scene, layout.count, layout.sh_degree);
-  DecodedSection decoded{file.scene};
+  constexpr auto origins = std::array{origin_of<0>, origin_of<1>, origin_of<2>};
+  file.scene.origin = origins[std::size_t(layout.level)](layout);
   constexpr auto decoders = std::array{decode<0>, decode<1>, decode<2>};
   const auto count = double(layout.count);
   for (const KsplatSection& section : layout.sections) {
     const auto part =
         progress.step(double(section.first) / count, double(section.first + section.count) / count);
     for_parts(section.count, part, [&](std::size_t begin, std::size_t end) {
-      decoders[std::size_t(layout.level)](layout, section, decoded, begin, end);
+      decoders[std::size_t(layout.level)](layout, section, file.scene, begin, end);
     });
   }
   drop_signs_of_scales(file);
-  note_rounded_means(file, decoded.rounding);
   file.dropped_nonfinite = drop_nonfinite(file.scene);
   return file;
 }

@@ -66,7 +66,8 @@ CompressedLayout find_compressed_layout(const Source& source, const PlyHeader& h
   if (chunk->count != chunks)
     source.fail(chunk->declared_at, std::to_string(chunks) + " chunks for " + std::to_string(vertex->count) +
                                         " vertices, found " + std::to_string(chunk->count));
-  const auto starts = locate_rows(source, header, progress);
+  RowSample unused;
+  const auto starts = locate_rows(source, header, progress, unused);
   CompressedLayout layout;
   PlyFields chunk_fields(source, *chunk, header.encoding), vertex_fields(source, *vertex, header.encoding);
   const std::span<const char* const> ranges(chunk_properties);

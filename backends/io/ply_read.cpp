@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <string_view>
-#include <type_traits>
 #include <utility>
 #include <vector>
+
+#include <swiftgs/edit/origin.hpp>
 
 #include "mapped_file.hpp"
 #include "parallel.hpp"
@@ -43,24 +45,21 @@ void smooth(Scene& scene, std::size_t i, int axes, double deviation) {
   scene.opacities[i] = float(scene.opacities[i] * kept);
 }
 
-/// Where Gaussians go: their means twice, unless `exact_means` are empty.
-struct DecodedRows {
-  Scene& scene;
-  std::vector<dvec3>& exact_means;
-  MeanRounding& rounding;
-};
+/// The position in the world of the Gaussian in `row`.
+template <class Field>
+dvec3 position_in(const PlyLayout& layout, const std::byte* row, const Field& of) {
+  return {of.exact(row, layout.mean[0]), of.exact(row, layout.mean[1]), of.exact(row, layout.mean[2])};
+}
 
 /// Activates the Gaussian in `row` and stores it as number `i`.
 template <class Field>
-void decode_row(const PlyLayout& layout, const std::byte* row, const Field& of, const DecodedRows& to,
-                std::size_t i) {
-  Scene& scene = to.scene;
+void decode_row(const PlyLayout& layout, const std::byte* row, const Field& of, Scene& scene, std::size_t i) {
   const auto field = [&](const std::byte* at, PlyField f) { return float(of.exact(at, f)); };
   const auto three = [&](const auto& f) {
     return vec3(field(row, f[0]), field(row, f[1]), field(row, f[2]));
   };
   const vec3 log_scale = three(layout.scale), colour = three(layout.colour);
-  scene.means[i] = three(layout.mean);
+  scene.means[i] = vec3(position_in(layout, row, of) - scene.origin);
   scene.scales[i] = {std::exp(log_scale.x), std::exp(log_scale.y), layout.flat ? 0 : std::exp(log_scale.z)};
   scene.rotations[i] = normalised(field(row, layout.rotation[0]), field(row, layout.rotation[1]),
                                   field(row, layout.rotation[2]), field(row, layout.rotation[3]));
@@ -69,49 +68,74 @@ void decode_row(const PlyLayout& layout, const std::byte* row, const Field& of, 
   float* rest = scene.sh_rest.data() + i * layout.sh.fields.size();
   for (const PlyField& f : layout.sh.fields) *rest++ = field(row, f);
   if (layout.filter) smooth(scene, i, layout.flat ? 2 : 3, of.exact(row, *layout.filter));
-  if constexpr (!std::is_same_v<Field, LittleFloat>) {
-    const dvec3 exact(of.exact(row, layout.mean[0]), of.exact(row, layout.mean[1]),
-                      of.exact(row, layout.mean[2]));
-    to.rounding.add(scene, i, exact);
-    if (!to.exact_means.empty()) to.exact_means[i] = exact;
-  }
 }
 
 template <class Field>
 void decode_rows(const Source& source, std::uint64_t position, const PlyLayout& layout, const Field& field,
-                 const ProgressMeter& progress, const DecodedRows& to) {
+                 const ProgressMeter& progress, Scene& scene) {
   const std::byte* rows = source.bytes.data() + position;
-  for_parts(to.scene.size(), progress, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) decode_row(layout, rows + i * layout.row_bytes, field, to, i);
+  for_parts(scene.size(), progress, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      decode_row(layout, rows + i * layout.row_bytes, field, scene, i);
     let_go(source, position + begin * layout.row_bytes, position + end * layout.row_bytes);
   });
+}
+
+std::endian byte_order_of(const PlyHeader& header) {
+  return header.encoding == PlyEncoding::little_endian ? std::endian::little : std::endian::big;
+}
+
+/// The origin for the scene that has the Gaussians in `rows` among others. Rows that cannot be parsed are
+/// left to who decodes them.
+dvec3 origin_of(const Source& source, const PlyHeader& header, const PlyElement& vertex,
+                const PlyLayout& layout, const RowSample& rows) {
+  OriginChoice choice;
+  const auto add = [&](const std::byte* row, std::endian order) {
+    const AnyScalar field{order};
+    const auto scale = [&](int axis) { return field.exact(row, layout.scale[std::size_t(axis)]); };
+    const double largest = std::max({scale(0), scale(1), layout.flat ? scale(1) : scale(2)});
+    choice.add(position_in(layout, row, field), std::exp(float(largest)));
+  };
+  std::vector<double> numbers;
+  for (const std::uint64_t position : rows) {
+    if (header.encoding != PlyEncoding::ascii) {
+      add(source.bytes.data() + position, byte_order_of(header));
+      continue;
+    }
+    try {
+      parse_text_row(source, vertex, position, numbers);
+    } catch (const FormatError&) {
+      continue;
+    }
+    add(reinterpret_cast<const std::byte*>(numbers.data()), std::endian::native);
+  }
+  return choice.origin();
 }
 
 /// Decodes vertices from number `first` on, as many as there is room for. The rows of all start at
 /// `position`.
 void decode_vertices(const Source& source, const PlyHeader& header, const PlyElement& vertex,
                      const PlyLayout& layout, std::uint64_t position, std::size_t first,
-                     const ProgressMeter& progress, const DecodedRows& to) {
-  const std::size_t count = to.scene.size();
+                     const ProgressMeter& progress, Scene& scene) {
+  const std::size_t count = scene.size();
   if (header.encoding == PlyEncoding::ascii) {
     std::vector<double> row;
     for (std::size_t i = 0; i < first; ++i) position = parse_text_row(source, vertex, position, row);
     for (std::size_t i = 0; i < count; ++i) {
       position = parse_text_row(source, vertex, position, row);
       const auto* bytes = reinterpret_cast<const std::byte*>(row.data());
-      decode_row(layout, bytes, AnyScalar{std::endian::native}, to, i);
+      decode_row(layout, bytes, AnyScalar{std::endian::native}, scene, i);
       if (i % (1 << 12) == 0) progress.report(double(i) / double(count));
     }
     progress.report(1);
     return;
   }
   position += first * layout.row_bytes;
-  const std::endian order =
-      header.encoding == PlyEncoding::little_endian ? std::endian::little : std::endian::big;
+  const std::endian order = byte_order_of(header);
   if (order == std::endian::little && layout.all_floats)
-    decode_rows(source, position, layout, LittleFloat{}, progress, to);
+    decode_rows(source, position, layout, LittleFloat{}, progress, scene);
   else
-    decode_rows(source, position, layout, AnyScalar{order}, progress, to);
+    decode_rows(source, position, layout, AnyScalar{order}, progress, scene);
 }
 
 }  // namespace
@@ -128,7 +152,8 @@ SceneFile read_ply(const Source& source, const SceneReadOptions& options) {
   const ProgressMeter progress(options.progress, source.name);
   // Rows of binary files are where they are. Those of text are looked for, which takes a third of the time.
   const double locating = header.encoding == PlyEncoding::ascii ? 0.3 : 0.02;
-  const auto starts = locate_rows(source, header, progress.step(0, locating));
+  RowSample sample;
+  const auto starts = locate_rows(source, header, progress.step(0, locating), sample);
 
   SceneFile file;
   file.format = std::string("INRIA PLY (") + header.encoding_name() + ")";
@@ -136,11 +161,9 @@ SceneFile read_ply(const Source& source, const SceneReadOptions& options) {
   file.stored = last - first;
   allocate(file.scene, file.stored, layout.sh.degree);
   file.scene.antialiased = model.antialiased;
-  std::vector<dvec3> exact_means;
-  if (options.exact_means && layout.wide_means()) exact_means.resize(file.stored);
-  MeanRounding rounding;
+  if (layout.wide_means()) file.scene.origin = origin_of(source, header, vertex, layout, sample);
   decode_vertices(source, header, vertex, layout, starts.at(vertex.name), first, progress.step(locating, 1),
-                  {file.scene, exact_means, rounding});
+                  file.scene);
   file.notes = notes_of(layout.flat, layout.has_third_scale, layout.sh);
   if (layout.filter)
     file.notes.push_back(
@@ -149,15 +172,7 @@ SceneFile read_ply(const Source& source, const SceneReadOptions& options) {
   std::vector<std::string_view> read = {"vertex"};
   read_photograph(source, header, starts, file, read);
   note_unread(header, read, layout.unread, file.notes);
-  if (!options.exact_means) {
-    if (note_rounded_means(file, rounding)) {
-      file.notes.back().pop_back();
-      file.notes.back() += "; 'swiftgs convert --transform move:X,Y,Z' moves them before it rounds them.";
-    }
-  } else if (!rounding_note(file.scene, rounding.most()).empty()) {
-    file.exact_means = std::move(exact_means);
-  }
-  file.dropped_nonfinite = drop_nonfinite(file.scene, file.exact_means);
+  file.dropped_nonfinite = drop_nonfinite(file.scene);
   return file;
 }
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "ply_rows.hpp"
 
+#include <swiftgs/edit/origin.hpp>
+
 #include "tokens.hpp"
 
 namespace swiftgs::io {
@@ -83,8 +85,10 @@ std::uint64_t skip_text_row(Walk& walk, const PlyElement& element, std::uint64_t
   return tokens.position();
 }
 
-/// The offset after all rows of `element`, which start at `position`.
-std::uint64_t skip_rows(Walk& walk, const PlyElement& element, PlyEncoding encoding, std::uint64_t position) {
+/// The offset after all rows of `element`, which start at `position`. Adds some to `sample`, unless it is
+/// null.
+std::uint64_t skip_rows(Walk& walk, const PlyElement& element, PlyEncoding encoding, std::uint64_t position,
+                        RowSample* sample) {
   const Source& source = walk.source();
   const std::uint64_t row_bytes = element.row_bytes(encoding);
   if (row_bytes == 0) return position;
@@ -95,10 +99,19 @@ std::uint64_t skip_rows(Walk& walk, const PlyElement& element, PlyEncoding encod
     source.fail(position, std::to_string(element.count) + " rows of '" + element.name + "' of at least " +
                               std::to_string(row_bytes) + " bytes, found " + std::to_string(remaining) +
                               " bytes");
-  if (encoding != PlyEncoding::ascii && !element.has_lists()) return position + element.count * row_bytes;
+  if (encoding != PlyEncoding::ascii && !element.has_lists()) {
+    if (sample)
+      OriginChoice::for_each_sample(element.count,
+                                    [&](std::size_t i) { sample->push_back(position + i * row_bytes); });
+    return position + element.count * row_bytes;
+  }
 
   const std::endian order = encoding == PlyEncoding::big_endian ? std::endian::big : std::endian::little;
+  std::vector<std::uint64_t> chosen;
+  if (sample) OriginChoice::for_each_sample(element.count, [&](std::size_t i) { chosen.push_back(i); });
+  auto next = chosen.begin();
   for (std::uint64_t row = 0; row < element.count; ++row) {
+    if (next != chosen.end() && *next == row) sample->push_back(position), ++next;
     position = encoding == PlyEncoding::ascii ? skip_text_row(walk, element, position)
                                               : skip_binary_row(source, element, order, position);
     walk.reach(position);
@@ -117,13 +130,14 @@ void expect_end(const Source& source, PlyEncoding encoding, std::uint64_t positi
 }  // namespace
 
 std::map<std::string, std::uint64_t> locate_rows(const Source& source, const PlyHeader& header,
-                                                 const ProgressMeter& progress) {
+                                                 const ProgressMeter& progress, RowSample& vertices) {
   Walk walk(source, progress);
   std::map<std::string, std::uint64_t> starts;
   std::uint64_t position = header.size;
   for (const PlyElement& element : header.elements) {
     starts[element.name] = position;
-    position = skip_rows(walk, element, header.encoding, position);
+    position =
+        skip_rows(walk, element, header.encoding, position, element.name == "vertex" ? &vertices : nullptr);
   }
   expect_end(source, header.encoding, position);
   return starts;

@@ -2,9 +2,9 @@
 #include "scene_building.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
-#include <limits>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -88,27 +88,26 @@ void drop_signs_of_scales(SceneFile& file) {
 }
 
 std::uint64_t drop_nonfinite(Scene& scene) {
-  std::vector<dvec3> none;
-  return drop_nonfinite(scene, none);
-}
-
-std::uint64_t drop_nonfinite(Scene& scene, std::vector<dvec3>& exact_means) {
   std::vector<std::uint8_t> wanted(scene.size());
   for_parts(scene.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) wanted[i] = renderable(scene, i);
   });
   const auto dropped = std::uint64_t(std::count(wanted.begin(), wanted.end(), 0));
   if (dropped == 0) return 0;
-  if (!exact_means.empty()) keep(exact_means, wanted, 1);
   for_each_array([&](const char*, std::size_t each, auto& values) { keep(values, wanted, each); }, scene);
   return dropped;
 }
 
-bool note_rounded_means(SceneFile& file, const MeanRounding& rounding) {
-  std::string note = rounding_note(file.scene, rounding.most());
-  if (note.empty()) return false;
-  file.notes.push_back(std::move(note));
-  return true;
+std::string text_of(const dvec3& origin) {
+  std::string text;
+  for (int axis = 0; axis < 3; ++axis) {
+    char digits[512];
+    const auto end = std::to_chars(digits, std::end(digits), origin[axis] + 0.0,  // no -0
+                                   std::chars_format::fixed)
+                         .ptr;
+    text.append(axis == 0 ? "" : ",").append(digits, end);
+  }
+  return text;
 }
 
 void note_dropped(std::uint64_t dropped, std::vector<std::string>& notes) {
@@ -117,25 +116,3 @@ void note_dropped(std::uint64_t dropped, std::vector<std::string>& notes) {
 }
 
 }  // namespace swiftgs::io
-
-namespace swiftgs {
-
-std::string rounding_note(const Scene& scene, double most) {
-  constexpr double seen = 1e-6;
-  vec3 lower(std::numeric_limits<float>::infinity()), upper = -lower;
-  double size = 0;
-  for (std::size_t i = 0; most > 0 && i < scene.size(); ++i) {
-    if (!io::renderable(scene, i)) continue;
-    const vec3 &mean = scene.means[i], &scale = scene.scales[i];
-    lower = glm::min(lower, mean), upper = glm::max(upper, mean);
-    for (int axis = 0; axis < 3; ++axis)
-      size = std::max({size, double(scale[axis]), double(upper[axis]) - double(lower[axis])});
-  }
-  if (!(most > seen * size)) return "";
-  char distance[32];
-  std::snprintf(distance, sizeof distance, "%.3g", most);
-  return "Positions are so far from the origin that rounding them to float moves them by up to " +
-         std::string(distance) + " units of the scene.";
-}
-
-}  // namespace swiftgs

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -30,30 +29,11 @@ bool renderable(const Scene& scene, std::size_t i);
 /// Takes scales below 0, which linear formats can hold, without their sign, and notes of how many Gaussians.
 void drop_signs_of_scales(SceneFile& file);
 
-/// Removes the Gaussians with a value that cannot be rendered, and their `exact_means` unless these are
-/// empty, keeping the order. Returns how many.
-std::uint64_t drop_nonfinite(Scene& scene, std::vector<dvec3>& exact_means);
+/// Removes the Gaussians with a value that cannot be rendered, keeping the order. Returns how many.
 std::uint64_t drop_nonfinite(Scene& scene);
 
-/// How far rounding to float moves means: the largest distance, of Gaussians that can be rendered.
-class MeanRounding {
- public:
-  /// Compares Gaussian `i`, when it is decoded, with its `exact` mean. Threads may call it at once.
-  void add(const Scene& scene, std::size_t i, const dvec3& exact) {
-    const dvec3 moved = exact - dvec3(scene.means[i]);
-    const double distance = std::sqrt(detail::dot(moved, moved));
-    double most = most_.load(std::memory_order_relaxed);
-    while (distance > most && renderable(scene, i) && !most_.compare_exchange_weak(most, distance)) {
-    }
-  }
-  double most() const { return most_; }
-
- private:
-  std::atomic<double> most_ = 0;
-};
-
-/// Adds `rounding_note` of the scene to the notes. Returns whether there is one.
-bool note_rounded_means(SceneFile& file, const MeanRounding& rounding);
+/// An origin as text: three numbers with commas between, as many digits as tell them apart.
+std::string text_of(const dvec3& origin);
 
 /// Adds a note of so many Gaussians that `drop_nonfinite` removed, unless they are none.
 void note_dropped(std::uint64_t dropped, std::vector<std::string>& notes);

@@ -81,6 +81,10 @@ SceneFile read(const Source& source, const SceneReadOptions& options) {
             "read in parts; 'swiftgs convert' writes one");
       SceneFile file = reader.read(source, options);
       file.bytes += source.bytes.size();
+      if (const dvec3& origin = file.scene.origin; origin != dvec3(0.0))
+        file.notes.push_back(
+            "Positions are too far from zero for float: the scene has them relative to the origin " +
+            text_of(origin) + ".");
       note_dropped(file.dropped_nonfinite, file.notes);
       return file;
     }

@@ -8,6 +8,7 @@
 #include <swiftgs/io/scene_file.hpp>
 
 #include "name_ending.hpp"
+#include "scene_building.hpp"
 #include "scene_encoding.hpp"
 #include "scene_writers.hpp"
 
@@ -18,12 +19,13 @@ namespace {
 struct Writer {
   std::string_view ending;
   WrittenScene (*write)(const std::filesystem::path&, const Scene&, const SceneWriteOptions&);
+  bool holds_doubles = false;
 };
 
 /// The first whose ending fits is taken.
 constexpr Writer writers[] = {
     {".compressed.ply", write_compressed_ply},
-    {".ply", write_ply},
+    {".ply", write_ply, true},
     {".sog", write_sog},
     {".splat", write_splat},
     {".spz", write_spz},
@@ -54,6 +56,9 @@ WrittenScene write_scene(const std::filesystem::path& path, const Scene& scene,
   std::vector<std::string> notes;
   const std::optional<Scene> cleaned = io::encodable(scene, notes);
   WrittenScene written = writer.write(path, cleaned ? *cleaned : scene, options);
+  if (!writer.holds_doubles && scene.origin != dvec3(0.0))
+    written.notes.push_back("The origin " + io::text_of(scene.origin) +
+                            " is left out: positions in the file are relative to it.");
   written.notes.insert(written.notes.begin(), notes.begin(), notes.end());
   return written;
 }

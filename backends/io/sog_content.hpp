@@ -6,6 +6,7 @@
 #include <set>
 #include <vector>
 
+#include <swiftgs/edit/origin.hpp>
 #include <swiftgs/scene.hpp>
 
 #include "progress_meter.hpp"
@@ -62,7 +63,11 @@ struct SogRange {
   std::size_t first, count, to;
 };
 
+/// Means are relative to the origin of `scene`.
 SogOddities decode_gaussians(const SogContent& sog, const SogPixels& pixels, const SogRange& range,
-                             const ProgressMeter& progress, Scene& scene, MeanRounding& rounding);
+                             const ProgressMeter& progress, Scene& scene);
+
+/// Adds the corners of the box that all Gaussians lie in.
+void add_box(const SogContent& sog, OriginChoice& choice);
 
 }  // namespace swiftgs::io

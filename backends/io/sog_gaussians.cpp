@@ -20,11 +20,13 @@ class MeanDecoder {
 
   dvec3 operator()(const std::uint8_t* low, const std::uint8_t* high) const {
     dvec3 mean;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double logarithm = least_[axis] + step_[axis] * (low[axis] | high[axis] << 8);
-      mean[axis] = std::copysign(std::exp(std::abs(logarithm)) - 1, logarithm);
-    }
+    for (int axis = 0; axis < 3; ++axis)
+      mean[axis] = position(least_[axis] + step_[axis] * (low[axis] | high[axis] << 8));
     return mean;
+  }
+
+  static double position(double logarithm) {
+    return std::copysign(std::exp(std::abs(logarithm)) - 1, logarithm);
   }
 
  private:
@@ -66,7 +68,7 @@ vec3 three(const std::array<SogMeta::Table, 3>& tables, const std::uint8_t* pixe
 }  // namespace
 
 SogOddities decode_gaussians(const SogContent& sog, const SogPixels& pixels, const SogRange& range,
-                             const ProgressMeter& progress, Scene& scene, MeanRounding& rounding) {
+                             const ProgressMeter& progress, Scene& scene) {
   const std::size_t rest = 3 * std::size_t(sh_rest_count(sog.sh_degree));
   const std::size_t stride = 3 * std::size_t(sh_rest_count(scene.sh_degree));
   const MeanDecoder mean(sog.meta);
@@ -77,8 +79,7 @@ SogOddities decode_gaussians(const SogContent& sog, const SogPixels& pixels, con
     for (std::size_t i = begin; i < end; ++i) {
       const auto pixel = [&](SogImageKind kind) { return pixels.images[kind].get() + 4 * (range.first + i); };
       const std::size_t to = range.to + i;
-      const dvec3 exact = mean(pixel(sog_means_low), pixel(sog_means_high));
-      scene.means[to] = vec3(exact);
+      scene.means[to] = vec3(mean(pixel(sog_means_low), pixel(sog_means_high)) - scene.origin);
       scene.scales[to] = three(sog.meta.scales, pixel(sog_scales));
       if (RotationDecoder::is_valid(pixel(sog_rotations)))
         scene.rotations[to] = rotation(pixel(sog_rotations));
@@ -94,11 +95,21 @@ SogOddities decode_gaussians(const SogContent& sog, const SogPixels& pixels, con
         else
           ++odd.labels;
       }
-      rounding.add(scene, to, exact);
     }
     odd_labels += odd.labels, odd_rotations += odd.rotations;
   });
   return {odd_labels, odd_rotations};
+}
+
+void add_box(const SogContent& sog, OriginChoice& choice) {
+  float largest = 0;
+  for (const SogMeta::Table& scales : sog.meta.scales)
+    largest = std::max(largest, *std::max_element(scales.begin(), scales.end()));
+  for (const dvec3& corner : {sog.meta.mean_min, sog.meta.mean_max}) {
+    dvec3 position;
+    for (int axis = 0; axis < 3; ++axis) position[axis] = MeanDecoder::position(corner[axis]);
+    choice.add(position, largest);
+  }
 }
 
 }  // namespace swiftgs::io

@@ -18,7 +18,6 @@ void SogFindings::add(const SogMeta& meta, const SogOddities& odd) {
 
 void SogFindings::finish(SceneFile& file) const {
   const auto note = [&](const std::string& text) { file.notes.push_back(text); };
-  note_rounded_means(file, rounding_);
   file.dropped_nonfinite = drop_nonfinite(file.scene);
   file.scene.antialiased = antialiased_;
   if (antialiased_ && plain_)
@@ -43,10 +42,12 @@ SceneFile read_sog(const Source& source, const SceneReadOptions& options) {
   file.stored = sog.meta.count;
   const SogPixels pixels = decode_images(sog, progress.step(0, 0.5));
   allocate(file.scene, sog.meta.count, sog.sh_degree);
+  OriginChoice choice;
+  add_box(sog, choice);
+  file.scene.origin = choice.origin();
   const SogRange all{0, sog.meta.count, 0};
   SogFindings findings;
-  findings.add(sog.meta,
-               decode_gaussians(sog, pixels, all, progress.step(0.5, 1), file.scene, findings.rounding()));
+  findings.add(sog.meta, decode_gaussians(sog, pixels, all, progress.step(0.5, 1), file.scene));
   findings.finish(file);
   return file;
 }

@@ -12,8 +12,6 @@ class SogFindings {
  public:
   void add(const SogMeta& meta, const SogOddities& odd);
 
-  MeanRounding& rounding() { return rounding_; }
-
   /// Drops what cannot be rendered, and sets `file`'s notes and its scene's model.
   void finish(SceneFile& file) const;
 
@@ -21,7 +19,6 @@ class SogFindings {
   bool antialiased_ = false, plain_ = false, flat_ = false;
   std::string unknown_model_;
   SogOddities odd_;
-  MeanRounding rounding_{};
 };
 
 /// Reads `lod-meta.json`, whose chunks and their images `open` opens by names relative to it.

@@ -134,6 +134,7 @@ struct Extent {
   std::size_t unused = 0;  ///< Gaussians of the chunks that are in no range
   std::uint64_t bytes = 0;
   int sh_degree = 0;
+  OriginChoice origin{};
 };
 
 Extent measure(const LodMeta& meta, const SogFiles& open, std::vector<Chunk>& chunks,
@@ -149,6 +150,7 @@ Extent measure(const LodMeta& meta, const SogFiles& open, std::vector<Chunk>& ch
     extent.count = end;
     extent.bytes += sog.stored;
     extent.sh_degree = std::max(extent.sh_degree, sog.sh_degree);
+    add_box(sog, extent.origin);
   }
   return extent;
 }
@@ -165,7 +167,7 @@ void decode_chunk(const SogFiles& open, const Chunk& chunk, const ProgressMeter&
   const Progress none;
   const ProgressMeter silent(none, file.source.name);
   for (const SogRange& range : chunk.ranges)
-    findings.add(sog.meta, decode_gaussians(sog, pixels, range, silent, scene, findings.rounding()));
+    findings.add(sog.meta, decode_gaussians(sog, pixels, range, silent, scene));
   progress.report(1);
 }
 
@@ -185,6 +187,7 @@ SceneFile read_streamed_sog(const Source& source, const SogFiles& open, const Sc
   SceneFile file;
   const Extent extent = measure(meta, open, chunks, progress.step(0, 0.1));
   allocate(file.scene, extent.count, extent.sh_degree);
+  file.scene.origin = extent.origin.origin();
   file.format = "streamed SOG, level " + std::to_string(options.level) + " of " + std::to_string(levels);
   file.bytes = extent.bytes;
   file.stored = extent.count;

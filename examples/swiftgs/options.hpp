@@ -19,7 +19,6 @@ struct SceneOptions {
   std::string scene;                    ///< a file, the folder of a capture, `builtin`, or `builtin:N`
   std::string spz_frame = "specified";  ///< as `SpzFrame` names them
   int level = 0;                        ///< of detail, in a streamed SOG
-  bool exact_means = false;             ///< as `SceneReadOptions` says
 };
 
 /// What says which images to make of it.

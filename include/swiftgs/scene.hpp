@@ -29,7 +29,7 @@ inline constexpr int max_feature_channels = 1 << 24;
 /// Gaussians on the host, structure of arrays, activated: nothing is left to exponentiate or normalise.
 /// World axes are those of the cameras; readers convert.
 struct Scene {
-  std::vector<vec3> means;            ///< @shape{N} world position
+  std::vector<vec3> means;            ///< @shape{N} world position less `origin`
   std::vector<vec3> scales;           ///< @shape{N} standard deviation along each local axis, >= 0
   std::vector<Quaternion> rotations;  ///< @shape{N} unit, local axes to world
   std::vector<float> opacities;       ///< @shape{N} in [0, 1]
@@ -39,6 +39,10 @@ struct Scene {
   bool antialiased = false;       ///< trained with Mip-Splatting's opacity compensation
   std::vector<float> features{};  ///< @shape{N, feature_channels} whatever else is drawn of a Gaussian
   int feature_channels = 0;
+  /// Where the means' zero lies in the world: a Gaussian is at origin + mean. Other than 0 in scenes so far
+  /// from the world's zero that float could not hold their positions. Frames know nothing of it: draw them
+  /// with cameras moved by -origin, `transformed(camera, {.translation = -scene.origin})`.
+  dvec3 origin{0.0};
 
   std::size_t size() const { return means.size(); }
 };
@@ -47,7 +51,7 @@ struct Scene {
 inline Scene empty_like(const Scene& scene) {
   Scene out;
   out.sh_degree = scene.sh_degree, out.antialiased = scene.antialiased;
-  out.feature_channels = scene.feature_channels;
+  out.feature_channels = scene.feature_channels, out.origin = scene.origin;
   return out;
 }
 
@@ -123,8 +127,15 @@ void for_each_array(const F& f, First&& first, More&&... more) {
   call("features", std::size_t(first.feature_channels), first.features, more.features...);
 }
 
+namespace detail {
+/// Whether a float is NaN or infinite, by its bits: no compiler flag turns that off.
+inline bool is_not_finite(float value) {
+  return (__builtin_bit_cast(std::uint32_t, value) & 0x7f800000u) == 0x7f800000u;
+}
+}  // namespace detail
+
 /// Throws `std::invalid_argument` unless all arrays of `scene` have the lengths that its count and degree ask
-/// for.
+/// for, and its origin lies within the range of float.
 inline void validate(const Scene& scene) {
   if (scene.sh_degree < 0 || scene.sh_degree > max_sh_degree)
     throw std::invalid_argument("scene: sh_degree is " + std::to_string(scene.sh_degree) +
@@ -132,6 +143,10 @@ inline void validate(const Scene& scene) {
   if (scene.feature_channels < 0 || scene.feature_channels > max_feature_channels)
     throw std::invalid_argument("scene: feature_channels is " + std::to_string(scene.feature_channels) +
                                 ", expected 0 to " + std::to_string(max_feature_channels));
+  for (int axis = 0; axis < 3; ++axis)
+    if (detail::is_not_finite(float(scene.origin[axis])))
+      throw std::invalid_argument("scene: origin has " + std::to_string(scene.origin[axis]) +
+                                  ", expected finite numbers within the range of float");
   for_each_array(
       [&](const char* array, std::size_t each, const auto& values) {
         if (values.size() != scene.size() * each)
@@ -143,11 +158,6 @@ inline void validate(const Scene& scene) {
 }
 
 namespace detail {
-/// Whether a float is NaN or infinite, by its bits: no compiler flag turns that off.
-inline bool is_not_finite(float value) {
-  return (__builtin_bit_cast(std::uint32_t, value) & 0x7f800000u) == 0x7f800000u;
-}
-
 /// Floats that are looked at before it is asked whether one was not finite.
 inline constexpr std::size_t finite_block = 1 << 14;
 

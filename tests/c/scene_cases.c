@@ -246,6 +246,25 @@ void test_arrays(void) {
   older.feature_channels = -1;
   CHECK(swiftgs_scene_get_arrays(scene, &older) == SWIFTGS_OK && older.feature_channels == 0);
 
+  /* One that is older than origins, and one that is not. */
+  older = given;
+  older.size = offsetof(swiftgs_gaussians, origin);
+  copy = scene_of(&older);
+  CHECK(info_of(copy).origin[0] == 0 && swiftgs_scene_get_arrays(copy, &older) == SWIFTGS_OK);
+  swiftgs_scene_free(copy);
+  swiftgs_gaussians far = given;
+  far.origin[0] = 1e7, far.origin[2] = -0.5;
+  copy = scene_of(&far);
+  CHECK(info_of(copy).origin[0] == 1e7 && info_of(copy).origin[1] == 0 && info_of(copy).origin[2] == -0.5);
+  CHECK(arrays_of(copy).origin[0] == 1e7 && arrays_of(copy).origin[2] == -0.5);
+  CHECK(memcmp(info_of(copy).lower, info_of(scene).lower, sizeof(info_of(copy).lower)) == 0);
+  CHECK_INVALID(swiftgs_scene_get_arrays(copy, &older), "the program is older than origins");
+  swiftgs_scene_info old_info = {.size = offsetof(swiftgs_scene_info, origin)};
+  CHECK(swiftgs_scene_get_info(copy, &old_info) == SWIFTGS_OK && old_info.count == given.count);
+  swiftgs_scene_free(copy);
+  far.origin[1] = 1e300;
+  CHECK_INVALID(swiftgs_scene_from_arrays(&far, &copy), "scene: origin has 1000000");
+
   /* Dense arrays need no stride, degree 0 no higher bands, and no Gaussians no arrays. */
   const float numbers[] = {1, 2, 3, 4};
   swiftgs_gaussians one = {.size = sizeof(one), .count = 1};

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -8,9 +9,11 @@
 #include <swiftgs/io/scene_file.hpp>
 
 #include "cli/command.hpp"
+#include "io/far_scene.hpp"
 #include "io/ply_text.hpp"
 
 using namespace swiftgs::test;
+using swiftgs::dvec3;
 using swiftgs::Image;
 using swiftgs::load_scene;
 using swiftgs::read_image;
@@ -84,25 +87,74 @@ TEST_CASE("cli layouts: convert moves positions in double before it rounds them"
                              "convert near.ply utm.ply b.ply --transform move:-512345,-5403209,0 "
                              "--transform scale:2");
   CHECK(outcome.code == 0);
-  CHECK(outcome.err == "");
+  CHECK(lines_in(outcome.err) == 1);  // the origin
   const swiftgs::Scene scene = load_scene(place / "b.ply");
   REQUIRE(scene.size() == 2);
   CHECK(scene.means[1] == vec3(0.125f, 1.5625f, 4));
   CHECK(scene.means[0] == vec3(-1024692, -10806419, 4));
 }
 
-TEST_CASE("cli layouts: convert says how far it moves positions by rounding them") {
+namespace {
+
+/// A camera of 160x120 at `place`, of which a millimetre at a distance of 3 is a pixel.
+std::string camera_at(const dvec3& place, const std::string& name) {
+  return R"([{"id": 0, "img_name": ")" + name + R"(", "width": 160, "height": 120, "fx": 3000, "fy": 3000,
+    "position": [)" +
+         std::to_string(place.x) + ", " + std::to_string(place.y) + ", " + std::to_string(place.z) +
+         R"(], "rotation": [[1, 0, 0], [0, 0, 1], [0, -1, 0]]}])";
+}
+
+const dvec3 far(10'000'000, -6'378'137, 4'000'000), from(0.015625, -3, 0.25);
+
+}  // namespace
+
+TEST_CASE("cli layouts: millimetre splats ten thousand kilometres from zero are drawn as beside it") {
   const TemporaryFolder place;
-  std::vector<PlyValue> gaussian = red_gaussian();
-  property(gaussian, "y") = {"double", "y", 5403209.78125};
-  place.write("utm.ply", ply(gaussian));
-  const std::string start =
-      "Positions are so far from the origin that rounding them to float moves them by up ";
-  CHECK(
-      swiftgs::test::swiftgs(place, "convert utm.ply b.ply").err ==
-      "swiftgs: utm.ply: " + start +
-          "to 0.219 units of the scene; 'swiftgs convert --transform move:X,Y,Z' moves them before it rounds "
-          "them.\n");
-  CHECK(swiftgs::test::swiftgs(place, "convert utm.ply b.ply --transform scale:2").err ==
-        "swiftgs: b.ply: " + start + "to 0.438 units of the scene.\n");
+  place.write("near.ply", far_scene(dvec3(0), "float"));
+  place.write("far.ply", far_scene(far, "double"));
+  place.write("near.json", camera_at(from, "near"));
+  place.write("far.json", camera_at(far + from, "far"));
+  const std::string note =
+      "Positions are too far from zero for float: the scene has them relative to the origin "
+      "10000000,-6378137,4000000.\n";
+  CHECK(run(place, "render near.ply --cameras near.json --format pfm").err == "");
+  CHECK(run_noting(place, "render far.ply --cameras far.json --format pfm").err ==
+        "swiftgs: far.ply: " + note);
+  const Image near = read_image(place / "renders/near.pfm");
+  CHECK(std::count(near.pixels.begin(), near.pixels.end(), 0.0f) < std::ptrdiff_t(near.pixels.size()));
+  CHECK(near.pixels == read_image(place / "renders/far.pfm").pixels);
+
+  // Views that are found, and what is judged by cameras.
+  run(place, "render near.ply --format pfm --scale 0.25 --out a");
+  run_noting(place, "render far.ply --format pfm --scale 0.25 --out b");
+  CHECK(read_image(place / "a/view.pfm").pixels == read_image(place / "b/view.pfm").pixels);
+  run_noting(place, "prune far.ply --out far-pruned.ply --cameras far.json --views 0 --keep 0.5");
+  run(place, "prune near.ply --out near-pruned.ply --cameras near.json --views 0 --keep 0.5");
+  CHECK(load_scene(place / "far-pruned.ply").means == load_scene(place / "near-pruned.ply").means);
+
+  CHECK(run(place, "info far.ply").out.find("note            " + note) != std::string::npos);
+  run(place, "info far.ply --json far-info.json");
+  CHECK(content_of(place / "far-info.json").find("\"origin\": [10000000.0,-6378137.0,4000000.0]") !=
+        std::string::npos);
+}
+
+TEST_CASE("cli layouts: convert moves scenes to places that float cannot hold and back") {
+  const TemporaryFolder place;
+  place.write("near.ply", far_scene(dvec3(0), "float"));
+  place.write("far.ply", far_scene(far, "double"));
+  const swiftgs::Scene near = load_scene(place / "near.ply");
+  CHECK(run_noting(place, "convert near.ply there.ply --transform move:10000000,-6378137,4000000").err ==
+        "swiftgs: there.ply: Positions are written as doubles, those in the world: the scene's origin is "
+        "10000000,-6378137,4000000.\n");
+  CHECK(load_scene(place / "there.ply").origin == far);
+  CHECK(load_scene(place / "there.ply").means == near.means);
+  run_noting(place, "convert far.ply back.ply --transform move:-10000000,6378137,-4000000");
+  CHECK(load_scene(place / "back.ply").origin == dvec3(0));
+  CHECK(load_scene(place / "back.ply").means == near.means);
+  run_noting(place, "convert far.ply there.ply both.ply --crop box:0,-1e9,0,10000000,1e9,1e9");
+  const swiftgs::Scene both = load_scene(place / "both.ply");
+  CHECK(both.size() > 100);
+  CHECK(both.size() < 700);
+  CHECK(std::all_of(both.means.begin(), both.means.end(),
+                    [&](const vec3& mean) { return both.origin.x + double(mean.x) <= far.x; }));
 }

@@ -50,8 +50,7 @@ SceneFile read_folder(const Files& files, const SceneReadOptions& options) {
   const io::SogPixels pixels = io::decode_images(sog, progress.step(0, 0.5));
   SceneFile file;
   io::allocate(file.scene, sog.meta.count, sog.sh_degree);
-  io::MeanRounding rounding;
-  io::decode_gaussians(sog, pixels, {0, sog.meta.count, 0}, progress.step(0.5, 1), file.scene, rounding);
+  io::decode_gaussians(sog, pixels, {0, sog.meta.count, 0}, progress.step(0.5, 1), file.scene);
   io::drop_nonfinite(file.scene);
   return file;
 }

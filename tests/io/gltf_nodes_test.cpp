@@ -186,7 +186,8 @@ TEST_CASE("gltf: a long chain of nodes is no deeper a recursion") {
     nodes.push_back({{"children", json::array({i})}, {"translation", {0, 0, 1}}});
   nodes.push_back({{"mesh", 0}});
   parts.root["nodes"] = nodes;
-  CHECK(read(parts).scene.means[0].z > 90'000);
+  const Scene scene = read(parts).scene;
+  CHECK(scene.origin.z + double(scene.means[0].z) > 90'000);
 }
 
 TEST_CASE("gltf: a small file cannot ask for many instances") {
@@ -202,10 +203,35 @@ TEST_CASE("gltf: a small file cannot ask for many instances") {
 }
 
 // Cesium ion's tiles lie on the Earth: their nodes have translations of millions of metres.
-TEST_CASE("gltf: a node far from the origin is told with the largest rounding of its positions") {
+TEST_CASE("gltf: a node far from zero gives the scene an origin") {
   GltfParts parts = encode_gltf(some_scene(12, 0));
+  const Scene near = read(parts).scene;
+  CHECK(near.origin == dvec3(0));
   parts.root["nodes"][0]["translation"] = {4'000'000.3, 0, 0};
   const SceneFile file = read(parts);
   REQUIRE(file.notes.size() == 1);
-  CHECK(contains(file.notes[0], "rounding them to float moves them by up to 0.1"));
+  CHECK(contains(file.notes[0], "relative to the origin -"));  // x of glTF points to the other side
+  for (std::size_t i = 0; i < 12; ++i) {
+    const dvec3 moved = file.scene.origin + dvec3(file.scene.means[i]) - dvec3(near.means[i]);
+    CHECK(glm::length(moved - dvec3(-4'000'000.3, 0, 0)) < 1e-5);
+  }
+}
+
+TEST_CASE("gltf: instances are relative to the origin of the first") {
+  GltfParts parts = encode_gltf(some_scene(12, 0));
+  const Scene near = read(parts).scene;
+  for (const bool far_first : {true, false}) {
+    json nodes = json::array({{{"mesh", 0}}, {{"mesh", 0}}});
+    nodes[far_first ? 0 : 1]["translation"] = {4'000'000.3, 0, 0};
+    parts.root["nodes"] = nodes;
+    parts.root["scenes"][0]["nodes"] = {0, 1};
+    const Scene scene = read(parts).scene;
+    REQUIRE(scene.size() == 24);
+    CHECK((scene.origin != dvec3(0)) == far_first);
+    for (std::size_t i = 0; i < 24; ++i) {
+      const dvec3 shift = (i < 12) == far_first ? dvec3(-4'000'000.3, 0, 0) : dvec3(0);
+      const dvec3 expected = dvec3(near.means[i % 12]) + shift;
+      CHECK(glm::length(scene.origin + dvec3(scene.means[i]) - expected) < (i < 12 ? 1e-5 : 0.5));
+    }
+  }
 }

@@ -192,7 +192,7 @@ TEST_CASE("ksplat: a scale range in the header is what coordinates count from") 
   CHECK(read(ksplat({section}, 1)).scene.means[0] == vec3(0, 2, -2));
 }
 
-TEST_CASE("ksplat: positions that float cannot hold are told with the largest move") {
+TEST_CASE("ksplat: positions that float cannot hold are relative to an origin") {
   Section section = encode_section(exact_scene(5, 0), 0, 5, 1, 8);
   CHECK(read(ksplat({section}, 1)).notes.empty());
   // Floats are 1/2 apart there, and a bucket's side is 4.
@@ -202,7 +202,9 @@ TEST_CASE("ksplat: positions that float cannot hold are told with the largest mo
   for (int i = 0; i < 5; ++i) set(section.records, std::size_t(i) * 24 + 2, std::uint16_t(32767 + 2048));
   const SceneFile file = read(ksplat({section}, 1));
   REQUIRE(file.notes.size() == 1);
-  CHECK(contains(file.notes[0], "rounding them to float moves them by up to 0.125 units"));
+  CHECK(contains(file.notes[0], "relative to the origin "));
+  for (const vec3& mean : file.scene.means)
+    CHECK(std::abs(file.scene.origin.y + double(mean.y) - 5403209.625) < 1e-4);
 }
 
 TEST_CASE("ksplat: Gaussians that are not finite are dropped") {

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "compressed_ply_text.hpp"
+#include "far_scene.hpp"
 #include "ply_text.hpp"
 #include "scenes.hpp"
 
@@ -219,37 +220,59 @@ TEST_CASE("layouts: a point cloud is called one") {
 }
 
 // Metashape and RealityCapture keep projected coordinates in double; Open3D 0.19 writes all properties so.
-TEST_CASE("layouts: positions that float cannot hold are told with the largest move") {
+TEST_CASE("layouts: positions that float cannot hold are relative to an origin") {
   for (const std::string format : {"binary_little_endian", "binary_big_endian", "ascii"})
     for (const std::string type : {"double", "int", "uint"}) {
       CAPTURE(format);
       CAPTURE(type);
+      if (format == "ascii" && type != "double") continue;  // of more digits than the text has
       auto gaussian = plain_gaussian();
       for (PlyValue& value : gaussian)
         if (type == "double") value.type = type;
-      for (const char* axis : {"x", "y"})
-        property(gaussian, axis) = {type, axis, type == "double" ? 5403209.75 : 16777217 * 8 + 4};
-      PlyParts parts{.format = format};
-      if (format == "ascii" && type != "double") continue;  // of more digits than the text has
-      const SceneFile file = read(ply(gaussian, parts));
-      CHECK(file.exact_means.empty());
-      CHECK(contains(all_notes(file.notes),
-                     type == "double" ? "them by up to 0.354 units" : "them by up to 5.66 units"));
-      const SceneFile exact = read(ply(gaussian, parts), "a.ply", {.exact_means = true});
-      REQUIRE(exact.exact_means.size() == 1);
-      CHECK(exact.exact_means[0].y == property(gaussian, "y").value);
-      CHECK(exact.notes.empty());
+      const double far = type == "double" ? 5403209.75 : 16777217 * 8 + 4;
+      for (const char* axis : {"x", "y"}) property(gaussian, axis) = {type, axis, far};
+      const SceneFile file = read(ply(gaussian, {.format = format}));
+      CHECK(file.scene.origin + dvec3(file.scene.means[0]) == dvec3(far, far, -3));
+      CHECK(glm::length(file.scene.means[0]) < 1);
+      const std::string origin = type == "double" ? "5403209.75,5403209.75,-3" : "134217740,134217740,-3";
+      CHECK(all_notes(file.notes) ==
+            "Positions are too far from zero for float: the scene has them relative to the origin " + origin +
+                ".\n");
     }
   auto near = plain_gaussian();
   for (PlyValue& value : near) value.type = "double";
   property(near, "x").value = 0.1;
   const SceneFile file = read(ply(near));
   CHECK(file.scene.means[0].x == 0.1f);
+  CHECK(file.scene.origin == dvec3(0));
   CHECK(file.notes.empty());
-  CHECK(read(ply(near), "a.ply", {.exact_means = true}).exact_means.empty());
 }
 
-TEST_CASE("layouts: exact positions are those of the Gaussians that are kept") {
+TEST_CASE("layouts: a scene ten thousand kilometres away has the means of one near by") {
+  const dvec3 far(10'000'000, -10'000'000, 9'999'999);
+  const SceneFile near = read(far_scene(dvec3(0), "float")), file = read(far_scene(far, "double"));
+  CHECK(near.scene.origin == dvec3(0));
+  CHECK(file.scene.origin == far);
+  CHECK(file.scene.means == near.scene.means);
+  CHECK(file.scene.scales == near.scene.scales);
+  CHECK(read(far_scene(dvec3(0), "double")).scene.means == near.scene.means);
+}
+
+TEST_CASE("layouts: positions beyond float are dropped beside an origin as without one") {
+  auto gaussian = plain_gaussian();
+  for (const char* axis : {"x", "y", "z"}) property(gaussian, axis) = {"double", axis, 1e7 + 0.25};
+  for (const double bad : {1e300, -1e39, double(NAN), double(-INFINITY)}) {
+    CAPTURE(bad);
+    std::string content = ply(gaussian, {.repeat = 3});
+    std::memcpy(content.data() + content.size() - (11 * 4 + 3 * 8), &bad, sizeof bad);  // x of the last
+    const SceneFile file = read(content);
+    CHECK(file.dropped_nonfinite == 1);
+    REQUIRE(file.scene.size() == 2);
+    CHECK(file.scene.origin + dvec3(file.scene.means[1]) == dvec3(1e7 + 0.25));
+  }
+}
+
+TEST_CASE("layouts: Gaussians that are dropped take no others' positions along") {
   auto gaussian = plain_gaussian();
   property(gaussian, "y") = {"double", "y", 5403209.75};
   std::string content = ply(gaussian, {.repeat = 3});
@@ -258,10 +281,10 @@ TEST_CASE("layouts: exact positions are those of the Gaussians that are kept") {
   std::memcpy(content.data() + last + 4, &other, sizeof other);
   const float infinite = INFINITY;
   std::memcpy(content.data() + last - row, &infinite, sizeof infinite);  // x of the second
-  const SceneFile file = read(content, "a.ply", {.exact_means = true});
+  const SceneFile file = read(content);
   CHECK(file.dropped_nonfinite == 1);
-  REQUIRE(file.exact_means.size() == 2);
-  CHECK(file.exact_means[0].y == 5403209.75);
-  CHECK(file.exact_means[1].y == other);
+  REQUIRE(file.scene.size() == 2);
+  CHECK(file.scene.origin.y + double(file.scene.means[0].y) == 5403209.75);
+  CHECK(file.scene.origin.y + double(file.scene.means[1].y) == other);
   CHECK(file.notes.back() == "Gaussians with a NaN or an infinity are left out: 1.");
 }

@@ -13,6 +13,7 @@
 #include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/scene_part.hpp>
 
+#include "far_scene.hpp"
 #include "ply_text.hpp"
 
 using namespace swiftgs;
@@ -104,6 +105,21 @@ TEST_CASE("scene parts: text is read in parts and what cannot be drawn is droppe
   CHECK(last.dropped_nonfinite == 1);
   CHECK(same_bits(joined(2, [&](ScenePart part) { return read_scene(path, {.part = part}).scene; }),
                   whole.scene));
+}
+
+TEST_CASE("scene parts: all have the origin of the whole") {
+  const test::TemporaryFolder folder;
+  const dvec3 far(10'000'000, 0, -10'000'000);
+  const auto path = folder.write("far.ply", test::far_scene(far, "double"));
+  const Scene whole = load_scene(path);
+  CHECK(whole.origin == far);
+  CHECK(same_bits(joined(3,
+                         [&](ScenePart part) {
+                           Scene scene = load_scene(path, {.part = part});
+                           CHECK(scene.origin == far);
+                           return scene;
+                         }),
+                  whole));
 }
 
 TEST_CASE("scene parts: a format that is read as a whole is refused") {

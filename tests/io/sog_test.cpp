@@ -158,14 +158,16 @@ TEST_CASE("sog: labels and rotations without a meaning are counted") {
                     [](float x) { return x == 0; }));
 }
 
-TEST_CASE("sog: positions that float cannot hold are told with the largest move") {
+TEST_CASE("sog: positions that float cannot hold are relative to an origin") {
   SogParts parts = encode_sog(some_scene(5, 0), 2);
   CHECK(read(parts).notes.empty());
   const double far = std::log1p(5403209.75);
   parts.meta["means"]["mins"][1] = far, parts.meta["means"]["maxs"][1] = far;
   const SceneFile file = read(parts);
   REQUIRE(file.notes.size() == 1);
-  CHECK(contains(file.notes[0], "rounding them to float moves them by up to 0.25 units"));
+  CHECK(contains(file.notes[0], "relative to the origin "));
+  for (const vec3& mean : file.scene.means)
+    CHECK(std::abs(file.scene.origin.y + double(mean.y) - 5403209.75) < 1e-6);
 }
 
 TEST_CASE("sog: numbers that are not finite are dropped") {

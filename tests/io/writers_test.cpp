@@ -13,6 +13,7 @@
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/io/image.hpp>
 
+#include "far_scene.hpp"
 #include "name_ending.hpp"
 #include "scenes.hpp"
 
@@ -263,6 +264,38 @@ TEST_CASE("writers: what is said to be in a file is what a reader finds") {
         CHECK(written.sh_degree == file.scene.sh_degree);
         CHECK(written.antialiased == file.scene.antialiased);
       }
+}
+
+TEST_CASE("writers: a scene with an origin keeps its places in a PLY and its shape in other formats") {
+  const TemporaryFolder folder;
+  const dvec3 far(10'000'000, -6'378'137, 4'000'000);
+  const Scene scene = load_scene(folder.write("far.ply", far_scene(far, "double")));
+  REQUIRE(scene.origin == far);
+  for (const std::string& name : names) {
+    CAPTURE(name);
+    const WrittenScene written = write_scene(folder / name, scene);
+    const std::string notes = all_notes(written.notes);
+    const SceneFile file = read_scene(folder / name);
+    CHECK(file.scene.size() == scene.size());
+    CHECK(written.bytes == std::filesystem::file_size(folder / name));
+    if (name == "a.ply") {
+      CHECK(notes ==
+            "Positions are written as doubles, those in the world: the scene's origin is "
+            "10000000,-6378137,4000000.\n");
+      CHECK(file.scene.origin == far);
+      CHECK(file.scene.means == scene.means);
+      CHECK(file.scene.opacities.size() == scene.opacities.size());
+      CHECK(file.scene.scales[7].x == doctest::Approx(scene.scales[7].x));
+    } else {
+      CHECK(contains(notes, "The origin 10000000,-6378137,4000000 is left out: positions in the file are "));
+      CHECK(file.scene.origin == dvec3(0));
+      for (const vec3& mean : scene.means) {
+        float nearest = INFINITY;
+        for (const vec3& stored : file.scene.means) nearest = std::min(nearest, glm::distance(mean, stored));
+        CHECK(nearest < 0.002f);
+      }
+    }
+  }
 }
 
 TEST_CASE("writers: endings are known in upper and lower case") {

@@ -164,6 +164,29 @@ def test_features_of_any_number_are_kept(arrays):
         assert np.array_equal(scene.features, getattr(features, "array", features))
 
 
+def test_a_scene_far_from_zero_is_drawn_as_one_beside_it(arrays, tmp_path):
+    grid = np.round(arrays["means"] * 4096) / 4096
+    origin = np.array([1e7, -6378137, 4e6])
+    near = swiftgs.Scene.from_arrays(**dict(arrays, means=grid.astype(np.float32)))
+    far = swiftgs.Scene.from_arrays(**dict(arrays, means=near.means), origin=origin)
+    assert not near.origin.any() and np.array_equal(far.origin, origin)
+    assert any("doubles" in note for note in far.save(tmp_path / "far.ply"))
+    read = swiftgs.load(tmp_path / "far.ply")
+    assert any("relative to the origin" in note for note in read.notes)
+    assert np.array_equal(read.origin + read.means, origin + near.means)
+
+    beside = swiftgs.Camera.builtin(96, 64)
+    there = beside.relative_to(-origin)
+    assert np.allclose(there.position, beside.position + origin, rtol=0, atol=1e-7)
+    local = there.relative_to(read.origin)
+    assert np.allclose(local.translation, beside.relative_to(read.origin - origin).translation, rtol=0, atol=1e-7)
+    images = [swiftgs.Renderer("cpu", scene=scene).render(camera).colour
+              for scene, camera in ((far, there.relative_to(far.origin)), (near, beside))]
+    assert np.abs(images[0] - images[1]).max() < 1e-3
+    with pytest.raises(ValueError, match="scene: origin has"):
+        swiftgs.Scene.from_arrays(**arrays, origin=(0, np.nan, 0))
+
+
 def test_numbers_are_activated_as_training_stores_them(arrays):
     raw = dict(arrays, scales=np.log(np.maximum(arrays["scales"], 1e-30)),
                opacities=np.log(arrays["opacities"] / (1 - np.minimum(arrays["opacities"], 0.999))),

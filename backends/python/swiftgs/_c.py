@@ -149,13 +149,13 @@ class Gaussians(_Sized):
     _fields_ = [("size", c_uint32), ("sh_degree", c_int32), ("count", c_uint64), ("means", Array),
                 ("scales", Array), ("rotations", Array), ("opacities", Array), ("sh0", Array), ("sh_rest", Array),
                 ("memory", c_int32), ("raw", c_uint32), ("antialiased", c_int32), ("feature_channels", c_int32),
-                ("stream", c_void_p), ("features", Array)]
+                ("stream", c_void_p), ("features", Array), ("origin", c_double * 3)]
 
 
 class SceneInfo(_Sized):
     _fields_ = [("size", c_uint32), ("sh_degree", c_int32), ("count", c_uint64), ("stored", c_uint64),
                 ("dropped", c_uint64), ("lower", c_float * 3), ("upper", c_float * 3), ("antialiased", c_int32),
-                ("feature_channels", c_int32), ("format", c_char_p)]
+                ("feature_channels", c_int32), ("format", c_char_p), ("origin", c_double * 3)]
 
 
 def _load():

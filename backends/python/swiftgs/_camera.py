@@ -99,6 +99,12 @@ class Camera:
         lib.camera_scale(ctypes.byref(struct), scale)
         return type(self).__new__(type(self))._take(struct, self.name)
 
+    def relative_to(self, origin: Any) -> "Camera":
+        """The same camera in a world whose zero lies at `origin` [3] of this one, such as that of a scene."""
+        struct = _c.Camera.from_buffer_copy(self._struct)
+        struct.translation = tuple(self.translation + self.rotation @ np.asarray(origin, np.float64))
+        return type(self).__new__(type(self))._take(struct, self.name)
+
     @property
     def width(self) -> int:
         """Columns of pixels."""

@@ -91,19 +91,22 @@ class Scene:
     @classmethod
     def from_arrays(cls, means: Any, scales: Any, rotations: Any, opacities: Any, sh0: Any = None, sh_rest: Any = None,
                     *, colours: Any = None, log_scales: bool = False, logit_opacities: bool = False,
-                    any_rotations: bool = True, antialiased: bool = False, features: Any = None) -> "Scene":
+                    any_rotations: bool = True, antialiased: bool = False, features: Any = None,
+                    origin: Any = (0, 0, 0)) -> "Scene":
         """Copies arrays of float32 of any library, with gaps or without, on the host or on a CUDA device.
 
         means [N, 3]; scales [N, 3], standard deviations; rotations [N, 4], quaternions w, x, y, z, normalised unless
         `any_rotations` is False; opacities [N]; and either harmonics, `sh0` [N, 3] and `sh_rest` [N, 3 or 8 or 15, 3],
         or `colours` [N, 3]. `log_scales` and `logit_opacities` are for numbers as training stores them.
-        `features` [N, F] are any numbers that frames may draw of Gaussians; files do not hold them.
+        `features` [N, F] are any numbers that frames may draw of Gaussians; files do not hold them. `origin` is what
+        was subtracted from positions in the world.
         """
         if (sh0 is None) == (colours is None):
             raise TypeError("from_arrays takes either sh0 or colours")
         struct, memory = gaussians_of(means, scales, rotations, opacities, sh0, sh_rest, colours=colours,
                                       log_scales=log_scales, logit_opacities=logit_opacities,
                                       any_rotations=any_rotations, antialiased=antialiased, features=features)
+        struct.origin = tuple(map(float, origin))
         handle = Handle(lib.scene_free, lib.scene_from_arrays, ctypes.byref(struct))
         del memory  # copied
         return cls(handle)
@@ -154,7 +157,7 @@ class Scene:
 
     @property
     def means(self) -> np.ndarray:
-        """[N, 3] in the world. This and the arrays below are the scene's own memory: read them only."""
+        """[N, 3] in the world, less `origin`. This and the arrays below are the scene's own memory: read them only."""
         return self._array("means", 3)
 
     @property
@@ -204,8 +207,14 @@ class Scene:
 
     @property
     def bounds(self) -> Tuple[np.ndarray, np.ndarray]:
-        """Least and greatest coordinates of all means."""
+        """Least and greatest coordinates of all means, less `origin`."""
         return np.array(self._info.lower), np.array(self._info.upper)
+
+    @property
+    def origin(self) -> np.ndarray:
+        """[3], where the means' zero lies in the world. It is other than 0 in scenes far from the world's zero; draw
+        these with `camera.relative_to(scene.origin)` for each camera of the world."""
+        return np.array(self._info.origin)
 
     @property
     def format(self) -> str:

@@ -195,7 +195,7 @@ class Matrix {
           ViewOptions view = view_options(input);
           view.scale = scale, view.conventions = conventions, view.planes = options_.planes;
           session.views = views_of(input.cameras, view, "");
-          find_views(session.views, *session.gaussians, camera);
+          place_views(session.views, *session.gaussians, camera);
           session.settings = settings_for(settings_of(view), *session.gaussians);
           session.scale = scale, session.conventions = conventions;
           run();

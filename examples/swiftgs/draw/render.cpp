@@ -113,7 +113,7 @@ void render(const RenderOptions& options) {
   settings.conventions.depth_at = depth_at_of(options.lens);
   const DrawnScene drawn = load_to_draw(options.scene, notes);
   const auto scene = drawn.gaussians;
-  find_views(views, *scene, drawn.camera);
+  place_views(views, *scene, drawn.camera);
   use_lens(views, options.lens, *scene);
   settings = settings_for(settings, *scene);
   if (options.format == "png" && settings.outputs.alpha && settings.background != vec3(0))

@@ -45,7 +45,7 @@ void calibrate(const CalibrateOptions& options) {
   std::vector<View> views =
       views_of(read_cameras_of(options.scene, options.view.cameras, notes), options.view, "every:5");
   const DrawnScene drawn = load_to_draw(options.scene, notes);
-  find_views(views, *drawn.gaussians, drawn.camera);
+  place_views(views, *drawn.gaussians, drawn.camera);
   const RenderSettings settings = settings_for(settings_of(options.view), *drawn.gaussians);
   standard->set_scene(drawn.gaussians);
   early->share_scene(*standard);

@@ -136,7 +136,7 @@ void check(const CheckOptions& options) {
   task.settings = settings_of(options.view);
   const DrawnScene drawn = load_to_draw(options.scene, notes);
   task.scene = drawn.gaussians;
-  find_views(task.views, *task.scene, drawn.camera);
+  place_views(task.views, *task.scene, drawn.camera);
   task.settings = settings_for(task.settings, *task.scene);
   task.photos =
       photographs_of(task.views, cameras, photos_of(options.scene, options.view, options.photos), notes);

@@ -119,9 +119,9 @@ void prune(const PruneOptions& options) {
   const Cameras cameras = read_cameras_of(options.scene, view.cameras, notes);
   HeldOut held_out = held_out_of(options, view, cameras, std::string(backend.backend), notes);
   const bool by_contribution = options.score == "contribution";
-  const std::vector<View> views =
-      by_contribution ? views_of(cameras, view, training_views) : std::vector<View>();
+  std::vector<View> views = by_contribution ? views_of(cameras, view, training_views) : std::vector<View>();
   const auto scene = load_to_draw(options.scene, notes).gaussians;
+  place_views(views, *scene, std::nullopt), place_views(held_out.views, *scene, std::nullopt);
   held_out.settings = settings_for(held_out.settings, *scene);
   if (Team::here().leads()) require_replaceable(options.out);
   ResultFile json(options.json);

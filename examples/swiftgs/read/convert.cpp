@@ -3,6 +3,7 @@
 #include <chrono>
 #include <filesystem>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <utility>
 #include <variant>
@@ -108,23 +109,11 @@ Edits edits_of(const ConvertOptions& options) {
   return edits;
 }
 
-/// Means of the Gaussians from number `first` on that the scene has rounded.
-struct ExactMeans {
-  std::size_t first;
-  std::vector<dvec3> means;
-};
-
-/// All inputs as one scene.
-struct Joined {
-  Scene scene;
-  std::vector<ExactMeans> exact;
-};
-
 /// What one input holds, and the row for it.
 SceneFile read(const ConvertOptions& options, const std::string& name, ConvertProgress& progress,
                ConvertResult& result) {
   SceneOptions from = options.scene;
-  from.scene = name, from.exact_means = !options.transforms.empty();
+  from.scene = name;
   const auto begin = std::chrono::steady_clock::now();
   SceneFile file = load(from, progress.of_next_file("read " + name));
   ConvertedFile row{.name = name,
@@ -141,39 +130,45 @@ SceneFile read(const ConvertOptions& options, const std::string& name, ConvertPr
   return file;
 }
 
-/// Moves the scene, and rounds means that it has exactly only then.
-void move(Joined& all, const Similarity& by) {
-  transform(all.scene, by);
-  for (auto& [first, means] : all.exact)
-    for (std::size_t i = 0; i < means.size(); ++i) all.scene.means[first + i] = vec3(means[i] = by(means[i]));
+/// Inputs, those with one origin joined. Others wait until all have moved: only then are they rounded.
+using Inputs = std::vector<Scene>;
+
+/// Lowers the degree and moves the inputs.
+void move_inputs(Inputs& inputs, const ConvertOptions& options, const Edits& edits, ConvertProgress& progress,
+                 ConvertResult& result) {
+  const auto degree = [&] {
+    return std::max_element(inputs.begin(), inputs.end(),
+                            [](const Scene& a, const Scene& b) { return a.sh_degree < b.sh_degree; })
+        ->sh_degree;
+  };
+  const auto step = [&](const std::string& what, const auto& change) {
+    progress.begin(what);
+    std::size_t gaussians = 0;
+    for (Scene& scene : inputs) change(scene), gaussians += scene.size();
+    result.steps.push_back({what, gaussians, degree()});
+  };
+  if (options.degree < degree())
+    step("--degree " + std::to_string(options.degree), [&](Scene& scene) {
+      if (options.degree < scene.sh_degree) scene = with_degree(std::move(scene), options.degree);
+    });
+  for (const auto& [what, by] : edits.transforms)
+    step(what, [&, &by = by](Scene& scene) { transform(scene, by, origin_for(scene, by)); });
 }
 
-/// The note of what rounding still moves when all is moved, if it can be seen.
-std::vector<std::string> rounding_notes(const Joined& all) {
-  double most = 0;
-  for (const auto& [first, means] : all.exact)
-    for (std::size_t i = 0; i < means.size(); ++i)
-      most = std::max(most, glm::length(means[i] - dvec3(all.scene.means[first + i])));
-  const std::string note = rounding_note(all.scene, most);
-  return note.empty() ? std::vector<std::string>{} : std::vector{note};
+/// Inputs as one scene, with the origin of the first.
+Scene joined(Inputs inputs) {
+  Scene scene = std::move(inputs.front());
+  for (Scene& more : std::span(inputs).subspan(1)) append(scene, std::exchange(more, {}));
+  return scene;
 }
 
-void edit(Joined& all, const ConvertOptions& options, const Edits& edits, ConvertProgress& progress,
+void edit(Scene& scene, const ConvertOptions& options, const Edits& edits, ConvertProgress& progress,
           ConvertResult& result) {
-  Scene& scene = all.scene;
   const auto step = [&](const std::string& what, const auto& make) {
     progress.begin(what);
     make();
     result.steps.push_back({what, scene.size(), scene.sh_degree});
   };
-  if (options.degree < scene.sh_degree)
-    step("--degree " + std::to_string(options.degree),
-         [&] { scene = with_degree(std::move(scene), options.degree); });
-  for (const auto& [what, by] : edits.transforms) step(what, [&, &by = by] { move(all, by); });
-  if (!all.exact.empty()) {
-    progress.clear();
-    say_notes(options.files.back(), rounding_notes(all), result.head.notes);
-  }
   for (const auto& [what, region] : edits.crops)
     step(what, [&, &region = region] {
       scene = std::visit([&](const auto& r) { return crop(scene, r); }, region);
@@ -185,28 +180,30 @@ void edit(Joined& all, const ConvertOptions& options, const Edits& edits, Conver
   if (options.order) step("--order", [&] { scene = order_spatially(scene); });
 }
 
-Joined read_all(const ConvertOptions& options, const std::vector<std::string>& inputs,
+Inputs read_all(const ConvertOptions& options, const std::vector<std::string>& inputs,
                 ConvertProgress& progress, ConvertResult& result) {
-  Joined joined;
-  Scene& all = joined.scene;
+  Inputs all;
   for (const std::string& name : inputs) {
     SceneFile file = read(options, name, progress, result);
     Scene& scene = file.scene;
-    if (!file.exact_means.empty()) joined.exact.push_back({all.size(), std::move(file.exact_means)});
     if (!options.antialiased.empty()) scene.antialiased = options.antialiased == "yes";
-    if (&name == &inputs.front()) {
-      all = std::move(scene);
+    if (all.empty()) {
+      all.push_back(std::move(scene));
       continue;
     }
-    if (scene.size() != 0 && all.size() != 0 && scene.antialiased != all.antialiased) {
+    Scene& last = all.back();
+    if (scene.size() != 0 && last.size() != 0 && scene.antialiased != last.antialiased) {
       const auto words = [](bool antialiased) { return antialiased ? "antialiased" : "not antialiased"; };
-      throw std::invalid_argument(name + ": expected a scene that is " + words(all.antialiased) + " as " +
+      throw std::invalid_argument(name + ": expected a scene that is " + words(last.antialiased) + " as " +
                                   inputs.front() + ", found one that is " + words(scene.antialiased) +
                                   "; --antialiased yes or no decides");
     }
-    append(all, scene);
+    if (scene.size() == 0 || last.size() == 0 || scene.origin == last.origin)
+      append(last, scene);
+    else
+      all.push_back(std::move(scene));
   }
-  return joined;
+  return all;
 }
 
 /// How to write `out`.
@@ -242,9 +239,10 @@ void convert(const ConvertOptions& options) {
   ConvertResult result;
   if (json.is_wanted()) result.head = head_of("swiftgs-convert");
   ConvertProgress progress(options.files.size(), out);
-  Joined all = read_all(options, inputs, progress, result);
-  edit(all, options, edits, progress, result);
-  const Scene& scene = all.scene;
+  Inputs all = read_all(options, inputs, progress, result);
+  move_inputs(all, options, edits, progress, result);
+  Scene scene = joined(std::move(all));
+  edit(scene, options, edits, progress, result);
 
   const auto begin = std::chrono::steady_clock::now();
   write.progress = progress.of_next_file("write " + out);

@@ -144,7 +144,8 @@ std::string to_json(const std::string& scene, const std::string& path, const Sce
             {"dropped", file.dropped_nonfinite},
             {"sh_degree", file.scene.sh_degree},
             {"used_sh_degree", used_sh_degree(file.scene)},
-            {"antialiased", file.scene.antialiased}};
+            {"antialiased", file.scene.antialiased},
+            {"origin", {file.scene.origin.x, file.scene.origin.y, file.scene.origin.z}}};
   Json percentiles{{"percent", Json::array()}};
   for (const double part : quantiles) percentiles["percent"].push_back(100 * part);
   for (const Distribution& distribution : distributions)
@@ -177,7 +178,8 @@ void info(const InfoOptions& options) {
 
 constexpr const char* info_help =
     R"(Prints format, size of the file and time to read it, count, SH degree, how many Gaussians
-were dropped because they are not finite, and percentiles of positions, opacities and scales;
+were dropped because they are not finite, the origin of a scene far from zero, and percentiles of
+positions (relative to the origin), opacities and scales;
 of a capture's folder also where its cameras and photographs are, and the cameras' lenses.
 
 Example:

@@ -54,8 +54,7 @@ Capture capture_of(const SceneOptions& options) {
 SceneFile load(const SceneOptions& options, const swiftgs::Progress& progress) {
   const SceneReadOptions read{.spz_frame = spz_frame_named(options.spz_frame, "--spz-frame"),
                               .level = options.level,
-                              .progress = progress,
-                              .exact_means = options.exact_means};
+                              .progress = progress};
   const std::optional<std::size_t> size = builtin_size(options.scene);
   if (!size) {
     const std::filesystem::path file = capture_of(options).scene;

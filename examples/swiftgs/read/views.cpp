@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/edit/transform.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/io/cameras.hpp>
 
@@ -177,11 +178,14 @@ std::vector<View> views_left_out(const Cameras& cameras, const ViewOptions& opti
   return views_numbered(cameras, others, options.scale);
 }
 
-void find_views(std::vector<View>& views, const Scene& scene, const std::optional<Camera>& of_file) {
+void place_views(std::vector<View>& views, const Scene& scene, const std::optional<Camera>& of_file) {
+  const bool moved = scene.origin != dvec3(0.0);
   for (View& view : views) {
-    if (!(view.to_find_at > 0)) continue;
-    view.camera = scaled(of_file ? *of_file : default_view(scene), view.to_find_at), view.to_find_at = 0;
-    validate(view.camera);
+    const bool found = view.to_find_at > 0, in_scene = found && !of_file;
+    if (found)
+      view.camera = scaled(of_file ? *of_file : default_view(scene), view.to_find_at), view.to_find_at = 0;
+    if (moved && !in_scene) view.camera = transformed(view.camera, {.translation = -scene.origin});
+    if (found || moved) validate(view.camera);
   }
 }
 

@@ -19,7 +19,7 @@ namespace swiftgs::cli {
 struct View {
   Camera camera;
   std::string name;  ///< the camera's name without extension, made a plain file name; or the view's number
-  double to_find_at = 0;  ///< scale of a view that `find_views` has yet to find; 0 for any other
+  double to_find_at = 0;  ///< scale of a view that `place_views` has yet to find; 0 for any other
 };
 
 /// All cameras that there are for a scene, in the order of their names.
@@ -50,8 +50,10 @@ std::vector<View> views_of(const Cameras& cameras, const ViewOptions& options,
 /// The views that `options.views`, which must not be empty, does not choose, scaled.
 std::vector<View> views_left_out(const Cameras& cameras, const ViewOptions& options);
 
-/// Finds what `views` have yet to find: the camera of the scene's file, or else one for `scene`.
-void find_views(std::vector<View>& views, const Scene& scene, const std::optional<Camera>& of_file);
+/// Moves cameras of the world to where `scene` has its Gaussians, relative to its origin: the one place where
+/// cameras and scene meet. Finds what `views` have yet to find: the camera of the scene's file, or else one
+/// for `scene`.
+void place_views(std::vector<View>& views, const Scene& scene, const std::optional<Camera>& of_file);
 
 /// What `options` say about conventions and background.
 RenderSettings settings_of(const ViewOptions& options);

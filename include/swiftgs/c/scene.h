@@ -89,7 +89,7 @@ typedef struct swiftgs_gaussians {
   uint32_t size;             ///< `sizeof(swiftgs_gaussians)`
   int32_t sh_degree;         ///< 0 to 3
   uint64_t count;            ///< N, less than 2^32
-  swiftgs_array means;       ///< @shape{N, 3} world position
+  swiftgs_array means;       ///< @shape{N, 3} world position less `origin`
   swiftgs_array scales;      ///< @shape{N, 3} standard deviation along each local axis, 0 or more
   swiftgs_array rotations;   ///< @shape{N, 4} unit quaternions w, x, y, z, local axes to world
   swiftgs_array opacities;   ///< @shape{N} 0 to 1
@@ -101,6 +101,7 @@ typedef struct swiftgs_gaussians {
   int32_t feature_channels;  ///< floats a Gaussian in `features`
   void* stream;            ///< of arrays on a device: a `cudaStream_t` that has them ready; NULL: the default
   swiftgs_array features;  ///< @shape{N, feature_channels} whatever else is drawn of a Gaussian
+  double origin[3];        ///< where the means' zero lies in the world; renderers do not look at it
 } swiftgs_gaussians;
 
 /// Copies arrays into a scene. Arrays of a device are brought to the host; the copy waits for `stream`. To
@@ -122,23 +123,27 @@ typedef struct swiftgs_scene_info {
   uint64_t count;            ///< Gaussians
   uint64_t stored;           ///< Gaussians in the file; `count` for a scene that is not from a file
   uint64_t dropped;          ///< those of them with a NaN or an infinity that cannot be rendered
-  float lower[3];            ///< least coordinates of all finite means; 0 in a scene without any
+  float lower[3];            ///< least coordinates of all finite means, less `origin`; 0 if there are none
   float upper[3];            ///< greatest
   int32_t antialiased;       ///< 1: trained with Mip-Splatting's opacity compensation
   int32_t feature_channels;  ///< floats a Gaussian in `features`
   const char* format;        ///< such as "SPZ version 4", until the scene is freed; "" if not from a file
+  /// Where the means' zero lies in the world, other than 0 in scenes far from the world's zero. Frames know
+  /// nothing of it: add rotation origin to the translation of each camera of the world.
+  double origin[3];
 } swiftgs_scene_info;
 
 /// Fills `info`, whose size is set. Reads all means.
 SWIFTGS_C_API swiftgs_status swiftgs_scene_get_info(const swiftgs_scene* scene, swiftgs_scene_info* info);
 
 /// Fills `gaussians`, whose size is set, with the scene's own arrays: activated, dense, on the host, valid
-/// until the scene is freed. Read them only.
+/// until the scene is freed. Read them only. `SWIFTGS_INVALID_ARGUMENT` for a scene with an origin if the
+/// program is older than origins.
 SWIFTGS_C_API swiftgs_status swiftgs_scene_get_arrays(const swiftgs_scene* scene,
                                                       swiftgs_gaussians* gaussians);
 
-/// Fills `camera`, whose size is set, with that of the photograph that the scene was made of. Where the file
-/// has none, all members but the size are zero: no renderer takes a camera of width 0.
+/// Fills `camera`, whose size is set, with that of the photograph that the scene was made of, in the world.
+/// Where the file has none, all members but the size are zero: no renderer takes a camera of width 0.
 SWIFTGS_C_API swiftgs_status swiftgs_scene_get_camera(const swiftgs_scene* scene, swiftgs_camera* camera);
 
 typedef struct swiftgs_write_options {

@@ -14,6 +14,7 @@
 #include <glm/geometric.hpp>
 
 #include <swiftgs/edit/finite.hpp>
+#include <swiftgs/edit/origin.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/scene.hpp>
@@ -107,12 +108,14 @@ inline void validate(const HalfSpace& half) {
   detail::require_region(!detail::is_nan(half.offset), "a half-space with a number for its offset");
 }
 
-/// The Gaussians whose means lie in a `Box`, `Sphere` or `HalfSpace`, in their order. Linear in the number of
-/// Gaussians. Throws `std::invalid_argument` as `validate` does of the scene and the region.
+/// The Gaussians that lie in a `Box`, `Sphere` or `HalfSpace` of the world, in their order. Linear in the
+/// number of Gaussians. Throws `std::invalid_argument` as `validate` does of the scene and the region.
 template <class Region>
 Scene crop(const Scene& scene, const Region& region) {
   validate(region);
-  return subset(scene, select(scene, [&](std::size_t i) { return region.contains(dvec3(scene.means[i])); }));
+  return subset(scene, select(scene, [&](std::size_t i) {
+                  return region.contains(scene.origin + dvec3(scene.means[i]));
+                }));
 }
 
 namespace detail {
@@ -141,10 +144,10 @@ inline Scene with_degree(Scene scene, int degree) {
 
 /// Adds the Gaussians of `more` behind those of `scene`, which comes to have the higher degree of both. A
 /// `more` without Gaussians changes nothing; a `scene` without any takes over whether `more` is antialiased,
-/// and its feature channels. Linear in the number of added Gaussians, on average, if the degree stays.
-/// Throws `std::invalid_argument` as `validate` does, if only one of both was trained with the opacity
-/// compensation that `antialiased` names, and if both have features of different numbers of channels. If it
-/// throws, `scene` is as before.
+/// its feature channels and its origin; any other keeps its origin, and `more` is moved to it in double.
+/// Linear in the number of added Gaussians, on average, if the degree stays. Throws `std::invalid_argument`
+/// as `validate` does, if only one of both was trained with the opacity compensation that `antialiased`
+/// names, and if both have features of different numbers of channels. If it throws, `scene` is as before.
 inline void append(Scene& scene, const Scene& more) {
   validate(scene), validate(more);
   if (more.size() == 0) return;
@@ -155,6 +158,7 @@ inline void append(Scene& scene, const Scene& more) {
     throw std::invalid_argument("append: expected scenes with equally many feature channels, got " +
                                 std::to_string(scene.feature_channels) + " and " +
                                 std::to_string(more.feature_channels));
+  if (scene.size() != 0 && scene.origin != more.origin) return append(scene, with_origin(more, scene.origin));
   if (more.sh_degree < scene.sh_degree) return append(scene, with_degree(more, scene.sh_degree));
   if (scene.sh_degree < more.sh_degree) {
     Scene raised = with_degree(scene, more.sh_degree);
@@ -174,6 +178,7 @@ inline void append(Scene& scene, const Scene& more) {
                     const auto& from) { to.insert(to.end(), from.begin(), from.end()); },
                  scene, more);
   scene.antialiased = more.antialiased, scene.feature_channels = more.feature_channels;
+  scene.origin = more.origin;
 }
 
 }  // namespace swiftgs

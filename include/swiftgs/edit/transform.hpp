@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <stdexcept>
@@ -10,6 +11,7 @@
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/edit/finite.hpp>
+#include <swiftgs/edit/origin.hpp>
 #include <swiftgs/edit/principal_axes.hpp>
 #include <swiftgs/edit/sh_rotation.hpp>
 #include <swiftgs/math.hpp>
@@ -61,8 +63,8 @@ struct Shape {
 };
 
 /// The shape that the rotation of `by` makes of one; `turn` is that rotation. A quaternion q that is not of
-/// unit length stands for a matrix that is not orthogonal, and no quaternion for the rotated matrix: the shape
-/// gets its principal axes.
+/// unit length stands for a matrix that is not orthogonal, and no quaternion for the rotated matrix: the
+/// shape gets its principal axes.
 inline Shape rotated(const Shape& shape, const Similarity& by, const DQuaternion& turn) {
   const DQuaternion& q = shape.rotation;
   const double off = std::abs(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z - 1);
@@ -77,16 +79,28 @@ inline Shape rotated(const Shape& shape, const Similarity& by, const DQuaternion
 
 }  // namespace detail
 
+/// The origin that `OriginChoice` gives a scene that `by` moves.
+inline dvec3 origin_for(const Scene& scene, const Similarity& by = {}) {
+  validate(scene), validate(by);
+  OriginChoice choice;
+  OriginChoice::for_each_sample(scene.size(), [&](std::size_t i) {
+    const vec3& scale = scene.scales[i];
+    choice.add(by(scene.origin + dvec3(scene.means[i])),
+               float(by.scale * std::max({scale.x, scale.y, scale.z})));
+  });
+  return choice.origin();
+}
+
 /// Moves all Gaussians: means, scales, rotations, and harmonics in all bands. Computed in double and rounded
-/// to float once, so the farther from the origin, the coarser. Where the movement rotates, rotations that are
-/// not of unit length become so, with the scales of the same ellipsoid. Linear in the number of Gaussians.
-/// Throws `std::invalid_argument` as `validate` does of the scene and the movement, and `std::range_error` if
-/// a mean, scale or coefficient would leave the range of float, or a scale become 0; then nothing has moved.
-/// Numbers that are NaN or infinite stay so.
-inline void transform(Scene& scene, const Similarity& by) {
+/// to float once, relative to `origin`, which becomes the scene's; `origin_for` chooses one. Where the
+/// movement rotates, rotations that are not of unit length become so, with the scales of the same ellipsoid.
+/// Linear in the number of Gaussians. Throws `std::invalid_argument` as `validate` does of the scene and the
+/// movement, and `std::range_error` if a mean, scale or coefficient would leave the range of float, or a
+/// scale become 0; then nothing has moved. Numbers that are NaN or infinite stay so.
+inline void transform(Scene& scene, const Similarity& by, const dvec3& origin) {
   validate(scene), validate(by);
   const DQuaternion turn = quaternion_of(by.rotation);
-  const auto moved = [&](std::size_t i) { return vec3(by(dvec3(scene.means[i]))); };
+  const auto moved = [&](std::size_t i) { return vec3(by(scene.origin + dvec3(scene.means[i])) - origin); };
   const auto shape = [&](std::size_t i) {
     const Quaternion& q = scene.rotations[i];
     return detail::rotated({dvec3(scene.scales[i]), {q.w, q.x, q.y, q.z}}, by, turn);
@@ -117,6 +131,13 @@ inline void transform(Scene& scene, const Similarity& by) {
     scene.rotations[i] = rounded(after.rotation);
     if (stride != 0) harmonics.apply(scene.sh_rest.data() + i * stride);
   }
+  scene.origin = origin;
+}
+
+/// The same with the origin that `origin_for` chooses, if the scene has one. A scene without an origin stays
+/// so, that its cameras still fit: the farther from zero, the coarser.
+inline void transform(Scene& scene, const Similarity& by) {
+  transform(scene, by, scene.origin == dvec3(0.0) ? scene.origin : origin_for(scene, by));
 }
 
 /// The camera that sees a transformed scene as `camera` sees the scene. Depths grow by the scale; the near

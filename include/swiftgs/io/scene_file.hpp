@@ -34,9 +34,6 @@ struct SceneReadOptions {
   /// Of the file's Gaussians: reads these alone. Of PLY files, compressed ones included, and of `.splat` it
   /// touches no other bytes, of text PLY none behind them. An SPZ is unpacked as a whole, and a part decoded.
   ScenePart part{};
-  /// Keep positions that float cannot hold as `SceneFile::exact_means` instead of noting their rounding.
-  /// Takes 24 bytes a Gaussian more while a PLY of text or of doubles is read.
-  bool exact_means = false;
 };
 
 /// A scene and what reading it brought up.
@@ -50,15 +47,7 @@ struct SceneFile {
   /// Of the photograph that the scene was made of, where the file has it: @units{pixels}, and world units of
   /// the scene.
   std::optional<Camera> camera{};
-  /// Means as a PLY has them, for programs that move the scene before they round it: @shape{N, 3} like
-  /// `scene.means`, in the same units. Empty unless `SceneReadOptions::exact_means` asks for them and
-  /// `rounding_note` would say that rounding moves them.
-  std::vector<dvec3> exact_means{};
 };
-
-/// The note that rounding to float moved means of `scene` by up to `most`, in units of the scene. Empty if
-/// that cannot be seen: if it is at most a millionth of the scene's size.
-SWIFTGS_API std::string rounding_note(const Scene& scene, double most);
 
 /// Reads a scene of any format that docs/formats.md lists. The content decides which; `.splat` files begin
 /// with nothing of their own and go by their name's ending. A text glTF names files in its folder. `path` may
@@ -66,8 +55,10 @@ SWIFTGS_API std::string rounding_note(const Scene& scene, double most);
 ///
 /// A Gaussian with a NaN, or with an infinite mean, rotation, SH coefficient or scale, is counted and left
 /// out. A scale of 0 and an opacity of 0 or 1 are legal, whatever infinity the file writes them as. SH
-/// coefficients above degree 3 are left out and noted. The file must not change while it is read. Memory is
-/// bounded by the file's size: docs/formats.md has the factor of each format.
+/// coefficients above degree 3 are left out and noted. Positions that a format holds finer than float get an
+/// origin where `OriginChoice` sees a need, which is noted; parts of a file get the same one. The file must
+/// not change while it is read. Memory is bounded by the file's size: docs/formats.md has the factor of each
+/// format.
 ///
 /// Throws `FormatError`, `Cancelled`, `std::system_error` if a file cannot be read, what `find_capture`
 /// throws, and `std::invalid_argument` for a part of a file whose format has to be read as a whole.
@@ -101,7 +92,8 @@ struct WrittenScene {
 };
 
 /// Writes a scene in the format that an ending names, in upper or lower case:
-/// - `.ply`: INRIA PLY, little-endian floats. Opacities are kept within [1e-6, 1 - 1e-6], as it holds logits.
+/// - `.ply`: INRIA PLY, little-endian, of floats. Opacities are kept within [1e-6, 1 - 1e-6], as it holds
+/// logits.
 /// - `.compressed.ply`: SuperSplat's compressed PLY. All numbers are rounded, and the order is that of
 ///   `spatial_order`.
 /// - `.spz`: SPZ version 4 or 3. Rounds means to 1/4096 (finer in a scene smaller than 4, coarser in one
@@ -120,6 +112,9 @@ struct WrittenScene {
 /// - Any other number beyond the range of the format is clamped to it.
 ///
 /// A quaternion of zeros is written as it is, or as the identity, which is what `read_scene` makes of it.
+///
+/// Of a scene with an origin a `.ply` holds positions in the world, as doubles; the other formats hold them
+/// relative to the origin, which `WrittenScene::notes` names.
 ///
 /// The new file takes the place of an old one when it is whole. Throws `std::invalid_argument` as `validate`
 /// does, for an ending that it does not know, and for a scene or an option that the format does not allow,

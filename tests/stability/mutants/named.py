@@ -108,6 +108,12 @@ NAMED = [
            test=EDIT, quick=True),
     Mutant("edit: harmonics up to 2e38 are rotated", I + "edit/transform.hpp", "coefficient < 1e38f",
            "coefficient < 2e38f", test=EDIT),
+    Mutant("edit: regions are relative to the origin", I + "edit/select.hpp",
+           "region.contains(scene.origin + dvec3(", "region.contains(dvec3(", test=EDIT),
+    Mutant("edit: a scene is appended with the means of its own origin", I + "edit/select.hpp",
+           "scene.origin != more.origin)", "false)", test=EDIT),
+    Mutant("edit: an origin is the last position", I + "edit/origin.hpp",
+           "values.begin() + std::ptrdiff_t(values.size() / 2)", "values.end() - 1", test=EDIT),
     # Bands and the exchange of splats.
     Mutant("strips: cuts move from a fifth on", "backends/mpi/strips.cpp", "20 * slowest > 21 *",
            "10 * slowest > 12 *", test=BANDS),

@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <vector>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <swiftgs/edit/finite.hpp>
+#include <swiftgs/math.hpp>
+#include <swiftgs/scene.hpp>
+
+/// @file
+/// Origins of scenes that lie far from zero.
+
+namespace swiftgs {
+
+/// Decides from positions in the world whether a scene needs an origin, and which. It needs one if rounding
+/// positions to float moves one of them by more than a four-millionth of the scene's size, which takes a
+/// scene at least twice as far from zero as it is large. The origin is then the middle of the positions, in
+/// whole units; in a scene smaller than 1, in whole powers of two below its size. So the difference of a
+/// position and the origin is exact in double, and float holds it as finely as the scene's size allows.
+class OriginChoice {
+ public:
+  /// Calls f(i) for indices below `count`, evenly chosen, of as many Gaussians as suffice.
+  template <class F>
+  static void for_each_sample(std::size_t count, const F& f) {
+    constexpr std::size_t enough = 4096;
+    const std::size_t samples = std::min(count, enough);
+    for (std::size_t k = 0; k < samples; ++k) f(count / samples * k + count % samples * k / samples);
+  }
+
+  /// Takes a Gaussian into account, unless a float cannot hold its numbers at all. `scale` is its largest.
+  void add(const dvec3& position, float scale) {
+    const vec3 rounded(position);
+    if (!detail::is_finite(rounded) || detail::is_not_finite(scale)) return;
+    positions_.push_back(position);
+    largest_scale_ = std::max(largest_scale_, double(scale));
+    rounding_ = std::max(rounding_, glm::length(position - dvec3(rounded)));
+  }
+
+  dvec3 origin() const {
+    constexpr double seen = 0x1p-22;
+    dvec3 middle(0.0);
+    double size = largest_scale_;
+    if (rounding_ == 0) return middle;
+    std::vector<double> values(positions_.size());
+    for (int axis = 0; axis < 3; ++axis) {
+      std::transform(positions_.begin(), positions_.end(), values.begin(),
+                     [&](const dvec3& position) { return position[axis]; });
+      const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
+      size = std::max(size, *greatest - *least);
+      const auto half = values.begin() + std::ptrdiff_t(values.size() / 2);
+      std::nth_element(values.begin(), half, values.end());
+      middle[axis] = *half;
+    }
+    if (!(rounding_ > seen * size)) return dvec3(0.0);
+    const double unit = size < 1 ? std::exp2(std::floor(std::log2(size))) : 1;
+    return unit > 0 ? glm::round(middle / unit) * unit : middle;
+  }
+
+ private:
+  std::vector<dvec3> positions_{};
+  double largest_scale_ = 0, rounding_ = 0;
+};
+
+/// The same Gaussians with means relative to another origin: moved in double, rounded once. Linear in their
+/// number. Throws `std::invalid_argument` as `validate` does of the scene before and after.
+inline Scene with_origin(Scene scene, const dvec3& origin) {
+  validate(scene);
+  if (scene.origin == origin) return scene;
+  for (vec3& mean : scene.means) mean = vec3(scene.origin - origin + dvec3(mean));
+  scene.origin = origin;
+  validate(scene);
+  return scene;
+}
+
+}  // namespace swiftgs
