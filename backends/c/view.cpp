@@ -82,7 +82,10 @@ View to_view(const swiftgs_view& from) {
     frame.stored_depth = {by.p, by.q, by.r, by.s};
   frame.over = from.over != 0, frame.conversion = Conversion(from.conversion);
   const vec3 background(from.background[0], from.background[1], from.background[2]);
-  return make_view(camera, to_conventions(from.conventions), frame, background, {from.left, from.top});
+  View view = make_view(camera, to_conventions(from.conventions), frame, background, {from.left, from.top});
+  view.shows.first = from.first_shown;
+  if (from.shown_count != 0) view.shows.count = from.shown_count;
+  return view;
 }
 
 }  // namespace

@@ -60,8 +60,18 @@ Cpu::SceneOn Cpu::upload(std::shared_ptr<const Scene> scene, LargePages pages) c
   return in_large_pages(SceneOn(*this, std::move(scene)), pages);
 }
 
+Cpu::SceneOn Cpu::upload(Scene scene, LargePages pages) const {
+  return in_large_pages(SceneOn(*this, std::move(scene)), pages);
+}
+
 Cpu::SceneOn Cpu::upload(const SceneArrays& arrays, std::optional<SceneOn>& reuse) const {
   return in_large_pages(SceneOn::copy(*this, arrays, reuse), LargePages::later);
+}
+
+void Cpu::update(SceneOn& scene, std::size_t first, const SceneArrays& arrays) const {
+  const vec3* const before = scene.view().means.data;
+  scene.update(*this, first, arrays);
+  if (scene.view().means.data != before) in_large_pages(scene, LargePages::later);
 }
 
 }  // namespace swiftgs

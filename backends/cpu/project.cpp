@@ -5,6 +5,7 @@
 
 #include <swiftgs/chunks.hpp>
 #include <swiftgs/cpu.hpp>
+#include <swiftgs/placed_scene.hpp>
 #include <swiftgs/project.hpp>
 
 // Compile the rest of this file for every target; the order of these lines matters. The formulas of lenses
@@ -52,6 +53,10 @@ HWY_INLINE Wide Dot(const Wide& x, const Wide& y, const Wide& z, const double* r
 }
 HWY_INLINE Wide Times(const Wide& a, const Wide& b) {
   return {hn::Mul(a.low, b.low), hn::Mul(a.high, b.high)};
+}
+HWY_INLINE Wide Times(const Wide& a, double b) {
+  const Vec64 all = hn::Set(F64(), b);
+  return Times(a, Wide{all, all});
 }
 HWY_INLINE Wide Inverse(const Wide& a) {
   const Vec64 one = hn::Set(F64(), 1.0);
@@ -149,6 +154,14 @@ struct Group {
   const vec3* scales;
   const Quaternion* rotations;
   const float* opacities;
+
+  /// Lanes that `clip` shows.
+  HWY_INLINE Mask Shown(const Clip& clip) const {
+    const hn::RebindToUnsigned<F32> d;
+    alignas(64) std::uint32_t shown[lanes];
+    for (std::size_t k = 0; k < lanes; ++k) shown[k] = clip.shows(means[k]) ? ~0u : 0;
+    return hn::RebindMask(F32(), hn::MaskFromVec(hn::Load(d, shown)));
+  }
 };
 
 /// Lanes of a group that `project_shape` projects in double.
@@ -197,7 +210,7 @@ HWY_INLINE bool SeeThroughPinhole(const ViewConstants& v, const Group& group, Ma
   // Move to camera space in double, and cull by depth before anything else is read.
   const auto [dx, dy, dz] = FromCentre(v, group.means);
   const Wide wide_z = Dot(dx, dy, dz, v.rotation[2]);
-  const Vec z = out.depth = Demote(wide_z);
+  const Vec z = out.depth = Demote(Times(wide_z, v.depth_scale));
   out.shown =
       hn::And(visible, hn::And(hn::Gt(z, hn::Set(d, v.near_plane)), hn::Le(z, hn::Set(d, v.far_plane))));
   if (hn::AllFalse(d, out.shown)) return false;
@@ -267,7 +280,7 @@ HWY_INLINE bool SeeThroughLens(const ViewConstants& v, const Group& group, Mask 
   const TripleOf<Doubles> low{x.low, y.low, z.low}, high{x.high, y.high, z.high};
   const auto distance = [](const TripleOf<Doubles>& p)
                             HWY_ATTR { return square_root(p.x * p.x + p.y * p.y + p.z * p.z).v; };
-  out.depth = Demote(v.depth_is_distance ? Wide{distance(low), distance(high)} : z);
+  out.depth = Demote(Times(v.depth_is_distance ? Wide{distance(low), distance(high)} : z, v.depth_scale));
   out.shown = hn::And(visible, hn::And(hn::Gt(out.depth, hn::Set(d, v.near_plane)),
                                        hn::Le(out.depth, hn::Set(d, v.far_plane))));
   if (hn::AllFalse(d, out.shown)) return false;
@@ -297,13 +310,14 @@ struct VisibleSplats {
 
 /// Vector version of `project_shape`, and of the compaction after it.
 template <bool through_lens>
-HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::uint32_t first_id,
-                             VisibleSplats& out) {
+HWY_INLINE void ProjectGroup(const ViewConstants& v, const Clip& clip, const Group& group,
+                             std::uint32_t first_id, VisibleSplats& out) {
   const F32 d;
-  Vec opacity = hn::LoadU(d, group.opacities);
+  Vec opacity = hn::Mul(hn::LoadU(d, group.opacities), hn::Set(d, v.opacity));
   const Vec alpha_min = hn::Set(d, v.alpha_min);
   const Vec most = hn::Set(d, 3.4028234663852886e38f);
   Mask visible = hn::And(hn::Ge(opacity, alpha_min), hn::Le(opacity, most));
+  if (!clip.shows_all()) visible = hn::And(visible, group.Shown(clip));
   Seen seen;
   if (!(through_lens ? SeeThroughLens(v, group, visible, seen) : SeeThroughPinhole(v, group, visible, seen)))
     return;
@@ -375,15 +389,17 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Group& group, std::ui
   out.count += count;
 }
 
-/// Projects Gaussians [begin, end), at most a chunk of them.
+/// Projects Gaussians [begin, end) of a placed scene, at most a chunk of them, for its eye `v`.
 template <bool through_lens>
-void ProjectChunk(const ViewConstants& v, const SceneView& scene, std::size_t begin, std::size_t end,
+void ProjectChunk(const ViewConstants& v, const PlacedScene& placed, std::size_t begin, std::size_t end,
                   VisibleSplats& out) {
+  const SceneView& scene = placed.scene;
+  const std::uint32_t first = placed.first_gaussian;
   std::size_t i = begin;
   for (; i + lanes <= end; i += lanes)
-    ProjectGroup<through_lens>(v,
+    ProjectGroup<through_lens>(v, placed.clip,
                                {&scene.means[i], &scene.scales[i], &scene.rotations[i], &scene.opacities[i]},
-                               std::uint32_t(i), out);
+                               first + std::uint32_t(i), out);
   if (i == end) return;
 
   // The scene's arrays end with it: copy the rest to where a whole group can be read. Lanes beyond are
@@ -396,18 +412,27 @@ void ProjectChunk(const ViewConstants& v, const SceneView& scene, std::size_t be
     means[k] = scene.means[i + k], scales[k] = scene.scales[i + k];
     rotations[k] = scene.rotations[i + k], opacities[k] = scene.opacities[i + k];
   }
-  ProjectGroup<through_lens>(v, {means, scales, rotations, opacities}, std::uint32_t(i), out);
+  ProjectGroup<through_lens>(v, placed.clip, {means, scales, rotations, opacities}, first + std::uint32_t(i),
+                             out);
 }
 
-/// Projects Gaussians [begin, end), of which the first begins a chunk, and returns how many are visible.
-std::size_t ProjectTask(const ViewConstants& v, const SceneView& scene, std::size_t begin, std::size_t end,
-                        SplatShape* shapes, float* depths, std::uint32_t* ids) {
+/// Projects the Gaussians of chunks [begin, end) of the frame, and returns how many are visible.
+std::size_t ProjectTask(const ViewConstants& camera, const SeveralScenes& scenes, std::size_t begin,
+                        std::size_t end, SplatShape* shapes, float* depths, std::uint32_t* ids) {
   VisibleSplats out{shapes, depths, ids};
-  const ChunkCuller culler(v);
-  const auto project_chunk = v.through_lens ? ProjectChunk<true> : ProjectChunk<false>;
-  for (std::size_t i = begin; i < end; i += chunk_size)
-    if (scene.chunks.empty() || !culler.hides(scene.chunks[i / chunk_size]))
-      project_chunk(v, scene, i, std::min(i + chunk_size, end), out);
+  const auto project_chunk = camera.through_lens ? ProjectChunk<true> : ProjectChunk<false>;
+  while (begin < end) {
+    const PlacedScene& placed = scenes.of_chunk(std::uint32_t(begin));
+    const SceneView& scene = placed.scene;
+    const ViewConstants v = eye(camera, placed);
+    const ChunkCuller culler(v);
+    const std::size_t until = std::min(end, std::size_t(placed.first_chunk) + placed.chunks());
+    for (; begin < until; ++begin) {
+      const std::size_t chunk = begin - placed.first_chunk, i = chunk * chunk_size;
+      if (scene.chunks.empty() || !culler.hides(scene.chunks[chunk]))
+        project_chunk(v, placed, i, std::min(i + chunk_size, scene.size()), out);
+    }
+  }
   return out.count;
 }
 
@@ -420,27 +445,28 @@ namespace {
 
 HWY_EXPORT(ProjectTask);
 
-/// Gaussians that one task projects; fixed, so that the order of the splats does not depend on the threads.
-constexpr std::size_t task_size = 32 * chunk_size;
+/// Chunks that one task projects; fixed, so that the order of the splats does not depend on the threads.
+constexpr std::size_t task_chunks = 32;
 
-constexpr std::size_t task_count(std::size_t gaussians) { return (gaussians + task_size - 1) / task_size; }
+constexpr std::size_t task_count(std::size_t chunks) { return (chunks + task_chunks - 1) / task_chunks; }
 
 /// Appends the splats of one view, if they fit.
 void project_view(Cpu& cpu, const FramePlan& plan, std::size_t view, ProjectScratch<Cpu>& scratch,
                   Splats<Cpu>& splats) {
   const Views& views = plan.views;
-  const SceneView& scene = plan.scene;
   const std::size_t capacity = plan.limits.capacity.splats;
   const ViewConstants& camera = views.each[view].camera;
+  const SeveralScenes scenes{plan.scenes.reachable(), std::uint32_t(plan.scenes.size())};
+  const ChunkRange chunks = plan.scenes.chunks_of(views[view]);
   // Each task projects to a place of its own.
-  const std::size_t n = scene.size(), tasks = task_count(n);
+  const std::size_t n = chunks.size() * chunk_size, tasks = task_count(chunks.size());
   scratch.shapes.reset(n), scratch.depths.reset(n), scratch.gaussians.reset(n), scratch.counts.reset(tasks);
   cpu.for_parts(tasks, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t task = first; task < last; ++task) {
-      const std::size_t begin = task * task_size, end = std::min(begin + task_size, n);
-      scratch.counts.data()[task] =
-          HWY_DYNAMIC_DISPATCH(ProjectTask)(camera, scene, begin, end, scratch.shapes.data() + begin,
-                                            scratch.depths.data() + begin, scratch.gaussians.data() + begin);
+      const std::size_t begin = chunks.begin + task * task_chunks, at = task * task_chunks * chunk_size;
+      scratch.counts.data()[task] = HWY_DYNAMIC_DISPATCH(ProjectTask)(
+          camera, scenes, begin, std::min(begin + task_chunks, chunks.end), scratch.shapes.data() + at,
+          scratch.depths.data() + at, scratch.gaussians.data() + at);
     }
   });
 
@@ -453,7 +479,7 @@ void project_view(Cpu& cpu, const FramePlan& plan, std::size_t view, ProjectScra
   splats.resize(end_of_view, views.size());
   cpu.for_parts(tasks, 1, [&](std::size_t first, std::size_t last) {
     for (std::size_t task = first; task < last; ++task) {
-      const std::size_t begin = task * task_size, to = offsets[task];
+      const std::size_t begin = task * task_chunks * chunk_size, to = offsets[task];
       const std::size_t count = (task + 1 < tasks ? offsets[task + 1] : end_of_view) - to;
       std::copy_n(scratch.shapes.data() + begin, count, splats.shapes.data() + to);
       std::copy_n(scratch.depths.data() + begin, count, splats.depths.data() + to);
@@ -467,9 +493,9 @@ void project_view(Cpu& cpu, const FramePlan& plan, std::size_t view, ProjectScra
 }  // namespace
 
 void ProjectScratch<Cpu>::reserve(Cpu&, const Reservation& reserved) {
-  const std::size_t n = reserved.gaussians;
+  const std::size_t n = reserved.chunks * chunk_size;
   shapes.reset_exactly(n), depths.reset_exactly(n), gaussians.reset_exactly(n);
-  counts.reset_exactly(task_count(n));
+  counts.reset_exactly(task_count(reserved.chunks));
 }
 
 void project(Cpu& cpu, const FramePlan& plan, ProjectScratch<Cpu>& scratch, Splats<Cpu>& splats) {

@@ -68,11 +68,12 @@ HWY_INLINE hn::Vec<F32x4> SumBands(const float* HWY_RESTRICT rest, const float (
   return hn::Add(even, odd);
 }
 
-/// Colours of `count` Gaussians, by their ids. The basis is evaluated for one Gaussian per lane. The sum over
-/// coefficients takes one Gaussian at a time, because only its own coefficients lie together. Returns whether
-/// any splat is hidden.
-bool ShadeRange(const ViewConstants& v, const SceneView& scene, const std::uint32_t* HWY_RESTRICT ids,
-                const float* HWY_RESTRICT depths, std::size_t count, SplatColour* HWY_RESTRICT colours) {
+/// Colours of `count` Gaussians of a scene, whose ids less `first_id` are their places in it. The basis is
+/// evaluated for one Gaussian per lane. The sum over coefficients takes one Gaussian at a time, because only
+/// its own coefficients lie together. Returns whether any splat is hidden.
+bool ShadeRange(const ViewConstants& v, const SceneView& scene, std::uint32_t first_id,
+                const std::uint32_t* HWY_RESTRICT ids, const float* HWY_RESTRICT depths, std::size_t count,
+                SplatColour* HWY_RESTRICT colours) {
   const F32 d;
   bool some_hidden = false;
   const int degree = scene.sh_degree, coefficients = sh_rest_count(degree);
@@ -85,7 +86,7 @@ bool ShadeRange(const ViewConstants& v, const SceneView& scene, const std::uint3
     if (degree > 0) {
       alignas(64) float x[lanes] = {}, y[lanes] = {}, z[lanes] = {};
       for (std::size_t k = 0; k < here; ++k) {
-        const vec3 mean = scene.means[ids[first + k]];
+        const vec3 mean = scene.means[ids[first + k] - first_id];
         x[k] = float(mean.x - v.centre[0]), y[k] = float(mean.y - v.centre[1]),
         z[k] = float(mean.z - v.centre[2]);
       }
@@ -98,9 +99,9 @@ bool ShadeRange(const ViewConstants& v, const SceneView& scene, const std::uint3
       ShBasis(degree, Scale(direction, hn::Div(hn::Set(d, 1.0f), hn::Sqrt(squared))), basis);
     }
     for (std::size_t k = 0; k < here; ++k) {
-      const std::size_t id = ids[first + k];
+      const std::size_t id = ids[first + k] - first_id;
       if (first + k + ahead < count) {
-        const std::size_t next = ids[first + k + ahead];
+        const std::size_t next = ids[first + k + ahead] - first_id;
         hwy::Prefetch(&scene.sh0[next]);
         for (std::size_t i = 0; i < row; i += 16) hwy::Prefetch(&scene.sh_rest[next * stride + i]);
         if (row > 0) hwy::Prefetch(&scene.sh_rest[next * stride + row - 1]);
@@ -135,11 +136,20 @@ Shading<Cpu> shade(Cpu& cpu, const FramePlan& plan, const Splats<Cpu>& splats, C
   colours.each.reset(splats.count), colours.hidden.reset(1);
   std::uint32_t* const hidden = colours.hidden.data();
   *hidden = 0;
+  const SeveralScenes scenes{plan.scenes.reachable(), std::uint32_t(plan.scenes.size())};
+  const std::uint32_t* const ids = splats.gaussians.data();
   for_parts_of_views(cpu, splats.view(), grain, [&](std::size_t view, std::size_t begin, std::size_t end) {
-    if (HWY_DYNAMIC_DISPATCH(ShadeRange)(plan.views[view].camera, plan.scene, splats.gaussians.data() + begin,
-                                         splats.depths.data() + begin, end - begin,
-                                         colours.each.data() + begin))
-      std::atomic_ref(*hidden).store(1, std::memory_order_relaxed);
+    // Splats of a view follow the order of the placed scenes.
+    for (std::size_t until; begin < end; begin = until) {
+      const PlacedScene& placed = scenes.of_gaussian(ids[begin]);
+      const std::uint32_t first = placed.first_gaussian;
+      const std::size_t behind = std::size_t(first) + placed.size();
+      until = std::size_t(std::lower_bound(ids + begin, ids + end, behind) - ids);
+      if (HWY_DYNAMIC_DISPATCH(ShadeRange)(eye(plan.views[view].camera, placed), placed.scene, first,
+                                           ids + begin, splats.depths.data() + begin, until - begin,
+                                           colours.each.data() + begin))
+        std::atomic_ref(*hidden).store(1, std::memory_order_relaxed);
+    }
   });
   return Shading<Cpu>({{colours.each.data(), splats.count}, hidden});
 }

@@ -1,9 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <utility>
 
+#include <swiftgs/chunks.hpp>
 #include <swiftgs/cuda.cuh>
+#include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/scene_arrays.hpp>
 
 #include "device_scene.hpp"
@@ -28,9 +33,7 @@ DeviceScene Cuda::upload(const SceneArrays& from, std::optional<DeviceScene>& re
   to->means.reset(n), to->scales.reset(n), to->rotations.reset(n), to->opacities.reset(n);
   to->sh0.reset(n), to->sh_rest.reset(n * stride);
   to->features.reset(n * std::size_t(from.feature_channels));
-  copy_arrays(*this, from,
-              {to->means.data(), to->scales.data(), to->rotations.data(), to->opacities.data(),
-               to->sh0.data(), to->sh_rest.data(), int(stride), to->features.data()});
+  copy_arrays(*this, from, SceneCapacity::of(*to, 0, int(stride), from.feature_channels));
   const DeviceScene::Arrays& copied = *to;
   const SceneView view{.means = copied.means.span(),
                        .scales = copied.scales.span(),
@@ -44,6 +47,42 @@ DeviceScene Cuda::upload(const SceneArrays& from, std::optional<DeviceScene>& re
                        .feature_channels = from.feature_channels,
                        .identity = new_scene_identity()};
   return DeviceScene(std::move(to), view);
+}
+
+namespace kernels {
+constexpr unsigned bound_threads = 256, bound_warps = bound_threads / warp_size;
+
+/// Bounds of `count` chunks of `scene` from `first` on: a warp a chunk.
+__global__ void __launch_bounds__(bound_threads)
+    bound_chunks(const __grid_constant__ SceneView scene, const std::uint32_t first,
+                 const std::uint32_t count, ChunkBounds* const chunks) {
+  await_earlier();
+  const std::uint32_t i = blockIdx.x * bound_warps + threadIdx.x / warp_size;
+  if (i >= count) return;
+  const std::size_t begin = std::size_t(first + i) * chunk_size;
+  ChunkBounds bounds;
+  for (unsigned k = lane_index(); k < chunk_size; k += warp_size)
+    if (begin + k < scene.size()) detail::add_gaussian(bounds, scene, begin + k);
+  for (unsigned step = warp_size / 2; step > 0; step /= 2) {
+    const auto of_other = [&](float value) { return __shfl_xor_sync(whole_warp, value, step); };
+    const auto vector = [&](const vec3& v) { return vec3(of_other(v.x), of_other(v.y), of_other(v.z)); };
+    detail::add_bounds(
+        bounds, {vector(bounds.low), of_other(bounds.size), vector(bounds.high), of_other(bounds.opacity)});
+  }
+  if (lane_index() == 0) chunks[first + i] = bounds;
+}
+}  // namespace kernels
+
+void Cuda::update(DeviceScene& scene, std::size_t first, const SceneArrays& from) const {
+  const SceneView view = scene.view();
+  validate_update(view, first, from);
+  DeviceScene::Arrays& to = scene.arrays();
+  copy_arrays(*this, from, SceneCapacity::of(to, first, view.sh_stride, view.feature_channels));
+  const ChunkRange chunks = view.chunks.empty() ? ChunkRange{} : chunks_to_bound(first, from);
+  if (chunks.size() == 0) return;
+  launch_early(*this, "bound_chunks", kernels::bound_chunks, blocks_for(chunks.size(), kernels::bound_warps),
+               kernels::bound_threads, view, std::uint32_t(chunks.begin), std::uint32_t(chunks.size()),
+               to.chunks.data());
 }
 
 }  // namespace swiftgs

@@ -89,11 +89,23 @@ __device__ inline vec3 colour_of(int degree, vec3 sh0, const float4* rest, vec3 
   }
 }
 
+/// Copies the SH coefficients of one Gaussian.
+__device__ inline void copy_rest(const SceneView& scene, std::uint32_t i, float4* to) {
+  const float* from = scene.sh_rest.data + std::size_t(i) * std::size_t(scene.sh_stride);
+  for (int k = 0; k < 3 * sh_rest_count(scene.sh_degree); ++k) reinterpret_cast<float*>(to)[k] = from[k];
+}
+
+/// Whether all lanes see the same scene.
+__device__ inline bool of_one_scene(const SceneView* scene) {
+  const auto address = reinterpret_cast<unsigned long long>(scene);
+  return __all_sync(whole_warp, address == __shfl_sync(whole_warp, address, 0));
+}
+
 /// Evaluates the colours of all splats, a warp 32 at a time and a lane one of them. Where the device has not
 /// counted them there are as many as there may be.
-template <class ViewSource>
+template <class ViewSource, class Scenes>
 __global__ void __launch_bounds__(shade_threads)
-    shade(const __grid_constant__ ViewSource views, const __grid_constant__ SceneView scene,
+    shade(const __grid_constant__ ViewSource views, const __grid_constant__ Scenes scenes,
           const LastCounters<FrameCounts> counts, const __grid_constant__ SplatsView all,
           SplatColour* colours, std::uint32_t* hidden) {
   __shared__ float4 shared[shade_warps][warp_size * rest_pitch(max_sh_degree)];
@@ -104,16 +116,26 @@ __global__ void __launch_bounds__(shade_threads)
   for (std::size_t first = blockIdx.x * shade_threads + threadIdx.x - lane_index(); first < splats;
        first += step) {
     const std::size_t at = first + lane_index();
-    const std::uint32_t id = at < splats ? all.gaussians[at] : 0;
-    if (scene.sh_degree > 0)
-      stage_rest(scene, id, unsigned(min(splats - first, std::size_t(warp_size))), rest);
-    if (at < splats) {
-      const ViewConstants& camera = views[ViewSource::only ? 0 : all.view(at)].camera;
+    const bool shades = at < splats;
+    // Lanes beyond the splats copy the first one's harmonics.
+    const std::uint32_t id = all.gaussians[shades ? at : first];
+    const auto seen = scenes.see(views[ViewSource::only ? 0 : all.view(shades ? at : first)].camera, id);
+    const SceneView& scene = seen.scene;
+    const std::uint32_t i = std::uint32_t(seen.i);
+    // Splats follow the order of the placed scenes, so nearly all warps have those of one. In others each
+    // lane copies its own coefficients: all colours are summed by the same instructions.
+    const bool of_one = Scenes::only || of_one_scene(&scene);
+    const unsigned pitch = rest_pitch(of_one ? scene.sh_degree : max_sh_degree);
+    float4* const own = rest + lane_index() * pitch;
+    if (of_one && scene.sh_degree > 0)
+      stage_rest(scene, i, unsigned(min(splats - first, std::size_t(warp_size))), rest);
+    else if (!of_one)
+      copy_rest(scene, i, own);
+    if (shades) {
       const vec3 rgb =
-          colour_of(scene.sh_degree, scene.sh0[id], rest + lane_index() * rest_pitch(scene.sh_degree),
-                    view_direction(camera, scene.means[id]));
+          colour_of(scene.sh_degree, scene.sh0[i], own, view_direction(seen.camera, scene.means[i]));
       SplatColour colour = splat_colour(rgb, all.depths[at]);
-      if (is_hidden(colour)) colour = large_splat_colour(camera, scene, id, all.depths[at]);
+      if (is_hidden(colour)) colour = large_splat_colour(seen.camera, scene, i, all.depths[at]);
       colours[at] = colour;
       if (is_hidden(colour)) *hidden = 1;
     }
@@ -136,10 +158,12 @@ Shading<Cuda> shade(Cuda& cuda, const FramePlan& plan, const Splats<Cuda>& splat
                                    unsigned(cuda.multiprocessors() * kernels::shade_blocks));
   Cuda::Fork fork = cuda.fork();
   if (blocks != 0)
-    kernels::with_views(plan.views, [&]<class ViewSource>(const ViewSource& views) {
-      launch("shade", kernels::shade<ViewSource>, blocks, kernels::shade_threads, fork.stream(), views,
-             plan.scene, splats.pending.counts, all, colours.each.data(), hidden);
-    });
+    kernels::with_views_and_scenes(
+        plan.views, plan.scenes,
+        [&]<class ViewSource, class Scenes>(const ViewSource& views, const Scenes& scenes) {
+          launch("shade", kernels::shade<ViewSource, Scenes>, blocks, kernels::shade_threads, fork.stream(),
+                 views, scenes, splats.pending.counts, all, colours.each.data(), hidden);
+        });
   return Shading<Cuda>(std::move(fork), splats, colours.each.data(), hidden);
 }
 

@@ -124,7 +124,7 @@ std::uint64_t views_identity(Span<const View> views) {
     add(view.rules.alpha_min, view.rules.alpha_max, view.rules.stop_below, view.rules.log2_alpha_min);
     add(view.rules.first_below);
     add(view.grid.columns.begin, view.grid.columns.end, view.grid.rows.begin, view.grid.rows.end);
-    add(view.grid.side, view.frame.width, view.frame.height);
+    add(view.grid.side, view.frame.width, view.frame.height, view.shows.first, view.shows.count);
     for_each_plane([&](std::size_t channels, const auto& plane) { add(plane.data ? channels : 0); },
                    view.frame);
   }

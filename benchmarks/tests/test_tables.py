@@ -26,7 +26,8 @@ from tables.frames import OURS  # noqa: E402
 from tables.results import OPTIONAL, STAGES, Duration, InputError, Results  # noqa: E402
 from tables.source import MACHINES, RESULTS, Source, backend, family  # noqa: E402
 
-COPIED = ("*.csv", "ulps.json", "formats.json", "python.json", "beside-gsplat.json", "rivals.json", "planes.json")
+COPIED = ("*.csv", "ulps.json", "formats.json", "python.json", "beside-gsplat.json", "rivals.json", "planes.json",
+          "placed.json")
 ROOT = HERE.parent.parent
 
 

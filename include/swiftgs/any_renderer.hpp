@@ -14,11 +14,20 @@
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/bound_renderer.hpp>
+#include <swiftgs/placed_scene.hpp>
 #include <swiftgs/scene_arrays.hpp>
 #include <swiftgs/sort/adaptive.hpp>
 #include <swiftgs/type_list.hpp>
 
 namespace swiftgs {
+
+/// How a frame shows one of a renderer's scenes, as `PlacedScene`.
+struct Placement {
+  std::size_t scene = 0;  ///< number of the scene, as `add_scene` returns it
+  Similarity world_from_scene{};
+  float opacity = 1;
+  Clip clip{};
+};
 
 /// A renderer whose policies are chosen at run time.
 class SWIFTGS_API AnyRenderer {
@@ -31,7 +40,8 @@ class SWIFTGS_API AnyRenderer {
   /// The backend's `device_name`.
   virtual std::string device_name() const = 0;
 
-  /// Uploads `scene` for the frames that follow; host backends share it. A graph of frames that were recorded
+  /// Uploads `scene` for the frames that follow, in place of all scenes and placements before; host backends
+  /// share it. A graph of frames that were recorded
   /// before reads the scene of then: destroy the graph first, unless another renderer shares that scene.
   virtual void set_scene(std::shared_ptr<const Scene> scene) = 0;
 
@@ -42,9 +52,25 @@ class SWIFTGS_API AnyRenderer {
   /// renderer has no scene, and a host renderer keeps the last one.
   virtual void set_scene(const SceneArrays& arrays) = 0;
 
-  /// Shares the scene that `other` has uploaded, without another copy. Returns false, and changes nothing, if
-  /// `other` has no scene or another backend. A scene of `SceneArrays` is ready in the stream order of
-  /// `other`: another stream must wait for that before it draws the scene.
+  /// Uploads one more scene, and returns its number: 0, 1 and so on. Frames show it too, where it stands by
+  /// itself, until the next `place`. Throws as `set_scene`.
+  virtual std::size_t add_scene(std::shared_ptr<const Scene> scene) = 0;
+
+  /// Replaces Gaussians of a scene from number `first` on by those of `arrays`, which the backend reaches;
+  /// arrays that are null stay as they are. Renderers that share the scene show the update too, as do all
+  /// later and recorded frames. On a device in stream order, without waiting; the streams of others must wait
+  /// for it. On hosts no frame of the scene may be under way, the program's own `Scene` stays as it is, and
+  /// numbers that are not finite are refused; see `set_scene`. Throws `std::invalid_argument`, and changes
+  /// nothing, for an unknown scene, and as `validate_update`.
+  virtual void update_scene(std::size_t scene, std::size_t first, const SceneArrays& arrays) = 0;
+
+  /// Sets the placed scenes that frames show: any of the renderer's scenes, any number of times. Throws
+  /// `std::invalid_argument` for no placement, an unknown scene, and as `validate` of a placed scene.
+  virtual void place(Span<const Placement> placements) = 0;
+
+  /// Shares the scenes that `other` has uploaded, without other copies, and their placements. Returns false,
+  /// and changes nothing, if `other` has no scene or another backend. A scene of `SceneArrays` is ready in
+  /// the stream order of `other`: another stream must wait for that before it draws the scene.
   virtual bool share_scene(const AnyRenderer& other) = 0;
 
   /// As `Renderer::render`. Throws `std::logic_error` before a scene is set.
@@ -69,6 +95,8 @@ class SWIFTGS_API AnyRenderer {
   virtual void reserve(Span<const View> views, Capacity capacity = {}) = 0;
   virtual void set_views(Span<const View> views) = 0;
   virtual void record(FrameReport* report) = 0;
+  /// Recorded work that runs again shows what was placed since, as `Renderer::set_scenes`.
+  virtual void set_recorded_scenes() = 0;
 
   /// Returns when all work submitted so far is done.
   virtual void wait() = 0;
@@ -124,38 +152,82 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
   std::string_view name() const override { return name_; }
   void set_scene(std::shared_ptr<const Scene> scene) override {
     scene_.emplace(renderer_.backend().upload(std::move(scene)));
+    more_.clear(), placed_ = {}, recorded_.reset();
   }
   void set_scene(const SceneArrays& arrays) override {
     scene_.emplace(renderer_.backend().upload(arrays, scene_));
+    more_.clear(), placed_ = {}, recorded_.reset();
+  }
+  std::size_t add_scene(std::shared_ptr<const Scene> scene) override {
+    if (!scene_) {
+      set_scene(std::move(scene));
+      return 0;
+    }
+    more_.push_back(renderer_.backend().upload(std::move(scene)));
+    if (placed_.each.empty()) placed_.add(0, {scene_->view()});
+    placed_.add(more_.size(), {more_.back().view()});
+    return more_.size();
+  }
+  void update_scene(std::size_t scene, std::size_t first, const SceneArrays& arrays) override {
+    require_known("update_scene", scene);
+    renderer_.backend().update(numbered(scene), first, arrays);
+  }
+  void place(Span<const Placement> placements) override {
+    if (placements.empty()) throw std::invalid_argument("place: expected one placement or more");
+    Placed placed;
+    for (const Placement& p : placements) {
+      require_known("place", p.scene);
+      placed.add(p.scene, {numbered(p.scene).view(), p.world_from_scene, p.opacity, p.clip});
+      validate(placed.each.back());
+    }
+    placed_ = std::move(placed);
   }
   bool share_scene(const AnyRenderer& other) override {
     const auto* like = dynamic_cast<const AnyRendererOn*>(&other);
     if (!like || !like->scene_) return false;
-    scene_ = like->scene_;
+    scene_ = like->scene_, more_ = like->more_, placed_ = like->placed_, recorded_.reset();
     return true;
   }
   void render(Span<const Camera> cameras, const RenderSettings& settings, Span<Frame> frames) override {
-    renderer_.render(scene(), cameras, settings, frames);
+    renderer_.render(scenes(), cameras, settings, frames);
   }
   Span<const FrameView> render_resident(Span<const Camera> cameras, const RenderSettings& settings) override {
-    const Span<const FrameView> frames = renderer_.render_resident(scene().view(), cameras, settings);
+    const Span<const FrameView> frames = renderer_.render_resident(scenes(), cameras, settings);
     renderer_.backend().wait();
     return frames;
   }
   void render_into(Span<const View> views, Measures measures) override {
-    renderer_.render_into(scene().view(), views, measures);
+    renderer_.render_into(scenes(), views, measures);
   }
   void reserve(Span<const View> views, Capacity capacity) override {
-    renderer_.reserve(scene().view(), views, capacity);
+    const PlacedScenes now = scenes();
+    renderer_.reserve(now, views, capacity);
+    recorded_ = placed_, recorded_alone_ = now.is_alone();
   }
   void set_views(Span<const View> views) override { renderer_.set_views(views); }
-  void record(FrameReport* report) override { renderer_.record(scene().view(), report); }
+  void record(FrameReport* report) override {
+    if (!recorded_ || recorded_alone_) {
+      const PlacedScenes now = scenes();
+      detail::require_for_render(now.is_alone(),
+                                 "reserve or set_recorded_scenes after other scenes were set");
+      return renderer_.record(now.each()[0].scene, report);
+    }
+    if constexpr (B::reaches_host_memory) renderer_.set_scenes(current(*recorded_));
+    renderer_.record(report);
+  }
+  void set_recorded_scenes() override {
+    renderer_.set_scenes(scenes());
+    recorded_ = placed_;
+  }
   void wait() override { renderer_.backend().wait(); }
   std::vector<PickedPixel> pick(const PickRectangle& rectangle) override { return renderer_.pick(rectangle); }
   StageTimes times() override { return renderer_.times(); }
   Statistics statistics() const override { return renderer_.statistics(); }
   StageMemory memory() const override { return renderer_.memory(); }
-  void trim() override { renderer_.trim(); }
+  void trim() override {
+    renderer_.trim();
+    recorded_.reset();
+  }
   std::string device_name() const override { return renderer_.backend().device_name(); }
   void use_calibrations(std::vector<SortCalibration> saved) override {
     if (adaptive_) adaptive_->use(std::move(saved));
@@ -171,15 +243,46 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
   }
 
  private:
-  const typename B::SceneOn& scene() const {
+  using SceneOn = typename B::SceneOn;
+
+  /// Placed scenes, and the number of the scene of each.
+  struct Placed {
+    std::vector<PlacedScene> each;
+    std::vector<std::size_t> numbers;
+
+    void add(std::size_t number, const PlacedScene& placed) {
+      each.push_back(placed), numbers.push_back(number);
+    }
+  };
+
+  void require_known(const char* call, std::size_t scene) const {
+    const std::size_t known = scene_ ? 1 + more_.size() : 0;
+    if (scene >= known)
+      throw std::invalid_argument(std::string(call) + ": the scene is number " + std::to_string(scene) +
+                                  ", expected less than " + std::to_string(known));
+  }
+  SceneOn& numbered(std::size_t scene) { return scene == 0 ? *scene_ : more_[scene - 1]; }
+
+  PlacedScenes scenes() {
     if (!scene_) throw std::logic_error("render: expected a scene before the first frame");
-    return *scene_;
+    return current(placed_);
+  }
+  /// `placed` with the views that its scenes have now: a host's first update of a scene moves it.
+  PlacedScenes current(Placed& placed) {
+    if (placed.each.empty()) return *scene_;
+    for (std::size_t i = 0; i < placed.each.size(); ++i)
+      placed.each[i].scene = numbered(placed.numbers[i]).view();
+    return placed.each;
   }
 
   std::string name_;
   BoundRenderer<B> renderer_;
-  AdaptiveSort* adaptive_;                      ///< in `renderer_`
-  std::optional<typename B::SceneOn> scene_{};  ///< copies share the memory
+  AdaptiveSort* adaptive_;            ///< in `renderer_`
+  std::optional<SceneOn> scene_{};    ///< copies share the memory
+  std::vector<SceneOn> more_{};       ///< after it
+  Placed placed_{};                   ///< empty: `scene_` alone
+  std::optional<Placed> recorded_{};  ///< of `reserve` or `set_recorded_scenes`, while those are uploaded
+  bool recorded_alone_ = false;       ///< whether `reserve` was for a scene alone
 };
 
 namespace detail {

@@ -6,11 +6,11 @@
 #include <tuple>
 
 #include <swiftgs/backend.hpp>
+#include <swiftgs/placed_scene.hpp>
 #include <swiftgs/plane/attributes.hpp>
 #include <swiftgs/plane/normal.hpp>
 #include <swiftgs/plane/ray_depth.hpp>
 #include <swiftgs/raster/raster.hpp>
-#include <swiftgs/scene.hpp>
 #include <swiftgs/splats.hpp>
 #include <swiftgs/tiles.hpp>
 #include <swiftgs/views.hpp>
@@ -19,7 +19,6 @@ namespace swiftgs {
 
 /// The attributes of splats that a stage gathers. Pointers are to memory that the backend reaches.
 struct SplatAttributes {
-  SceneView scene;
   SplatsView splats;
   int first = 0;      ///< attribute of the frame
   unsigned rows = 0;  ///< of `AttributesView`
@@ -30,16 +29,17 @@ struct SplatAttributes {
   }
 
   /// Writes the rows of splat `i`, which `view` shows. `some_along_ray`: as of `along_ray`.
-  template <bool some_along_ray>
-  SWIFTGS_HD void gather(const View& view, std::size_t i, AttributeRow* to) const {
+  template <bool some_along_ray, class Scenes>
+  SWIFTGS_HD void gather(const Scenes& scenes, const View& view, std::size_t i, AttributeRow* to) const {
+    const auto seen = scenes.see(view.camera, splats.gaussians[i]);
     Geometry of;
-    const std::size_t id = splats.gaussians[i];
     if (some_along_ray && takes_ray_depth(view))
-      of.along_ray = ray_depth(view.camera, gaussian(scene, id), splats.shapes[i].mean, splats.depths[i],
-                               most_attribute(view.rules.alpha_max));
+      of.along_ray = ray_depth(seen.camera, gaussian(seen.scene, seen.i), splats.shapes[i].mean,
+                               splats.depths[i], most_attribute(view.rules.alpha_max));
     // Both are among the first attributes of a frame.
-    if (first == 0 && view.frame.normal.data) of.normal = splat_normal(view.camera, scene, id);
-    for (unsigned r = 0; r < rows; ++r) to[r * splats.size() + i] = row(view, r, i, of);
+    if (first == 0 && view.frame.normal.data) of.normal = splat_normal(seen.camera, seen.scene, seen.i);
+    const float* features = seen.scene.features.data + seen.i * std::size_t(seen.scene.feature_channels);
+    for (unsigned r = 0; r < rows; ++r) to[r * splats.size() + i] = row(view, r, i, of, features);
   }
 
  private:
@@ -49,10 +49,10 @@ struct SplatAttributes {
   };
 
   /// What is not finite counts as 0. Larger magnitudes than `most_attribute` are cut to it.
-  SWIFTGS_HD AttributeRow row(const View& view, unsigned r, std::size_t i, const Geometry& of) const {
+  SWIFTGS_HD AttributeRow row(const View& view, unsigned r, std::size_t i, const Geometry& of,
+                              const float* features) const {
     const float largest = 3.4028234663852886e38f, most = most_attribute(view.rules.alpha_max);
     const float depth = splats.depths[i];
-    const std::size_t id = splats.gaussians[i];
     AttributeRow out;
     for (unsigned c = 0; c < AttributeRow::channels; ++c) {
       const Attribute from = attribute(view, first + int(r * AttributeRow::channels + c));
@@ -73,7 +73,7 @@ struct SplatAttributes {
           value = depth * depth < most ? depth * depth : most;  // it may be infinite
           break;
         case Attribute::Of::feature:
-          value = scene.features[id * std::size_t(scene.feature_channels) + std::size_t(from.channel)];
+          value = features[from.channel];
           break;
         case Attribute::Of::nothing:
           break;
@@ -85,19 +85,26 @@ struct SplatAttributes {
   }
 };
 
+template <class Scenes>
 struct GatherAttributes {
   SplatAttributes from;
+  Scenes scenes;
   const View* views;
   AttributeRow* to;
 
-  void operator()(std::size_t i) const { from.gather<true>(views[from.splats.view(i)], i, to); }
+  void operator()(std::size_t i) const {
+    from.template gather<true>(scenes, views[from.splats.view(i)], i, to);
+  }
 };
 
 /// Writes attributes of all splats to `to`, @shape{rows, splats}, on hosts. A device overloads this.
 template <BackendPolicy B>
 requires(bool(B::reaches_host_memory)) void gather_attributes(B& b, const SplatAttributes& from,
-                                                              const Views& views, AttributeRow* to) {
-  b.for_each(from.splats.count(), GatherAttributes{from, views.each.data, to});
+                                                              const PlacedScenes& scenes, const Views& views,
+                                                              AttributeRow* to) {
+  with_scenes(scenes, [&]<class Scenes>(const Scenes& of) {
+    b.for_each(from.splats.count(), GatherAttributes<Scenes>{from, of, views.each.data, to});
+  });
 }
 
 /// Most attributes that one view asks for.
@@ -113,13 +120,13 @@ class AttributeStage {
  public:
   /// Calls rasterize(job) as often as it takes: once for frames of up to `AttributesView::most` attributes.
   template <class Rasterize>
-  void draw(B& b, const SceneView& scene, RasterJob job, const Rasterize& rasterize) {
+  void draw(B& b, const PlacedScenes& scenes, RasterJob job, const Rasterize& rasterize) {
     const int count = attribute_count(job.views.each), most = int(AttributesView::most);
     each_.reset(AttributesView::kept_rows_for(count) * job.splats.size());
     const auto gather = [&](int first) {
-      const SplatAttributes from{scene, job.splats, first, AttributesView::rows_for(count - first)};
+      const SplatAttributes from{job.splats, first, AttributesView::rows_for(count - first)};
       AttributeRow* const rows = each_.data() + (first == 0 ? 0 : job.splats.size());
-      gather_attributes(b, from, job.views, rows);
+      gather_attributes(b, from, scenes, job.views, rows);
       return AttributesView{rows, job.splats.size(), from.rows, first, each_.data()};
     };
     // A device's kernels that count sum no attributes.

@@ -21,6 +21,7 @@
 #include <swiftgs/frame_plan.hpp>
 #include <swiftgs/hidden_stage.hpp>
 #include <swiftgs/pick_stage.hpp>
+#include <swiftgs/placed_scene.hpp>
 #include <swiftgs/resident_frames.hpp>
 #include <swiftgs/stages.hpp>
 #include <swiftgs/statistics.hpp>
@@ -47,7 +48,7 @@ class BoundRenderer {
   BoundRenderer(B backend, StagePolicies<B> policies)
       : stages_(std::move(backend), policies.bounds, std::move(policies.sort)), raster_(policies.raster) {
     use_memory_of(this->backend(), raster_counts_, hidden_, attributes_, view_storage_, recorded_storage_,
-                  resident_, picking_);
+                  scene_storage_, recorded_scene_storage_, resident_, picking_);
   }
 
   B& backend() { return stages_.backend(); }
@@ -58,27 +59,30 @@ class BoundRenderer {
   /// Renders into memory of the caller that the backend can reach. On a device it returns when the frame is
   /// in stream order, not when it is finished. Throws `std::invalid_argument` for a camera, scene or frame
   /// that nothing can be rendered with, `CapacityError`, and `DeviceError` on a device.
-  void render_into(const SceneView& scene, const Camera& camera, const RenderSettings& settings,
+  void render_into(const PlacedScenes& scenes, const Camera& camera, const RenderSettings& settings,
                    const FrameView& frame) {
     validate(settings);
     detail::require_for_render(frame.width == camera.width && frame.height == camera.height,
                                "a frame of the camera's size");
     const View view = make_view(camera, settings.conventions, frame, settings.background);
-    render_into(scene, Span{&view, 1}, {settings.count, settings.time});
+    render_into(scenes, Span{&view, 1}, {settings.count, settings.time});
   }
 
-  /// Renders any number of views of a scene in one frame: one projection, one sort, one rasterization. The
-  /// images have the bits of frames of one view each. Cameras, sizes, conventions, backgrounds and formats
-  /// may differ from view to view; `make_view` makes them. Returns and throws as above.
-  void render_into(const SceneView& scene, Span<const View> views, Measures measures = {}) {
+  /// Renders any number of views of any number of placed scenes in one frame: one projection, one sort, one
+  /// rasterization. The images have the bits of frames of one view each. Cameras, sizes, conventions,
+  /// backgrounds, formats and the placed scenes that show may differ from view to view; `make_view` makes
+  /// views. Splats of all scenes are blended in the order of their depths; of equal ones the first scene's is
+  /// in front. Returns and throws as above.
+  void render_into(const PlacedScenes& asked, Span<const View> views, Measures measures = {}) {
     for (const View& view : views) validate(view);
     last_ = LastFrame::none;
     views = parts_.of(views);
     check_ready(backend());
-    const FrameKey key = FrameKey::of(scene, views);
+    const PlacedScenes scenes = store_scenes(backend(), asked, views, scene_storage_);
+    const FrameKey key = FrameKey::of(scenes, views);
     if (may_gain_by_coarse_tiles()) views = tiles_.choose(key, views);
     counted_ = timed_ = false;
-    FramePlan plan(store_views(backend(), views, view_storage_), scene);
+    FramePlan plan(store_views(backend(), views, view_storage_), scenes);
     if constexpr (B::reaches_host_memory) {
       run(plan, measures);
       report_ = stages_.report(plan);
@@ -92,20 +96,24 @@ class BoundRenderer {
     }
     tiles_.learn(key, report_.visible);
     counted_ = measures.count, timed_ = measures.time;
-    gaussians_ = scene.size();
-    drawn_ = plan.views, last_ = LastFrame::drawn;
+    gaussians_ = scenes.gaussians();
+    drawn_ = plan.views, drawn_scenes_ = plan.scenes, last_ = LastFrame::drawn;
   }
 
-  /// Takes all memory that `record` needs for frames of `views` and `scene`. `set_views` may later set other
-  /// views of the same sizes, and `scene` may change. The default capacity is what the views show now and an
-  /// eighth more, at most all Gaussians in all views and `max_intersections`. A capacity counts intersections
-  /// with the tiles of these views; `render_into` may use coarser tiles, and its `statistics` are then too
-  /// small. Draws nothing and waits. If it throws, `record` is refused until it succeeds.
-  void reserve(const SceneView& scene, Span<const View> views, Capacity capacity = {}) {
-    validate(scene);
+  /// Takes all memory that `record` needs for frames of `views` and `scenes`. `set_views` may later set other
+  /// views of the same sizes, `set_scenes` move placed scenes, and a scene alone may change. The default
+  /// capacity is what the views show now and an eighth more, at most all Gaussians in all views and
+  /// `max_intersections`. A capacity counts intersections with the tiles of these views; `render_into` may
+  /// use coarser tiles, and its `statistics` are then too small. Draws nothing and waits. If it throws,
+  /// `record` is refused until it succeeds.
+  void reserve(const PlacedScenes& scenes, Span<const View> views, Capacity capacity = {}) {
+    for (const PlacedScene& placed : scenes.each()) validate(placed);
     reserved_.reset(), last_ = LastFrame::none;
     set_views(views);
-    FramePlan plan(recorded_, scene);
+    recorded_scenes_ = {}, recorded_alone_ = scenes.is_alone();
+    recorded_scenes_ = store_scenes(backend(), scenes, recorded_.each, recorded_scene_storage_,
+                                    scenes.is_alone() ? ViewAccess::any : ViewAccess::stored);
+    FramePlan plan(recorded_, recorded_scenes_);
     const auto rehearse = [&](const Capacity& within) {
       plan.limits = {within, false};
       run(plan, {});
@@ -118,9 +126,10 @@ class BoundRenderer {
       if (capacity.splats == 0) capacity.splats = with_spare(report.visible);
       if (capacity.intersections == 0) capacity.intersections = with_spare(report.intersections);
     }
-    capacity.splats = std::min(capacity.splats, std::max<std::size_t>(scene.size() * recorded_.size(), 1));
+    capacity.splats = std::min(capacity.splats, std::max<std::size_t>(plan.candidates(), 1));
     capacity.intersections = std::min(capacity.intersections, std::size_t(max_intersections));
-    const Reservation reserved{scene.size(), recorded_.size(), recorded_.tiles, capacity};
+    const Reservation reserved{recorded_scenes_.gaussians(), recorded_scenes_.chunks(), recorded_.size(),
+                               recorded_.tiles, capacity};
     if constexpr (B::reaches_host_memory) {
       stages_.reserve(reserved);
       attributes_.reserve(recorded_, reserved);
@@ -135,8 +144,8 @@ class BoundRenderer {
   /// Sets the views that `record` renders, in stream order. Recorded work that runs again renders them too.
   /// Between `reserve` calls, cameras, conventions, backgrounds, formats and the places of planes may change,
   /// and lenses if any of those reserved is no pinhole whose depth is z. Throws `std::invalid_argument`, and
-  /// changes nothing, if more changes: the number of views, a size, which planes there are,
-  /// whether colours are converted.
+  /// changes nothing, if more changes: the number of views, a size, which placed scenes show,
+  /// which planes there are, whether colours are converted.
   void set_views(Span<const View> views) {
     for (const View& view : views) validate(view), detail::check_tiles(view);  // before anything changes
     PanoramaParts parts;
@@ -162,6 +171,49 @@ class BoundRenderer {
     recorded_parts_ = std::move(parts);
   }
 
+  /// Sets what `record(report)` renders, in stream order: the placed scenes of the latest `reserve`, moved,
+  /// clipped or made fainter, or others of as many Gaussians. Recorded work that runs again renders them too.
+  /// Throws `std::invalid_argument`, and changes nothing, if more changes, or if `reserve` was called for a
+  /// scene alone (one placed scene where it stands by itself is that).
+  void set_scenes(const PlacedScenes& scenes) {
+    for (const PlacedScene& placed : scenes.each()) validate(placed);
+    detail::require_for_render(reserved_.has_value(), "reserve before set_scenes");
+    if (recorded_alone_ || scenes.size() != recorded_scenes_.size())
+      detail::refuse("set_scenes: the number of placed scenes", scenes.size(),
+                     recorded_alone_ ? "a scene alone as reserved"
+                                     : std::to_string(recorded_scenes_.size()) + " as reserved");
+    for (std::size_t i = 0; i < scenes.size(); ++i)
+      if (scenes.each()[i].size() != recorded_scenes_.each()[i].size())
+        throw std::invalid_argument("set_scenes: placed scene " + std::to_string(i) + " has " +
+                                    std::to_string(scenes.each()[i].size()) + " Gaussians, expected " +
+                                    std::to_string(recorded_scenes_.each()[i].size()) + " as reserved");
+    for (const View& view : recorded_.each) check_shown(scenes, view);
+    check_ready(backend());
+    if (scenes.each().data == recorded_scenes_.each().data) return;  // changed where they are
+    recorded_scenes_ =
+        store_scenes(backend(), scenes, recorded_.each, recorded_scene_storage_, ViewAccess::stored);
+  }
+
+  /// The placed scenes that `record(report)` renders, in memory of the backend, until the next `reserve` or
+  /// `trim`: work in stream order may write poses, opacities and clips there, and nothing else, for frames
+  /// that are recorded or run again later. A device does not draw one that is not valid (NaN, no rotation),
+  /// see `refused_scenes`; a host throws. Null on a device for a scene alone.
+  PlacedScene* recorded_scenes() {
+    if (!B::reaches_host_memory && !recorded_scenes_.is_stored()) return nullptr;
+    return const_cast<PlacedScene*>(recorded_scenes_.reachable());
+  }
+  /// Which of them the last recorded frame did not draw, of those that its views show; complete when it
+  /// returns.
+  std::vector<std::size_t> refused_scenes() const {
+    std::vector<std::size_t> refused;
+    if (!recorded_scenes_.is_stored()) return refused;
+    std::vector<PlacedScene> now(recorded_scenes_.size());
+    backend().download(Span<const PlacedScene>{recorded_scenes_.reachable(), now.size()}, now.data());
+    for (std::size_t i = 0; i < now.size(); ++i)
+      if (now[i].refused != 0) refused.push_back(i);
+    return refused;
+  }
+
   /// Renders the views that were set. It never waits, allocates or queries the device, so a CUDA graph may
   /// capture it. Writes what the frame took to `report`, in memory that the backend reaches. A frame above
   /// the capacity draws nothing. Call `reserve` before. On hosts the frame is complete when it returns.
@@ -171,16 +223,12 @@ class BoundRenderer {
   /// A captured graph works in the renderer's memory. It must not be launched again after `reserve`, `trim`
   /// or a larger frame of `render_into`, which move that memory.
   void record(const SceneView& scene, FrameReport* report) {
-    detail::require_for_render(reserved_ && recorded_.size() != 0, "reserve before record");
-    detail::require_for_render(report != nullptr, "memory for the report");
-    if (scene.size() > reserved_->gaussians)
-      throw CapacityError("Gaussians in a recorded frame", scene.size(), reserved_->gaussians);
-    last_ = LastFrame::none;
-    run(FramePlan(recorded_, scene, {reserved_->capacity, true, report}), {});
-    last_ = LastFrame::recorded;
-    if constexpr (B::reaches_host_memory)
-      if (report->overflowed != 0) last_ = LastFrame::none;  // its lists were not made
+    for (const View& view : recorded_.each)
+      detail::require_for_render(PlacedScenes(scene).shown(view).size == 1, "views that show the scene");
+    record_scenes(scene, report);
   }
+  /// The same of the scenes of `reserve` or `set_scenes`.
+  void record(FrameReport* report) { record_scenes(recorded_scenes_, report); }
 
   /// Gives back all memory that the renderer and its backend keep, uploaded scenes excluded, after waiting
   /// for all work submitted so far. The next frame takes it again. Views that were set and what was reserved
@@ -191,32 +239,34 @@ class BoundRenderer {
     b.wait();
     last_ = LastFrame::none;
     stages_.trim();
-    trim_parts(b, raster_counts_, hidden_, attributes_, view_storage_, recorded_storage_, resident_,
-               picking_);
+    trim_parts(b, raster_counts_, hidden_, attributes_, view_storage_, recorded_storage_, scene_storage_,
+               recorded_scene_storage_, resident_, picking_);
     if constexpr (requires { b.trim(); }) b.trim();
-    views_ = {}, parts_ = {}, recorded_parts_ = {}, tiles_ = {}, capacity_ = {}, recorded_ = {};
+    views_ = {}, parts_ = {}, recorded_parts_ = {}, tiles_ = {}, capacity_ = {}, recorded_ = {},
+    recorded_scenes_ = {};
     counted_ = false;
     reserved_.reset();
   }
 
   /// Renders into memory of the backend that the renderer keeps: the frames, one a camera, hold until the
   /// next call. Returns and throws as `render_into`.
-  Span<const FrameView> render_resident(const SceneView& scene, Span<const Camera> cameras,
+  Span<const FrameView> render_resident(const PlacedScenes& scenes, Span<const Camera> cameras,
                                         const RenderSettings& settings) {
     make_views(cameras, settings, views_);
-    require_features(scene, settings.outputs.features);  // before memory is taken for them
+    require_features(scenes, settings.outputs.features);  // before memory is taken for them
     check_ready(backend());
     const Span<const FrameView> frames = resident_.make(cameras, settings.outputs);
     for (std::size_t i = 0; i < frames.size; ++i) views_[i].frame = frames[i];
-    render_into(scene, {views_.data(), views_.size()}, {settings.count, settings.time});
+    render_into(scenes, {views_.data(), views_.size()}, {settings.count, settings.time});
     return frames;
   }
-  FrameView render_resident(const SceneView& scene, const Camera& camera, const RenderSettings& settings) {
-    return render_resident(scene, {&camera, 1}, settings)[0];
+  FrameView render_resident(const PlacedScenes& scenes, const Camera& camera,
+                            const RenderSettings& settings) {
+    return render_resident(scenes, {&camera, 1}, settings)[0];
   }
 
   /// Renders a frame a camera on the host; complete when it returns.
-  void render(const typename B::SceneOn& scene, Span<const Camera> cameras, const RenderSettings& settings,
+  void render(const PlacedScenes& scenes, Span<const Camera> cameras, const RenderSettings& settings,
               Span<Frame> frames) {
     if (frames.size != cameras.size)
       detail::refuse("render: the number of frames", frames.size,
@@ -226,22 +276,22 @@ class BoundRenderer {
     };
     if constexpr (B::reaches_host_memory) {
       make_views(cameras, settings, views_);
-      require_features(scene.view(), settings.outputs.features);
+      require_features(scenes, settings.outputs.features);
       for (std::size_t i = 0; i < cameras.size; ++i) views_[i].frame = prepare_frame(i);
-      render_into(scene.view(), {views_.data(), views_.size()}, {settings.count, settings.time});
+      render_into(scenes, {views_.data(), views_.size()}, {settings.count, settings.time});
     } else {
-      render_resident(scene.view(), cameras, settings);
+      render_resident(scenes, cameras, settings);
       for (std::size_t i = 0; i < cameras.size; ++i) prepare_frame(i);
       resident_.download(backend(), frames);
     }
   }
-  void render(const typename B::SceneOn& scene, const Camera& camera, const RenderSettings& settings,
+  void render(const PlacedScenes& scenes, const Camera& camera, const RenderSettings& settings,
               Frame& frame) {
-    render(scene, {&camera, 1}, settings, {&frame, 1});
+    render(scenes, {&camera, 1}, settings, {&frame, 1});
   }
-  Frame render(const typename B::SceneOn& scene, const Camera& camera, const RenderSettings& settings = {}) {
+  Frame render(const PlacedScenes& scenes, const Camera& camera, const RenderSettings& settings = {}) {
     Frame frame;
-    render(scene, camera, settings, frame);
+    render(scenes, camera, settings, frame);
     return frame;
   }
 
@@ -292,11 +342,25 @@ class BoundRenderer {
     return s;
   }
 
+  /// Splats of each placed scene in the last frame of `render_into` or what calls it, all views together;
+  /// complete when it returns. A panorama shows a Gaussian with one in each of its parts. Brings 4 bytes a
+  /// splat to the host. Throws `std::logic_error` if there is no such frame.
+  std::vector<std::size_t> visible_by_scene() const {
+    std::vector<std::uint32_t> numbers(std::size_t(report_.visible));
+    if (last_ != LastFrame::drawn) throw std::logic_error("visible_by_scene: expected a frame before");
+    backend().download(splats().view().gaussians.first(numbers.size()), numbers.data());
+    std::vector<std::size_t> visible(drawn_scenes_.size());
+    const SeveralScenes scenes{drawn_scenes_.each().data, std::uint32_t(drawn_scenes_.size())};
+    for (const std::uint32_t number : numbers)
+      ++visible[std::size_t(&scenes.of_gaussian(number) - scenes.each)];
+    return visible;
+  }
+
   /// What the buffers of each stage hold, in the backend's memory. They grow with the largest frame so far,
   /// and are empty after `trim`.
   StageMemory memory() const {
     StageMemory memory = stages_.memory();
-    memory.project += bytes_of(view_storage_, recorded_storage_);
+    memory.project += bytes_of(view_storage_, recorded_storage_, scene_storage_, recorded_scene_storage_);
     memory.raster += bytes_of(resident_, raster_counts_, hidden_, attributes_, picking_);
     return memory;
   }
@@ -310,7 +374,8 @@ class BoundRenderer {
   const FrameTiles& tiles() const { return stages_.tiles(); }
 
  private:
-  /// Whether frames of both have the same size, planes for the same outputs, and colours to convert or not.
+  /// Whether frames of both have the same size, placed scenes, planes for the same outputs, and colours to
+  /// convert or not.
   static bool same_shape(const View& a, const View& b) {
     bool same = a.frame.width == b.frame.width && a.frame.height == b.frame.height &&
                 a.grid.side == b.grid.side && !a.frame.occluder.data == !b.frame.occluder.data;
@@ -318,7 +383,20 @@ class BoundRenderer {
                    a.frame, b.frame);
     same = same && a.frame.feature_channels == b.frame.feature_channels;
     same = same && (a.frame.conversion == Conversion::as_is) == (b.frame.conversion == Conversion::as_is);
+    same = same && a.shows.first == b.shows.first && a.shows.count == b.shows.count;
     return same && attribute_count(a) == attribute_count(b);
+  }
+
+  void record_scenes(const PlacedScenes& scenes, FrameReport* report) {
+    detail::require_for_render(reserved_ && recorded_.size() != 0, "reserve before record");
+    detail::require_for_render(report != nullptr, "memory for the report");
+    if (scenes.gaussians() > reserved_->gaussians)
+      throw CapacityError("Gaussians in a recorded frame", scenes.gaussians(), reserved_->gaussians);
+    last_ = LastFrame::none;
+    run(FramePlan(recorded_, scenes, {reserved_->capacity, true, report}), {});
+    last_ = LastFrame::recorded;
+    if constexpr (B::reaches_host_memory)
+      if (report->overflowed != 0) last_ = LastFrame::none;  // its lists were not made
   }
 
   void run(const FramePlan& plan, const Measures& measures) {
@@ -330,7 +408,7 @@ class BoundRenderer {
         [&](RasterJob job) {
           job.counts = counts;
           const auto rasterize = [&](const RasterJob& pass) { raster_.rasterize(backend(), pass); };
-          attributes_.draw(backend(), plan.scene, job, rasterize);
+          attributes_.draw(backend(), plan.scenes, job, rasterize);
           if (counts) hidden_.count(backend(), job);
         },
         [&](std::size_t point) {
@@ -343,7 +421,8 @@ class BoundRenderer {
   typename B::template Buffer<RasterCounts> raster_counts_;
   HiddenStage<B> hidden_;
   AttributeStage<B> attributes_;
-  ViewStorage<B> view_storage_, recorded_storage_;  ///< of `render_into` and of `record`
+  ViewStorage<B> view_storage_, recorded_storage_;          ///< of `render_into` and of `record`
+  SceneStorage<B> scene_storage_, recorded_scene_storage_;  ///< likewise
   ResidentFrames<B> resident_;
   PickStage<B> picking_;
   PanoramaParts parts_, recorded_parts_;  ///< likewise
@@ -351,10 +430,12 @@ class BoundRenderer {
   std::array<typename B::TimePoint, 4> points_{};
   bool counted_ = false, timed_ = false;
   std::size_t gaussians_ = 0;
-  FrameReport report_;      ///< of the last frame that was not recorded
-  TileChoice tiles_;        ///< that learnt from it
-  FrameCapacity capacity_;  ///< of a device's frames
-  Views drawn_, recorded_;  ///< in `view_storage_` and `recorded_storage_`
+  FrameReport report_;                           ///< of the last frame that was not recorded
+  TileChoice tiles_;                             ///< that learnt from it
+  FrameCapacity capacity_;                       ///< of a device's frames
+  Views drawn_, recorded_;                       ///< in `view_storage_` and `recorded_storage_`
+  PlacedScenes drawn_scenes_, recorded_scenes_;  ///< likewise
+  bool recorded_alone_ = false;                  ///< whether `reserve` was for a scene alone
   enum class LastFrame { none, drawn, recorded } last_ = LastFrame::none;
   std::optional<Reservation> reserved_;
 };

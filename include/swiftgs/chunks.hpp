@@ -21,7 +21,7 @@ namespace swiftgs {
 namespace detail {
 /// How much longer the matrix of a quaternion, unit or not, can make a vector: it is |q|^2 times that of the
 /// unit quaternion, plus (1 - |q|^2) I.
-inline double most_lengthened(Quaternion q) {
+SWIFTGS_HD inline double most_lengthened(Quaternion q) {
   const double squares = double(q.w) * q.w + double(q.x) * q.x + double(q.y) * q.y + double(q.z) * q.z;
   return squares + std::fabs(1 - squares);
 }
@@ -35,17 +35,30 @@ inline double sides_of_box(const SceneView& scene, std::size_t first, std::size_
   return sides.x + sides.y + sides.z;
 }
 
+/// Widens `bounds` to those of both.
+SWIFTGS_HD inline void add_bounds(ChunkBounds& bounds, const ChunkBounds& other) {
+  const auto larger = [](float a, float b) { return a < b ? b : a; };
+  for (int k = 0; k < 3; ++k) {
+    bounds.low[k] = -larger(-bounds.low[k], -other.low[k]);
+    bounds.high[k] = larger(bounds.high[k], other.high[k]);
+  }
+  bounds.size = larger(bounds.size, other.size), bounds.opacity = larger(bounds.opacity, other.opacity);
+}
+
+/// Widens `bounds` to Gaussian `i`. A NaN widens nothing: its Gaussian is not drawn.
+SWIFTGS_HD inline void add_gaussian(ChunkBounds& bounds, const SceneView& scene, std::size_t i) {
+  const vec3 scale = scene.scales[i];  // its sign is squared away
+  float largest = 0;
+  for (int k = 0; k < 3; ++k) largest = std::fabs(scale[k]) > largest ? std::fabs(scale[k]) : largest;
+  const double size = double(largest) * most_lengthened(scene.rotations[i]);
+  add_bounds(bounds,
+             {scene.means[i], std::nextafter(float(size), INFINITY), scene.means[i], scene.opacities[i]});
+}
+
 inline ChunkBounds bounds_of_chunk(const SceneView& scene, std::size_t chunk) {
   ChunkBounds bounds;
   const std::size_t begin = chunk * chunk_size, end = std::min(begin + chunk_size, scene.size());
-  for (std::size_t i = begin; i < end; ++i) {
-    const vec3 scale = scene.scales[i];  // its sign is squared away
-    const float largest = std::max({std::fabs(scale.x), std::fabs(scale.y), std::fabs(scale.z)});
-    const double size = double(largest) * most_lengthened(scene.rotations[i]);
-    bounds.low = glm::min(bounds.low, scene.means[i]), bounds.high = glm::max(bounds.high, scene.means[i]);
-    bounds.size = std::max(bounds.size, std::nextafter(float(size), std::numeric_limits<float>::infinity()));
-    bounds.opacity = std::max(bounds.opacity, scene.opacities[i]);
-  }
+  for (std::size_t i = begin; i < end; ++i) add_gaussian(bounds, scene, i);
   return bounds;
 }
 }  // namespace detail
@@ -87,7 +100,8 @@ class ChunkCuller {
   /// A number that is NaN, or an infinity that may reach the image, hides nothing.
   SWIFTGS_HD bool hides(const ChunkBounds& chunk) const {
     const ViewConstants& v = *view_;
-    if (chunk.opacity < v.alpha_min) return true;
+    const float opacity = v.opacity * chunk.opacity;
+    if (opacity < v.alpha_min) return true;
     // To camera space. Roundings are less than `rounding` along each axis.
     double centre[3], half[3], rounding = 0;
     for (int k = 0; k < 3; ++k) {
@@ -105,10 +119,11 @@ class ChunkCuller {
       return sum + (std::fabs(x) + std::fabs(y) + std::fabs(z)) * rounding;
     };
     if (v.depth_is_distance ? hidden_by_distance(centre, half, rounding)
-                            : most(0, 0, 1) <= v.near_plane || most(0, 0, -1) < -double(v.far_plane))
+                            : v.depth_scale * most(0, 0, 1) <= v.near_plane ||
+                                  v.depth_scale * most(0, 0, -1) < -double(v.far_plane))
       return true;
-    if (v.through_lens) return hidden_through_lens(chunk, box_of(centre, half, rounding));
-    const double k = std::sqrt(2.0 * std::log(1.0001f * chunk.opacity / v.alpha_min));
+    const double k = std::sqrt(2.0 * std::log(1.0001f * opacity / v.alpha_min));
+    if (v.through_lens) return hidden_through_lens(chunk, k, box_of(centre, half, rounding));
     const double margin = 0.03 + k * blur_, size = k * double(chunk.size);
     const double x = size * wide_, y = size * high_;
     return most(-v.fx, 0, v.right - v.cx + margin) < -x || most(v.fx, 0, v.cx - v.left + margin) < -x ||
@@ -124,7 +139,9 @@ class ChunkCuller {
       const double to = std::fabs(centre[k]), near = std::fmax(to - half[k] - rounding, 0.0);
       nearest += near * near, furthest += (to + half[k] + rounding) * (to + half[k] + rounding);
     }
-    return 1.002 * std::sqrt(furthest) <= view_->near_plane || 0.998 * std::sqrt(nearest) > view_->far_plane;
+    const double scale = view_->depth_scale;
+    return 1.002 * scale * std::sqrt(furthest) <= view_->near_plane ||
+           0.998 * scale * std::sqrt(nearest) > view_->far_plane;
   }
 
   /// A box along the camera's axes around one along the world's.
@@ -143,12 +160,12 @@ class ChunkCuller {
   /// Whether the lens shows no splat of a box in this part of the image. A splat's half width is at most
   /// sqrt((k fx |du| size)^2 + k^2 blur), with du the derivative of u by the point. Not inlined: it would
   /// cost pinhole views registers.
-  SWIFTGS_HD SWIFTGS_NOINLINE bool hidden_through_lens(const ChunkBounds& chunk, const CameraBox& box) const {
+  SWIFTGS_HD SWIFTGS_NOINLINE bool hidden_through_lens(const ChunkBounds& chunk, double k,
+                                                       const CameraBox& box) const {
     const ViewConstants& v = *view_;
     const LensBox seen = box_through(v.lens, v.limits, box);
     if (!seen.inside) return true;
     if (!seen.bounded) return false;
-    const double k = std::sqrt(2.0 * std::log(1.0001f * chunk.opacity / v.alpha_min));
     // The rotation may lengthen by 1e-3. The slack of projection is 2e-4 of both half sizes.
     const double size = 1.002 * k * double(chunk.size), wide = size * v.fx * seen.du,
                  high = size * v.fy * seen.dv;

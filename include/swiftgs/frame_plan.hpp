@@ -4,25 +4,28 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
+#include <string>
 
 #include <swiftgs/count.hpp>
+#include <swiftgs/placed_scene.hpp>
 #include <swiftgs/render_input.hpp>
-#include <swiftgs/scene.hpp>
 #include <swiftgs/span.hpp>
 #include <swiftgs/views.hpp>
 
 namespace swiftgs {
 
-/// A scene and the sizes of the images that show it. What one frame teaches holds for frames of the same key.
+/// Scenes and the sizes of the images that show them. What one frame teaches holds for frames of the same
+/// key.
 struct FrameKey {
-  std::uint64_t scene = 0;  ///< `SceneView::identity`
+  std::uint64_t scene = 0;  ///< `PlacedScenes::identity`
   std::size_t gaussians = 0;
   /// Of all views, one below the other. @units{pixels}
   std::int64_t width = 0, height = 0;
   std::size_t views = 1;
 
-  static FrameKey of(const SceneView& scene, Span<const View> views) {
-    FrameKey key{.scene = scene.identity, .gaussians = scene.size(), .views = views.size};
+  static FrameKey of(const PlacedScenes& scenes, Span<const View> views) {
+    FrameKey key{.scene = scenes.identity(), .gaussians = scenes.gaussians(), .views = views.size};
     for (const View& view : views)
       key.width = std::max<std::int64_t>(key.width, view.frame.width), key.height += view.frame.height;
     return key;
@@ -38,29 +41,51 @@ enum class FrameUse {
   rehearsed  ///< draws nothing: a sort takes all memory that later frames of this capacity may need
 };
 
+/// Throws `std::invalid_argument` if `view` shows scenes that a frame of `scenes` does not have, or features
+/// that these do not have.
+inline void check_shown(const PlacedScenes& scenes, const View& view) {
+  const auto [first, count] = view.shows;
+  const bool all = count == ShownScenes().count;
+  if (first > scenes.size() || (!all && count > scenes.size() - first))
+    throw std::invalid_argument("render: a view shows " + (all ? "all" : std::to_string(count)) +
+                                " placed scenes from number " + std::to_string(first) +
+                                " on, expected some of the frame's " + std::to_string(scenes.size()));
+  if (!view.frame.features.data) return;
+  for (const PlacedScene& placed : scenes.shown(view))
+    require_features(placed.scene, view.frame.feature_channels);
+}
+
 /// One frame, as all stages see it. What it points to lives until the last stage has been started.
 ///
 ///     cameras, conventions, memory --make_view--> View --store_views--> Views --+
-///                                                                       scene --+--> FramePlan --> stages
+///                                                              placed scenes ---+--> FramePlan --> stages
 ///                                                                      limits --+
 ///
 /// Whoever makes one has checked its input: `Views` its views and tiles, this constructor the scene. Stages
 /// trust it.
 struct FramePlan {
   Views views;
-  SceneView scene;
+  PlacedScenes scenes;
   Limits limits;
 
-  /// Throws `std::invalid_argument` as `validate` does of the scene, and as `require_features`.
-  FramePlan(const Views& of_views, const SceneView& of_scene, const Limits& within = {})
-      : views(of_views), scene(of_scene), limits(within) {
-    validate(scene);
-    require_features(scene, views.each);
+  /// Throws `std::invalid_argument` as `validate` does of each placed scene, as `require_features`, and for a
+  /// view that shows scenes which the frame does not have.
+  FramePlan(const Views& of_views, const PlacedScenes& of_scenes, const Limits& within = {})
+      : views(of_views), scenes(of_scenes), limits(within) {
+    for (const PlacedScene& placed : scenes.each()) validate(placed);
+    for (const View& view : views) check_shown(scenes, view);
   }
 
-  FrameKey key() const { return FrameKey::of(scene, views.each); }
+  FrameKey key() const { return FrameKey::of(scenes, views.each); }
   FrameUse use() const {
     return !limits.draw ? FrameUse::rehearsed : limits.report ? FrameUse::recorded : FrameUse::drawn;
+  }
+
+  /// Pairs of a view and a Gaussian that it may show.
+  std::size_t candidates() const {
+    std::size_t all = 0;
+    for (const View& view : views) all += scenes.gaussians_of(view);
+    return all;
   }
 };
 

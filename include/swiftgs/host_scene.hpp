@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -8,51 +10,115 @@
 #include <vector>
 
 #include <swiftgs/chunks.hpp>
+#include <swiftgs/count.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/scene_arrays.hpp>
 
 namespace swiftgs {
 
-/// The scene of a host backend: shared, never copied, or copied from arrays.
+/// The scene of a host backend: the caller's, shared without a copy, or its own. Copies of a `HostScene` are
+/// one scene.
 class HostScene {
  public:
-  /// Loops of `backend` look at it. Throws `std::invalid_argument` as `validate` and `validate_numbers` do.
+  /// Shares `scene`. Loops of `backend` look at it. Throws `std::invalid_argument` as `validate` and
+  /// `validate_numbers` do.
   template <class B>
-  HostScene(const B& backend, std::shared_ptr<const Scene> scene) : scene_(std::move(scene)) {
-    if (!scene_) throw std::invalid_argument("upload: expected a scene");
-    view_ = swiftgs::view(*scene_);
-    validate_numbers(backend, *scene_);
-    chunks_ = std::make_shared<const std::vector<ChunkBounds>>(chunk_bounds(view_));
-    view_.chunks = {chunks_->data(), chunks_->size()};
-    view_.identity = new_scene_identity();
+  HostScene(const B& backend, std::shared_ptr<const Scene> scene) : arrays_(std::make_shared<Arrays>()) {
+    if (!scene) throw std::invalid_argument("upload: expected a scene");
+    arrays_->of_caller = std::move(scene);
+    look_at(backend);
   }
 
-  /// A copy of `arrays`, in the memory of `reuse` if that is such a copy and nobody else has it. Throws
-  /// as above, and leaves `reuse` as it is then. `arrays` do not lie in it.
+  /// Takes `scene` over. Throws as above.
+  template <class B>
+  HostScene(const B& backend, Scene scene) : arrays_(std::make_shared<Arrays>()) {
+    arrays_->own = std::move(scene);
+    look_at(backend);
+  }
+
+  /// A copy of `arrays`, in the memory of `reuse` if that has its own and nobody else has it. Throws as
+  /// above, and leaves `reuse` as it is then. `arrays` do not lie in it.
   template <class B>
   static HostScene copy(const B& backend, const SceneArrays& arrays, std::optional<HostScene>& reuse) {
     validate(arrays);
-    std::shared_ptr<Scene> scene;
+    Scene scene;
     // Numbers that are refused must not reach the memory of a scene that stays.
-    if (reuse && reuse->copied_.use_count() == of_one_copy && would_be_finite(backend, arrays))
-      scene = std::move(std::exchange(reuse, std::nullopt)->copied_);
-    else
-      scene = std::make_shared<Scene>();
-    copy_scene(backend, arrays, *scene);
-    HostScene out(backend, scene);
-    out.copied_ = std::move(scene);
-    return out;
+    if (reuse && reuse->arrays_.use_count() == 1 && !reuse->arrays_->of_caller &&
+        would_be_finite(backend, arrays))
+      scene = std::move(std::exchange(reuse, std::nullopt)->arrays_->own);
+    copy_scene(backend, arrays, scene);
+    return HostScene(backend, std::move(scene));
   }
 
-  SceneView view() const { return view_; }
+  /// Replaces Gaussians from number `first` on by those of `arrays`, whose null arrays stay as they are. All
+  /// copies change too; no frame of the scene may be under way. The caller's scene never changes: the first
+  /// update of a shared one copies it, and only then the arrays of `view` move and views of before end with
+  /// the caller's scene. Bands that were zero throughout show in views that are taken after. `arrays` do not
+  /// lie in the scene.
+  ///
+  /// Throws `std::invalid_argument`, and changes nothing, as `validate_update` and `validate_numbers` do.
+  template <class B>
+  void update(const B& backend, std::size_t first, const SceneArrays& arrays) {
+    validate_update(arrays_->scene(), first, arrays);
+    require_finite(backend, first, arrays);
+    if (arrays.count == 0) return;
+    if (arrays_->of_caller) make_own();
+    Scene& scene = arrays_->own;
+    SceneView& view = arrays_->view;
+    const std::size_t end = first + arrays.count;
+    copy_arrays(backend, arrays, SceneCapacity::of(scene, first, view.sh_stride, view.feature_channels));
+    if (arrays.sh_rest.data) view.sh_degree = std::max(view.sh_degree, used_sh_degree(scene, first, end));
+    if (view.chunks.empty()) return;
+    const ChunkRange chunks = chunks_to_bound(first, arrays);
+    const auto bound = [&](std::size_t i) {
+      arrays_->chunks[chunks.begin + i] = detail::bounds_of_chunk(view, chunks.begin + i);
+    };
+    backend.for_each(Count{chunks.size()}, bound);
+  }
+
+  SceneView view() const { return arrays_->view; }
 
  private:
-  static constexpr long of_one_copy = 2;  // `scene_` and `copied_`
+  struct Arrays {
+    std::shared_ptr<const Scene> of_caller;  ///< null: `own` is the scene
+    Scene own;
+    std::vector<ChunkBounds> chunks;
+    SceneView view;
 
-  std::shared_ptr<const Scene> scene_;
-  std::shared_ptr<Scene> copied_;  ///< the same where it is of arrays
-  std::shared_ptr<const std::vector<ChunkBounds>> chunks_;
-  SceneView view_;
+    const Scene& scene() const { return of_caller ? *of_caller : own; }
+  };
+
+  template <class B>
+  void look_at(const B& backend) {
+    Arrays& arrays = *arrays_;
+    arrays.view = swiftgs::view(arrays.scene());
+    validate_numbers(backend, arrays.scene());
+    arrays.chunks = chunk_bounds(arrays.view);
+    arrays.view.chunks = {arrays.chunks.data(), arrays.chunks.size()};
+    arrays.view.identity = new_scene_identity();
+  }
+
+  void make_own() {
+    arrays_->own = *arrays_->of_caller;
+    arrays_->of_caller.reset();
+    const auto move = [](const char*, std::size_t, auto& span, const auto& array) {
+      span = {array.data(), array.size()};
+    };
+    for_each_array(move, arrays_->view, arrays_->own);
+  }
+
+  template <class B>
+  static void require_finite(const B& backend, std::size_t first, const SceneArrays& arrays) {
+    if (would_be_finite(backend, arrays)) return;
+    SceneArrays given = arrays;
+    if (!given.sh_rest.data) given.sh_degree = 0;
+    if (!given.features.data) given.feature_channels = 0;
+    Scene scene;
+    copy_scene(backend, given, scene);
+    validate_numbers(scene, first);
+  }
+
+  std::shared_ptr<Arrays> arrays_;
 };
 
 }  // namespace swiftgs

@@ -253,12 +253,18 @@ SWIFTGS_HD inline bool is_opaque_enough(const ViewConstants& v, float opacity) {
   return opacity >= v.alpha_min && opacity < INFINITY;
 }
 
+/// Depth of a point in camera space, as it is sorted and shown.
+SWIFTGS_HD inline float depth_of(const ViewConstants& v, const dvec3& p) {
+  return float(v.depth_scale * (v.depth_is_distance ? std::sqrt(dot(p, p)) : p.z));
+}
+
 /// `project_shape` of views that are `through_lens`.
 SWIFTGS_HD inline ProjectedShape project_through_lens(const ViewConstants& v, const Gaussian& g) {
-  if (!is_opaque_enough(v, g.opacity)) return {};
+  const float opacity = v.opacity * g.opacity;
+  if (!is_opaque_enough(v, opacity)) return {};
   const CameraPoint at_mean(v, g.mean);
   const dvec3 p(at_mean.p[0], at_mean.p[1], at_mean.p[2]);
-  const float depth = float(v.depth_is_distance ? std::sqrt(dot(p, p)) : p.z);
+  const float depth = depth_of(v, p);
   if (!(depth > v.near_plane && depth <= v.far_plane)) return {};
   const LensPoint at = point_through(v.lens, v.limits, p);
   if (!at.inside) return {};
@@ -268,15 +274,16 @@ SWIFTGS_HD inline ProjectedShape project_through_lens(const ViewConstants& v, co
   const SplatFactor f = needs_double(by, g.scale, mean)
                             ? factor_in_double(v, LensSlopes<double>{at.du, at.dv, v.fx, v.fy}, g)
                             : factor(ImageAxes<float>(v, by, g.scale, g.rotation), v.blur);
-  return visible_shape(v, mean, f, g.opacity, depth);
+  return visible_shape(v, mean, f, opacity, depth);
 }
 
 /// `project_shape` of other views.
 SWIFTGS_HD inline ProjectedShape project_through_pinhole(const ViewConstants& v, const Gaussian& g) {
-  if (!is_opaque_enough(v, g.opacity)) return {};
+  const float opacity = v.opacity * g.opacity;
+  if (!is_opaque_enough(v, opacity)) return {};
   const CameraPoint at_mean(v, g.mean);
   const double* const p = at_mean.p;
-  const float z = float(p[2]);
+  const float z = float(v.depth_scale * p[2]);
   if (!(z > v.near_plane && z <= v.far_plane)) return {};
   const double inverse_z = inverse(p[2]), x_over_z = p[0] * inverse_z, y_over_z = p[1] * inverse_z;
 
@@ -288,7 +295,7 @@ SWIFTGS_HD inline ProjectedShape project_through_pinhole(const ViewConstants& v,
   const SplatFactor f = needs_double(at, g.scale, mean)
                             ? factor_in_double(v, x_over_z, y_over_z, inverse_z, g)
                             : factor(ImageAxes<float>(v, at, g.scale, g.rotation), v.blur);
-  return visible_shape(v, mean, f, g.opacity, z);
+  return visible_shape(v, mean, f, opacity, z);
 }
 
 /// Projects a Gaussian. `visible` is false where no shown pixel can keep it: too near or far, too

@@ -8,8 +8,10 @@
 #include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
 #include <swiftgs/bounds/bounds.hpp>
+#include <swiftgs/clip.hpp>
 #include <swiftgs/footprint.hpp>
 #include <swiftgs/frame_plan.hpp>
+#include <swiftgs/placed_scene.hpp>
 #include <swiftgs/project.hpp>
 #include <swiftgs/splats.hpp>
 
@@ -29,13 +31,14 @@ struct ProjectScratch {
 
 /// Projects Gaussian i and marks it with 1 where it is visible.
 struct SWIFTGS_API ProjectShapes {
-  ViewConstants camera;
+  ViewConstants camera;  ///< the eye of a placed scene
   SceneView scene;
+  Clip clip;
   ProjectedShape* projected;
   std::uint32_t* slots;
 
   SWIFTGS_HD void operator()(std::size_t i) const {
-    projected[i] = project_shape(camera, gaussian(scene, i));
+    projected[i] = clip.shows(scene.means[i]) ? project_shape(camera, gaussian(scene, i)) : ProjectedShape();
     slots[i] = projected[i].visible;
   }
 };
@@ -44,6 +47,7 @@ struct SWIFTGS_API ProjectShapes {
 struct SWIFTGS_API CompactSplats {
   const ProjectedShape* projected;
   const std::uint32_t* slots;
+  std::uint32_t first_gaussian;  ///< of the placed scene
   std::uint16_t view;
   SplatShape* shapes;
   float* depths;
@@ -54,41 +58,44 @@ struct SWIFTGS_API CompactSplats {
     if (!projected[i].visible) return;
     const std::uint32_t slot = slots[i];
     shapes[slot] = projected[i].shape, depths[slot] = projected[i].depth;
-    gaussians[slot] = std::uint32_t(i);
+    gaussians[slot] = first_gaussian + std::uint32_t(i);
     if (of_view) of_view[slot] = view;
   }
 };
 
 namespace detail {
-/// The loops of `project`, which appends the splats of one view after the other. Not inlined: a compiler may
-/// fuse multiplications and additions differently in each copy, and all conservative bounds must draw the
-/// same bits.
+/// The loops of `project`, which appends the splats of one view and placed scene after the other. Not
+/// inlined: a compiler may fuse multiplications and additions differently in each copy, and all conservative
+/// bounds must draw the same bits.
 template <BackendPolicy B>
 [[gnu::noinline]] void project_splats(B& b, const FramePlan& plan, ProjectScratch<B>& scratch,
                                       Splats<B>& splats) {
   const Views& views = plan.views;
-  const std::size_t n = plan.scene.size(), capacity = plan.limits.capacity.splats;
-  scratch.projected.reset(n), scratch.slots.reset(n);
+  const std::size_t capacity = plan.limits.capacity.splats;
   splats.count = splats.visible = 0;
-  for (std::size_t v = 0; v < views.size(); ++v) {
-    b.for_each(
-        n, ProjectShapes{views.each[v].camera, plan.scene, scratch.projected.data(), scratch.slots.data()});
+  const auto append = [&](std::size_t v, const PlacedScene& placed) {
+    const std::size_t n = placed.size();
+    scratch.projected.reset(n), scratch.slots.reset(n);
+    b.for_each(n, ProjectShapes{eye(views.each[v].camera, placed), placed.scene, placed.clip,
+                                scratch.projected.data(), scratch.slots.data()});
     const std::size_t visible = std::size_t(b.exclusive_scan(Span{scratch.slots.data(), n}));
     const std::size_t before = splats.count;
     splats.visible += visible;
-    if (capacity != 0 && splats.visible > capacity) continue;
+    if (capacity != 0 && splats.visible > capacity) return;
     splats.resize(before + visible, views.size());
-    b.for_each(n, CompactSplats{scratch.projected.data(), scratch.slots.data(), std::uint16_t(v),
-                                splats.shapes.data() + before, splats.depths.data() + before,
-                                splats.gaussians.data() + before,
+    b.for_each(n, CompactSplats{scratch.projected.data(), scratch.slots.data(), placed.first_gaussian,
+                                std::uint16_t(v), splats.shapes.data() + before,
+                                splats.depths.data() + before, splats.gaussians.data() + before,
                                 views.size() > 1 ? splats.of_view.data() + before : nullptr});
     splats.count = before + visible;
-  }
+  };
+  for (std::size_t v = 0; v < views.size(); ++v)
+    for (const PlacedScene& placed : plan.scenes.shown(views[v])) append(v, placed);
 }
 }  // namespace detail
 
-/// Projects a scene: one splat for each Gaussian that is visible in a view. Reads no spherical harmonics.
-/// Counts splats above the capacity, and leaves them out.
+/// Projects the scenes of a frame: one splat for each Gaussian that is visible in a view. Reads no spherical
+/// harmonics. Counts splats above the capacity, and leaves them out.
 ///
 /// Backends overload this. An overload may also find `footprints` within `bounds` while it has the shapes;
 /// the backend's `bin` then only settles their number.

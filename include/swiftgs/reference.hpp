@@ -51,23 +51,50 @@ namespace reference {
 /// pixels in a core's cache.
 inline constexpr int strip_rows = 16;
 
-/// The splats of a scene, in chunks of consecutive Gaussians, in the scene's order.
+/// The splats of a frame, in chunks of consecutive Gaussians, in the order of their numbers.
 using SplatChunks = std::vector<std::vector<Splat>>;
 
-inline SplatChunks project_all(const Scene& scene, const View& view, int threads) {
+/// The views of all placed scenes. Gaussians are numbered over the frame.
+inline std::vector<View> views_of(Span<const ReferenceScene> scenes, const Camera& camera,
+                                  const Conventions& conventions) {
+  std::vector<View> views;
+  std::size_t first = 0;
+  for (const ReferenceScene& placed : scenes) {
+    views.emplace_back(camera, conventions, placed, first);
+    first += placed.scene.size();
+  }
+  return views;
+}
+inline std::size_t gaussians_of(Span<const ReferenceScene> scenes) {
+  std::size_t sum = 0;
+  for (const ReferenceScene& placed : scenes) sum += placed.scene.size();
+  return sum;
+}
+
+inline SplatChunks project_all(const std::vector<View>& views, int threads) {
+  struct Range {
+    const View* view;
+    std::size_t begin, end;
+  };
   constexpr std::size_t chunk = 1 << 14;
-  SplatChunks chunks((scene.size() + chunk - 1) / chunk);
+  std::vector<Range> ranges;
+  for (const View& view : views) {
+    const std::size_t size = view.placed.scene.size();
+    for (std::size_t begin = 0; begin < size; begin += chunk)
+      ranges.push_back({&view, begin, std::min(size, begin + chunk)});
+  }
+  SplatChunks chunks(ranges.size());
   for_each_index(chunks.size(), threads, [&](std::size_t c) {
-    const std::size_t end = std::min(scene.size(), (c + 1) * chunk);
-    for (std::size_t i = c * chunk; i < end; ++i)
-      for (const Columns part : view.parts)
-        if (const std::optional<Splat> splat = project(scene, i, view, part)) chunks[c].push_back(*splat);
+    const auto [view, begin, end] = ranges[c];
+    for (std::size_t i = begin; i < end; ++i)
+      for (const Columns part : view->parts)
+        if (const std::optional<Splat> splat = project(i, *view, part)) chunks[c].push_back(*splat);
   });
   return chunks;
 }
 
 /// The splats that reach each strip of rows, front to back: ordered by depth rounded to float, as the
-/// convention demands, and by index where depths are equal.
+/// convention demands, and by number where depths are equal.
 inline std::vector<std::vector<const Splat*>> sort_into_strips(const SplatChunks& chunks, int height) {
   struct Entry {
     float depth;
@@ -129,9 +156,9 @@ inline void render_rows(ReferenceFrame& frame, Counts& counts, const std::vector
 }
 
 /// Throws `std::invalid_argument` for invalid arguments of `render_reference`.
-inline void check_reference_arguments(const Scene& scene, const Camera& camera, dvec3 background,
-                                      Span<const float> occluder) {
-  validate(scene);
+inline void check_reference_arguments(Span<const ReferenceScene> scenes, const Camera& camera,
+                                      dvec3 background, Span<const float> occluder) {
+  for (const ReferenceScene& placed : scenes) validate(placed);
   validate(camera);
   if (!std::isfinite(background.x) || !std::isfinite(background.y) || !std::isfinite(background.z))
     throw std::invalid_argument("render_reference: expected a finite background");
@@ -149,23 +176,23 @@ inline void prepare(ReferenceFrame& frame, const Camera& camera) {
 
 }  // namespace reference
 
-/// Renders `scene` in double precision on `threads` threads (0: one a processor); the result does not depend
-/// on their number. All stored SH bands are evaluated. Gaussians that are not finite are left out.
+/// Renders placed scenes in double precision on `threads` threads (0: one a processor); the result does not
+/// depend on their number. All stored SH bands are evaluated. Gaussians that are not finite are left out.
 /// `occluder`: @shape{height, width} as `FrameView::occluder`; empty for none.
-/// Throws `std::invalid_argument` when `scene`, `camera` or the size of `occluder` is not valid, `background`
+/// Throws `std::invalid_argument` when a scene, `camera` or the size of `occluder` is not valid, `background`
 /// is not finite or `threads` is negative.
-inline ReferenceFrame render_reference(const Scene& scene, const Camera& camera,
+inline ReferenceFrame render_reference(Span<const ReferenceScene> scenes, const Camera& camera,
                                        const Conventions& conventions, dvec3 background = dvec3(0),
                                        int threads = 0, Span<const float> occluder = {}) {
   using namespace reference;
-  check_reference_arguments(scene, camera, background, occluder);
+  check_reference_arguments(scenes, camera, background, occluder);
   threads = thread_count(threads);
-  const SplatChunks chunks = project_all(scene, reference::View(camera, conventions), threads);
+  const SplatChunks chunks = project_all(views_of(scenes, camera, conventions), threads);
   const std::vector<std::vector<const Splat*>> strips = sort_into_strips(chunks, camera.height);
 
   ReferenceFrame frame;
   prepare(frame, camera);
-  Counts counts(scene.size());
+  Counts counts(gaussians_of(scenes));
   for_each_index(strips.size(), threads, [&](std::size_t strip) {
     const int first = int(strip) * strip_rows, last = std::min(camera.height, first + strip_rows);
     render_rows(frame, counts, strips[strip], first, last, conventions, background, occluder);
@@ -174,6 +201,13 @@ inline ReferenceFrame render_reference(const Scene& scene, const Camera& camera,
   frame.contributing_pairs = counts.pairs;
   frame.pixels_stopped = counts.stopped;
   return frame;
+}
+/// The same of a scene alone, where it stands by itself.
+inline ReferenceFrame render_reference(const Scene& scene, const Camera& camera,
+                                       const Conventions& conventions, dvec3 background = dvec3(0),
+                                       int threads = 0, Span<const float> occluder = {}) {
+  const ReferenceScene alone{scene};
+  return render_reference({&alone, 1}, camera, conventions, background, threads, occluder);
 }
 
 }  // namespace swiftgs

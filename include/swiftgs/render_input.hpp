@@ -135,10 +135,6 @@ inline void require_features(const SceneView& scene, int channels) {
                                 " features a Gaussian, expected at most the " +
                                 std::to_string(scene.feature_channels) + " of the scene");
 }
-inline void require_features(const SceneView& scene, Span<const View> views) {
-  for (const View& view : views)
-    if (view.frame.features.data) require_features(scene, view.frame.feature_channels);
-}
 
 /// Sets `views` to those through `cameras`, whose frames have sizes and no planes yet. Throws as `validate`
 /// and `make_view`.

@@ -73,6 +73,12 @@ struct alignas(16) ChunkBounds {
 };
 static_assert(sizeof(ChunkBounds) == 32);
 
+/// Consecutive chunks of a scene or of a frame.
+struct ChunkRange {
+  std::size_t begin = 0, end = 0;
+  std::size_t size() const { return end - begin; }
+};
+
 /// Constant arrays of one scene wherever a backend keeps them; what a frame is rendered from. A Gaussian with
 /// a number that is NaN or infinite is not drawn.
 /// `sh_degree` may be lower than what is stored: bands above it are never loaded.
@@ -92,9 +98,10 @@ struct SceneView {
   Span<const float> features{};
   int feature_channels = 0;
 
-  /// Identity of these arrays and their contents: renderers reuse what they learnt from frames of the same
-  /// identity. Every upload has its own, shared by its copies. 0 for your own arrays: nothing is learnt,
-  /// unless you set a `new_scene_identity()` for each scene that they hold.
+  /// Renderers reuse what they learnt from frames of the same identity: which sort and which tiles are
+  /// quicker, nothing that changes a bit. Every upload has its own, shared by its copies, and an update keeps
+  /// it. 0 for your own arrays: nothing is learnt, unless you set a `new_scene_identity()` for each scene
+  /// that they hold.
   std::uint64_t identity = 0;
 
   SWIFTGS_HD std::size_t size() const { return means.size; }
@@ -170,16 +177,17 @@ inline bool are_finite(const float* values, std::size_t count) {
   return (found & 0x80000000u) == 0;
 }
 
-/// Throws `std::invalid_argument` at the first of `count` floats that is not finite. Gaussian i has the
-/// `width` floats from `width` i on.
-inline void require_finite(const char* array, const float* values, std::size_t count, std::size_t width) {
+/// Throws `std::invalid_argument` at the first of `count` floats that is not finite. Gaussian `first` + i has
+/// the `width` floats from `width` i on.
+inline void require_finite(const char* array, const float* values, std::size_t count, std::size_t width,
+                           std::size_t first) {
   for (std::size_t begin = 0; begin < count; begin += finite_block) {
     const std::size_t end = count - begin < finite_block ? count : begin + finite_block;
     if (are_finite(values + begin, end - begin)) continue;
     for (std::size_t i = begin; i < end; ++i)
       if (is_not_finite(values[i]))
         throw std::invalid_argument("scene: " + std::string(array) + " of Gaussian " +
-                                    std::to_string(i / width) + " is " + std::to_string(values[i]) +
+                                    std::to_string(first + i / width) + " is " + std::to_string(values[i]) +
                                     ", expected finite numbers");
   }
 }
@@ -205,12 +213,13 @@ Span<const float> floats_of(const std::vector<T>& values) {
 }  // namespace detail
 
 /// Throws `std::invalid_argument` naming the first Gaussian with a number that is NaN or infinite. Reads
-/// every array once; `scene` is valid.
-inline void validate_numbers(const Scene& scene) {
+/// every array once; `scene` is valid. Its Gaussians are numbered from `first` on.
+inline void validate_numbers(const Scene& scene, std::size_t first = 0) {
   for_each_array(
-      [](const char* array, std::size_t each, const auto& values) {
+      [first](const char* array, std::size_t each, const auto& values) {
         const Span<const float> floats = detail::floats_of(values);
-        detail::require_finite(array, floats.data, floats.size, each * detail::floats_of_value(values));
+        detail::require_finite(array, floats.data, floats.size, each * detail::floats_of_value(values),
+                               first);
       },
       scene);
 }
@@ -229,19 +238,20 @@ void validate_numbers(const B& backend, const Scene& scene) {
   if (found) validate_numbers(scene);
 }
 
-/// The highest band with a coefficient other than zero: what is above it need not be read to render the
-/// scene.
-inline int used_sh_degree(const Scene& scene) {
+/// The highest band with a coefficient other than zero in Gaussians [begin, end): what is above it need not
+/// be read to render them.
+inline int used_sh_degree(const Scene& scene, std::size_t begin, std::size_t end) {
   const std::size_t stride = 3 * std::size_t(sh_rest_count(scene.sh_degree));
   for (int degree = scene.sh_degree; degree > 0; --degree) {
     const std::size_t first = 3 * std::size_t(sh_rest_count(degree - 1));
     const std::size_t last = 3 * std::size_t(sh_rest_count(degree));
-    for (std::size_t i = 0; i < scene.size(); ++i)
+    for (std::size_t i = begin; i < end; ++i)
       for (std::size_t k = first; k < last; ++k)
         if (scene.sh_rest[i * stride + k] != 0) return degree;
   }
   return 0;
 }
+inline int used_sh_degree(const Scene& scene) { return used_sh_degree(scene, 0, scene.size()); }
 
 /// A view of `scene`, which must outlive it. Throws `std::invalid_argument` as `validate` does.
 inline SceneView view(const Scene& scene) {

@@ -26,17 +26,18 @@ struct FloatArray {
   std::ptrdiff_t stride = 0;  ///< from a Gaussian to the next, at least what one takes; 0: that @units{bytes}
 };
 
-/// Gaussians in arrays of the caller, in memory that a backend's loops reach.
+/// Gaussians in arrays of the caller, in memory that a backend's loops reach. An upload needs all that have
+/// floats; an update leaves those that are null as they are.
 struct SceneArrays {
-  std::size_t count = 0;  ///< N, less than 2^32
-  FloatArray means;       ///< @shape{N, 3} world position
-  FloatArray scales;      ///< @shape{N, 3} standard deviation along each local axis, 0 or more
-  FloatArray rotations;   ///< @shape{N, 4} unit quaternions w, x, y, z, local axes to world
-  FloatArray opacities;   ///< @shape{N} 0 to 1
-  FloatArray sh0;         ///< @shape{N, 3} SH coefficient of band 0, RGB
-  FloatArray sh_rest;     ///< @shape{N, (sh_degree + 1)^2 - 1, 3} bands 1 and up, RGB innermost
-  int sh_degree = 0;      ///< 0 to 3
-  FloatArray features{};  ///< @shape{N, feature_channels} whatever else is drawn of a Gaussian
+  std::size_t count = 0;   ///< N, less than 2^32
+  FloatArray means{};      ///< @shape{N, 3} world position
+  FloatArray scales{};     ///< @shape{N, 3} standard deviation along each local axis, 0 or more
+  FloatArray rotations{};  ///< @shape{N, 4} unit quaternions w, x, y, z, local axes to world
+  FloatArray opacities{};  ///< @shape{N} 0 to 1
+  FloatArray sh0{};        ///< @shape{N, 3} SH coefficient of band 0, RGB
+  FloatArray sh_rest{};    ///< @shape{N, (sh_degree + 1)^2 - 1, 3} bands 1 and up, RGB innermost
+  int sh_degree = 0;       ///< 0 to 3
+  FloatArray features{};   ///< @shape{N, feature_channels} whatever else is drawn of a Gaussian
   int feature_channels = 0;
 
   bool log_scales = false;       ///< `scales` are natural logarithms
@@ -45,9 +46,8 @@ struct SceneArrays {
   bool plain_colours = false;    ///< `sh0` holds colours in place of coefficients
 };
 
-/// Throws `std::invalid_argument` for arrays that are missing, or whose count, degree or strides are not as
-/// `SceneArrays` says.
-inline void validate(const SceneArrays& arrays) {
+namespace detail {
+inline void validate_shape(const SceneArrays& arrays) {
   if (arrays.count > std::numeric_limits<std::uint32_t>::max())
     throw std::invalid_argument("scene: " + std::to_string(arrays.count) +
                                 " Gaussians, expected fewer than 2^32");
@@ -57,24 +57,68 @@ inline void validate(const SceneArrays& arrays) {
   if (arrays.feature_channels < 0)
     throw std::invalid_argument("scene: feature_channels is " + std::to_string(arrays.feature_channels) +
                                 ", expected 0 or more");
+}
+
+/// Throws `std::invalid_argument` unless `array` may hold `floats` floats for each of `count` Gaussians.
+inline void validate_array(const char* name, std::size_t floats, const FloatArray& array, std::size_t count) {
+  const auto refuse = [&](const std::string& why) {
+    throw std::invalid_argument("scene: " + std::string(name) + why);
+  };
+  if (reinterpret_cast<std::uintptr_t>(array.data) % alignof(float) != 0)
+    refuse(": expected an address that is a multiple of 4");
+  const auto row = std::ptrdiff_t(floats * sizeof(float));
+  const auto most = std::numeric_limits<std::ptrdiff_t>::max() / std::ptrdiff_t(count);
+  if (row > most)
+    refuse(": " + std::to_string(floats) + " floats a Gaussian of " + std::to_string(count) +
+           ", expected what fits into memory");
+  if (array.stride != 0 &&
+      (array.stride < row || array.stride > most || array.stride % std::ptrdiff_t(sizeof(float)) != 0))
+    refuse(": stride is " + std::to_string(array.stride) + " bytes, expected 0 or a multiple of 4 from " +
+           std::to_string(row) + " to " + std::to_string(most));
+}
+}  // namespace detail
+
+/// Throws `std::invalid_argument` for arrays that are missing, or whose count, degree or strides are not as
+/// `SceneArrays` says.
+inline void validate(const SceneArrays& arrays) {
+  detail::validate_shape(arrays);
   const auto check = [&](const char* name, std::size_t floats, const FloatArray& array) {
     if (arrays.count == 0 || floats == 0) return;
-    const std::string what = std::string("scene: ") + name;
-    if (!array.data) throw std::invalid_argument(what + " is null, expected a pointer");
-    if (reinterpret_cast<std::uintptr_t>(array.data) % alignof(float) != 0)
-      throw std::invalid_argument(what + ": expected an address that is a multiple of 4");
-    const auto row = std::ptrdiff_t(floats * sizeof(float));
-    const auto most = std::numeric_limits<std::ptrdiff_t>::max() / std::ptrdiff_t(arrays.count);
-    if (row > most)
-      throw std::invalid_argument(what + ": " + std::to_string(floats) + " floats a Gaussian of " +
-                                  std::to_string(arrays.count) + ", expected what fits into memory");
-    if (array.stride != 0 &&
-        (array.stride < row || array.stride > most || array.stride % std::ptrdiff_t(sizeof(float)) != 0))
-      throw std::invalid_argument(what + ": stride is " + std::to_string(array.stride) +
-                                  " bytes, expected 0 or a multiple of 4 from " + std::to_string(row) +
-                                  " to " + std::to_string(most));
+    if (!array.data)
+      throw std::invalid_argument("scene: " + std::string(name) + " is null, expected a pointer");
+    detail::validate_array(name, floats, array, arrays.count);
   };
   for_each_array(check, arrays);
+}
+
+/// Throws `std::invalid_argument` unless `arrays` may replace Gaussians of `scene`, a `Scene` or `SceneView`,
+/// from number `first` on. Arrays that are null stay: their degree or channels need not be the scene's.
+template <class SceneLike>
+void validate_update(const SceneLike& scene, std::size_t first, const SceneArrays& arrays) {
+  detail::validate_shape(arrays);
+  if (first > scene.size() || arrays.count > scene.size() - first)
+    throw std::invalid_argument("update: " + std::to_string(arrays.count) + " Gaussians from number " +
+                                std::to_string(first) + " on, expected some of the scene's " +
+                                std::to_string(scene.size()));
+  const auto require_same = [](const char* name, const FloatArray& array, int found, int expected) {
+    if (array.data && found != expected)
+      throw std::invalid_argument("update: " + std::string(name) + " is " + std::to_string(found) +
+                                  ", expected " + std::to_string(expected) + " as in the scene");
+  };
+  require_same("sh_degree", arrays.sh_rest, arrays.sh_degree, scene.sh_degree);
+  require_same("feature_channels", arrays.features, arrays.feature_channels, scene.feature_channels);
+  const auto check = [&](const char* name, std::size_t floats, const FloatArray& array) {
+    if (arrays.count != 0 && array.data) detail::validate_array(name, floats, array, arrays.count);
+  };
+  for_each_array(check, arrays);
+}
+
+/// The chunks whose bounds may change when `arrays` replace Gaussians from number `first` on.
+inline ChunkRange chunks_to_bound(std::size_t first, const SceneArrays& arrays) {
+  const bool bounds =
+      arrays.means.data || arrays.scales.data || arrays.rotations.data || arrays.opacities.data;
+  if (arrays.count == 0 || !bounds) return {};
+  return {first / chunk_size, (first + arrays.count - 1) / chunk_size + 1};
 }
 
 /// Dense arrays that Gaussians are copied to.
@@ -87,6 +131,19 @@ struct SceneCapacity {
   float* sh_rest = nullptr;
   int sh_stride = 0;  ///< floats a Gaussian in `sh_rest`: a multiple of 3, and 0 behind what is copied
   float* features = nullptr;
+
+  /// Those of `arrays`, a `Scene` or the like, from Gaussian `first` on, with so many floats a Gaussian.
+  template <class Arrays>
+  static SceneCapacity of(Arrays& arrays, std::size_t first, int sh_stride, int feature_channels) {
+    return {arrays.means.data() + first,
+            arrays.scales.data() + first,
+            arrays.rotations.data() + first,
+            arrays.opacities.data() + first,
+            arrays.sh0.data() + first,
+            arrays.sh_rest.data() + first * std::size_t(sh_stride),
+            sh_stride,
+            arrays.features.data() + first * std::size_t(feature_channels)};
+  }
 };
 
 namespace detail {
@@ -189,13 +246,17 @@ struct FindNotFiniteValue {
   std::atomic<bool>* found;
 
   void operator()(std::size_t i) const {
-    const auto finite = [](const auto& value) {
-      return are_finite(reinterpret_cast<const float*>(&value), sizeof value / sizeof(float));
+    const auto finite = [&](const auto& copy) {
+      if (!copy.from.data) return true;
+      if constexpr (requires { copy.row(i); }) {
+        return are_finite(copy.row(i), copy.width);
+      } else {
+        const auto value = copy.value(i);
+        return are_finite(reinterpret_cast<const float*>(&value), sizeof value / sizeof(float));
+      }
     };
-    if (!finite(copies.means.value(i)) || !finite(copies.scales.value(i)) || !finite(copies.sh0.value(i)) ||
-        !finite(copies.rotations.value(i)) || !finite(copies.opacities.value(i)) ||
-        !are_finite(copies.sh_rest.row(i), copies.sh_rest.width) ||
-        !are_finite(copies.features.row(i), copies.features.width))
+    if (!finite(copies.means) || !finite(copies.scales) || !finite(copies.sh0) || !finite(copies.rotations) ||
+        !finite(copies.opacities) || !finite(copies.sh_rest) || !finite(copies.features))
       found->store(true, std::memory_order_relaxed);
   }
 };
@@ -203,25 +264,22 @@ struct FindNotFiniteValue {
 }  // namespace detail
 
 /// Copies arrays that were validated by loops of `backend`, which reach both sides, and activates numbers.
+/// Arrays that are null are left out.
 template <class B>
 void copy_arrays(const B& backend, const SceneArrays& from, const SceneCapacity& to) {
   const detail::ArrayCopies copies(from, to);
-  const Count n{from.count};
-  backend.for_each(n, copies.means), backend.for_each(n, copies.scales);
-  backend.for_each(n, copies.rotations), backend.for_each(n, copies.opacities);
-  backend.for_each(n, copies.sh0);
+  const auto run = [&](std::size_t each, const auto& loop) {
+    if (loop.from.data && each != 0) backend.for_each(Count{from.count * each}, loop);
+  };
+  run(1, copies.means), run(1, copies.scales), run(1, copies.rotations), run(1, copies.opacities);
+  run(1, copies.sh0);
   const auto stored = std::uint32_t(sh_rest_count(from.sh_degree)), kept = std::uint32_t(to.sh_stride) / 3;
   const auto channels = std::uint32_t(from.feature_channels);
   if constexpr (B::reaches_host_memory) {
-    if (kept != 0) backend.for_each(n, copies.sh_rest);
-    if (channels != 0) backend.for_each(n, copies.features);
+    run(kept != 0, copies.sh_rest), run(channels != 0, copies.features);
   } else {
-    if (kept != 0)
-      backend.for_each(Count{from.count * kept},
-                       detail::CopyVectors{from.sh_rest, reinterpret_cast<vec3*>(to.sh_rest), stored, kept});
-    if (channels != 0)
-      backend.for_each(Count{from.count * channels},
-                       detail::CopyFloats{from.features, to.features, channels});
+    run(kept, detail::CopyVectors{from.sh_rest, reinterpret_cast<vec3*>(to.sh_rest), stored, kept});
+    run(channels, detail::CopyFloats{from.features, to.features, channels});
   }
 }
 
@@ -239,10 +297,8 @@ void copy_scene(const B& backend, const SceneArrays& arrays, Scene& scene) {
   scene.sh_degree = arrays.sh_degree, scene.feature_channels = arrays.feature_channels;
   for_each_array([&](const char*, std::size_t each, auto& values) { values.resize(each * arrays.count); },
                  scene);
-  copy_arrays(
-      backend, arrays,
-      {scene.means.data(), scene.scales.data(), scene.rotations.data(), scene.opacities.data(),
-       scene.sh0.data(), scene.sh_rest.data(), 3 * sh_rest_count(arrays.sh_degree), scene.features.data()});
+  copy_arrays(backend, arrays,
+              SceneCapacity::of(scene, 0, 3 * sh_rest_count(arrays.sh_degree), arrays.feature_channels));
 }
 
 /// A scene of its own of arrays on the host. Throws as `validate`.

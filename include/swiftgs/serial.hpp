@@ -39,10 +39,13 @@ class Serial {
   static bool usable() { return true; }
   std::string device_name() const { return processor_name(); }
 
-  SceneOn upload(Scene scene) const { return upload(std::make_shared<const Scene>(std::move(scene))); }
+  SceneOn upload(Scene scene) const { return SceneOn(*this, std::move(scene)); }
   SceneOn upload(std::shared_ptr<const Scene> scene) const { return SceneOn(*this, std::move(scene)); }
   SceneOn upload(const SceneArrays& arrays, std::optional<SceneOn>& reuse) const {
     return SceneOn::copy(*this, arrays, reuse);
+  }
+  void update(SceneOn& scene, std::size_t first, const SceneArrays& arrays) const {
+    scene.update(*this, first, arrays);
   }
 
   template <class T>

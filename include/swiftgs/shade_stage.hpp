@@ -9,6 +9,7 @@
 #include <swiftgs/backend.hpp>
 #include <swiftgs/colours.hpp>
 #include <swiftgs/frame_plan.hpp>
+#include <swiftgs/placed_scene.hpp>
 #include <swiftgs/project.hpp>
 #include <swiftgs/splats.hpp>
 
@@ -23,19 +24,19 @@ SWIFTGS_HD inline SplatColour large_splat_colour(const ViewConstants& camera, co
 }
 
 /// Evaluates the colour of splat i: the only place that reads spherical harmonics.
+template <class Scenes>
 struct SWIFTGS_API ShadeSplats {
   const View* views;
-  SceneView scene;
+  Scenes scenes;
   SplatsView splats;
   SplatColour* colours;
   std::uint32_t* hidden;
 
   SWIFTGS_HD void operator()(std::size_t i) const {
-    const ViewConstants& camera = views[splats.view(i)].camera;
-    const std::size_t id = splats.gaussians[i];
-    colours[i] = splat_colour(project_colour(camera, scene, id), splats.depths[i]);
+    const auto seen = scenes.see(views[splats.view(i)].camera, splats.gaussians[i]);
+    colours[i] = splat_colour(project_colour(seen.camera, seen.scene, seen.i), splats.depths[i]);
     if (!is_hidden(colours[i])) return;
-    colours[i] = large_splat_colour(camera, scene, id, splats.depths[i]);
+    colours[i] = large_splat_colour(seen.camera, seen.scene, seen.i, splats.depths[i]);
     if (is_hidden(colours[i])) note_hidden();
   }
 
@@ -77,8 +78,10 @@ template <BackendPolicy B>
 Shading<B> shade(B& b, const FramePlan& plan, const Splats<B>& splats, Colours<B>& colours) {
   colours.each.reset(splats.count), colours.hidden.reset(1);
   b.for_each(1, ClearWord{colours.hidden.data()});
-  b.for_each(splats.count, ShadeSplats{plan.views.reachable(), plan.scene, splats.view(), colours.each.data(),
-                                       colours.hidden.data()});
+  with_scenes(plan.scenes, [&]<class Scenes>(const Scenes& scenes) {
+    b.for_each(splats.count, ShadeSplats<Scenes>{plan.views.reachable(), scenes, splats.view(),
+                                                 colours.each.data(), colours.hidden.data()});
+  });
   return Shading<B>({{colours.each.data(), splats.count}, colours.hidden.data()});
 }
 

@@ -80,7 +80,7 @@ struct FrameTiles {
 
 /// The capacity of recorded frames: their parts `reserve` memory for it.
 struct Reservation {
-  std::size_t gaussians = 0;  ///< of the scene
+  std::size_t gaussians = 0, chunks = 0;  ///< of all placed scenes
   std::size_t views = 0;
   FrameTiles tiles;   ///< of all views
   Capacity capacity;  ///< neither is 0

@@ -37,6 +37,11 @@ struct BlendRules {
   }
 };
 
+/// The placed scenes that a view shows: by default all of its frame.
+struct ShownScenes {
+  std::uint32_t first = 0, count = 0xffffffff;
+};
+
 /// One image of a frame, or a rectangle of one: from where, by which rules, and where to.
 struct View {
   ViewConstants camera{};
@@ -44,6 +49,7 @@ struct View {
   vec3 background{0};  ///< RGB in the scene's own values
   TileGrid grid{};     ///< covers `frame`
   FrameView frame{};
+  ShownScenes shows{};
   int panorama_part = 0;  ///< as of its camera: a frame draws a view that spans several parts as several
 
   /// Pixel of the image that is the first of `frame`.

@@ -11,14 +11,17 @@
 
 namespace swiftgs {
 
-/// Constants of a camera and its conventions for projection, computed once a frame.
+/// Constants of a camera and its conventions for projection, computed once a frame; or of the eye of a placed
+/// scene, whose world is the scene's own space.
 /// The pose stays in double: rounding it to float moves splats by more than all later arithmetic does.
 struct ViewConstants {
   double rotation[3][3];           ///< rows: world to camera
   float axes[3][3];                ///< the rotation in float
   double centre[3];                ///< camera centre in the world
-  double fx, fy, cx, cy;           ///< @units{pixels}
+  double depth_scale;              ///< depths for a unit of camera space; 1 but of a placed scene's eye
+  float opacity;                   ///< of all Gaussians; 1 but of a placed scene's eye
   float focal_x, focal_y;          ///< fx and fy in float @units{pixels}
+  double fx, fy, cx, cy;           ///< @units{pixels}
   float width, height;             ///< of the image @units{pixels}
   float left, top, right, bottom;  ///< part of it that is shown @units{pixels}
   float tan_x_min, tan_x_max;      ///< limits of x/z where the projection is linearised
@@ -77,6 +80,7 @@ inline ViewConstants view_constants(const Camera& camera, const Conventions& con
       v.axes[row][column] = float(v.rotation[row][column]);
     }
   }
+  v.depth_scale = 1, v.opacity = 1;
   v.fx = camera.fx, v.fy = camera.fy, v.cx = camera.cx, v.cy = camera.cy;
   v.focal_x = float(v.fx), v.focal_y = float(v.fy);
   v.width = float(camera.width), v.height = float(camera.height);

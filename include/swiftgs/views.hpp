@@ -185,7 +185,7 @@ struct ViewStorage {
   static std::tuple<> buffers(auto&) { return {}; }  ///< none in the backend's own memory
 };
 
-/// How loops of a device read views.
+/// How loops of a device read views and placed scenes.
 enum class ViewAccess {
   any,     ///< as is quickest
   stored,  ///< from memory of the device, which recorded frames read again

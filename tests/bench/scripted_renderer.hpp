@@ -19,7 +19,10 @@ class ScriptedRenderer final : public AnyRenderer {
   std::string_view name() const override { return name_; }
   void set_scene(std::shared_ptr<const Scene>) override {}
   void set_scene(const SceneArrays&) override {}
+  std::size_t add_scene(std::shared_ptr<const Scene>) override { return 0; }
+  void place(Span<const Placement>) override {}
   bool share_scene(const AnyRenderer&) override { return true; }
+  void update_scene(std::size_t, std::size_t, const SceneArrays&) override {}
   void render(Span<const Camera>, const RenderSettings&, Span<Frame>) override {}
   Span<const FrameView> render_resident(Span<const Camera>, const RenderSettings&) override {
     ++frames;
@@ -30,6 +33,7 @@ class ScriptedRenderer final : public AnyRenderer {
   void reserve(Span<const View>, Capacity) override {}
   void set_views(Span<const View>) override {}
   void record(FrameReport*) override {}
+  void set_recorded_scenes() override {}
   void wait() override {}
   std::vector<PickedPixel> pick(const PickRectangle&) override { return {}; }
   StageTimes times() override {

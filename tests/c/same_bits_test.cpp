@@ -20,6 +20,7 @@
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/io/progress.hpp>
+#include <swiftgs/rotation.hpp>
 
 #include "structs.hpp"
 
@@ -181,6 +182,37 @@ TEST_CASE("c: every lens and measure of depth has the bits of the C++ interface"
   // The lenses show different images, and the measures different depths.
   for (std::size_t i = 3; i < all.size(); i += 3) CHECK(all[i].colour != all[i - 3].colour);
   for (std::size_t i = 0; i < all.size(); i += 3) CHECK(all[i + 1].depth != all[i + 2].depth);
+}
+
+TEST_CASE("c: placed scenes have the bits of the C++ interface") {
+  Both both(find_renderer("serial"));
+  const auto scene = make_scene();
+  std::uint64_t number = 0;
+  REQUIRE(swiftgs_renderer_add_scene(both.c.get(), scene.get(), &number) == SWIFTGS_OK);
+  CHECK(number == both.cpp->add_scene(std::make_shared<const Scene>(make_builtin_scene(count))));
+
+  const dmat3 turn = matrix_of(unit(DQuaternion{0.8, 0.3, -0.4, 0.2}));
+  Placement placements[] = {{}, {.scene = 0, .world_from_scene = {turn, 1.25, dvec3(0.5, -0.5, 0.25)}}};
+  placements[1].opacity = 0.7f, placements[1].clip = Clip::sphere(vec3(0.5f, 0.25f, 0.125f), 1.5f);
+  placements[1].clip.half_space_count = 2, placements[1].clip.half_spaces[0] = vec4(1, 0.5f, -0.25f, 0.75f),
+  placements[1].clip.half_spaces[1] = vec4(0, 1, 0, 2);
+  both.cpp->place({placements, 2});
+
+  swiftgs_placement given[] = {sized<swiftgs_placement>(), sized<swiftgs_placement>()};
+  const Placement& p = placements[1];
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      given[1].rotation[3 * row + column] = p.world_from_scene.rotation[column][row];
+  given[1].scale = p.world_from_scene.scale, given[1].transparency = 1 - double(p.opacity);
+  given[1].half_space_count = p.clip.half_space_count, given[1].radius = p.clip.radius;
+  for (int k = 0; k < 3; ++k)
+    given[1].translation[k] = p.world_from_scene.translation[k], given[1].centre[k] = p.clip.centre[k];
+  for (int k = 0; k < 8; ++k) given[1].half_spaces[k] = p.clip.half_spaces[k / 4][k % 4];
+  REQUIRE(swiftgs_renderer_place(both.c.get(), given, 2) == SWIFTGS_OK);
+  const Frame frame =
+      both.compare(builtin_camera(width, height), {}, camera_of_c(), conventions_named("gsplat"));
+  const auto of_second = [](std::uint32_t id) { return id != no_gaussian && id >= count; };
+  CHECK(std::count_if(frame.id.begin(), frame.id.end(), of_second) > 100);
 }
 
 TEST_CASE("c: the table has the renderers of the C++ interface in their order") {

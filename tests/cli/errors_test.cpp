@@ -113,8 +113,8 @@ TEST_CASE("cli errors: arguments that are not known or missing") {
   fails(place, "render --backgrund 1,1,1 builtin:10",
         {"render: '--backgrund' is not expected, did you mean '--background'? (see"});
   fails(place, "render builtin:10 -scale 0.5", {"is not expected, did you mean '--scale'? (see"});
-  fails(place, "render builtin:10 here there",
-        {"render: 'here' is not expected; 'there' is not expected (see"});
+  fails(place, "check builtin:10 here there",
+        {"check: 'here' is not expected; 'there' is not expected (see"});
   fails(place, "render builtin:10 --scale big", {"swiftgs: --scale 'big': expected a number (see"});
   fails(place, "check builtin:10 --repeats 1.5", {"swiftgs: --repeats '1.5': expected a whole number (see"});
   fails(place, "render builtin:10 --scale", {"swiftgs: --scale: expected a value, found nothing (see"});

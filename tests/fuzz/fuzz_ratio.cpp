@@ -90,8 +90,7 @@ void draw_and_judge(const StressCase& drawn, const ConditionedFrame& reference, 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const StressCase drawn = fuzz::ratio_case(data, size);
   if (std::getenv("SWIFTGS_FUZZ_PRINT")) fuzz::print(drawn);
-  const ConditionedFrame reference =
-      render_conditioned(drawn.scene, drawn.camera, drawn.conventions, dvec3(drawn.background), 1, 1);
+  const ConditionedFrame reference = render_conditioned(drawn, 1, 1);
   draw_and_judge<AxisSharedThreshold<FloatCholesky>>(drawn, reference, 0);
   draw_and_judge<AxisShared<FloatSplit>>(drawn, reference, 1);
   draw_and_judge<PerPixel>(drawn, reference, 2);

@@ -50,9 +50,11 @@ void project(std::size_t n, const ProjectShapes& shapes, const CompactSplats& co
 
 void contributions(std::size_t n, const ClearSums& clear) { launch(n, clear); }
 
-void shade(std::size_t n, const ClearWord& clear, const ShadeSplats& colours) {
+void shade(std::size_t n, const ClearWord& clear, const ShadeSplats<OneScene>& of_one,
+           const ShadeSplats<SeveralScenes>& of_several) {
   launch(1, clear);
-  launch(n, colours);
+  launch(n, of_one);
+  launch(n, of_several);
 }
 
 void sort(std::size_t n, const CountTiles& count, const DepthPair& depths, const ClearRanges& clear,

@@ -70,9 +70,12 @@ void rasterize(Away& away, R, const RasterJob& job) {
   away.for_each(blocks.size(), BlendRasterBlock<R>{job, blocks});
 }
 
-inline void gather_attributes(Away& away, const SplatAttributes& from, const Views& views, AttributeRow* to) {
+inline void gather_attributes(Away& away, const SplatAttributes& from, const PlacedScenes& scenes,
+                              const Views& views, AttributeRow* to) {
   if (from.first == away.failing_attribute) throw std::runtime_error("thrown by a test");
-  away.for_each(from.splats.count(), GatherAttributes{from, views.reachable(), to});
+  with_scenes(scenes, [&]<class Scenes>(const Scenes& of) {
+    away.for_each(from.splats.count(), GatherAttributes<Scenes>{from, of, views.reachable(), to});
+  });
 }
 
 inline void count_hidden(Away& away, const RasterJob& job, std::uint32_t* to) {

@@ -12,6 +12,7 @@
 
 #include <doctest/doctest.h>
 
+#include <swiftgs/rotation.hpp>
 #include <swiftgs/serial.hpp>
 
 #include "mpi/away.hpp"
@@ -96,6 +97,34 @@ TEST_CASE("mpi planes: they go by way of other memory and by a link") {
     compare<Away, EarlySort, PerPixel, Ellipse, Serial>(scene, own, some_cameras(), 2, all_planes());
   }
   ranks_here().set_direct(false);
+}
+
+TEST_CASE("mpi planes: placed scenes of which each rank holds parts have the bits of one process") {
+  const Scene room = with_features(make_builtin_scene(3'000)), thing = with_features(make_builtin_scene(700));
+  One one;
+  Distributed distributed(ranks_here());
+  const Similarity beside{matrix_of(unit(DQuaternion{0.9, 0.1, 0.3, -0.2})), 0.4, dvec3(0.5, -0.3, 1)};
+  std::vector<HostScene> uploaded;
+  const auto parts_of_rank = [&](std::size_t rank) {
+    const ScenePart part{rank, std::size_t(ranks_here().size())};
+    uploaded.push_back(one.backend().upload(part_of(room, part)));
+    uploaded.push_back(one.backend().upload(part_of(thing, part)));
+    const SceneView of_room = uploaded[uploaded.size() - 2].view(), of_thing = uploaded.back().view();
+    return std::vector<PlacedScene>{{of_room}, {of_thing, beside}, {of_thing, {.scale = 0.2}, 0.7f}};
+  };
+  std::vector<PlacedScene> all;  // numbered rank by rank
+  for (std::size_t rank = 0; rank < std::size_t(ranks_here().size()); ++rank)
+    for (const PlacedScene& placed : parts_of_rank(rank)) all.push_back(placed);
+  const std::vector<PlacedScene> own = parts_of_rank(std::size_t(ranks_here().rank()));
+  const std::vector<Camera> cameras = some_cameras();
+  const RenderSettings settings = all_planes();
+  std::vector<Frame> expected(cameras.size()), found(cameras.size());
+  one.render(all, {cameras.data(), cameras.size()}, settings, {expected.data(), expected.size()});
+  for (int frame = 0; frame < 3; ++frame) {
+    distributed.render(own, {cameras.data(), cameras.size()}, settings, {found.data(), found.size()});
+    if (ranks_here().rank() != 0) continue;
+    for (std::size_t i = 0; i < cameras.size(); ++i) CHECK(same_planes(found[i], expected[i]));
+  }
 }
 
 TEST_CASE("mpi planes: views may ask for different planes and lie behind surfaces and over images") {

@@ -7,10 +7,12 @@
 #include <memory>
 #include <new>
 #include <optional>
+#include <vector>
 
 #include <doctest/doctest.h>
 
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/edit.hpp>
 #include <swiftgs/scene_arrays.hpp>
 
 #include "policies/counted_memory.hpp"
@@ -53,10 +55,13 @@ void* operator new(std::size_t size, std::align_val_t alignment) {
   if (std::size_t(alignment) == 64) ++own_allocations;
   return allocate(std::size_t(alignment), size);
 }
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
+// Not inlined: GCC would warn that `std::free` does not fit `new`.
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+  std::free(memory);
+}
 #if !defined(__SANITIZE_ADDRESS__)  // which has its own
 extern "C" void* aligned_alloc(std::size_t alignment, std::size_t size) noexcept {
   ++allocations, ++own_allocations;
@@ -93,6 +98,31 @@ TEST_CASE_TEMPLATE("a steady frame allocates nothing", Sort, StandardSort, Early
   steady(Renderer<Serial, Sort, PerPixel, ThreeSigmaSquare>());
   steady(Renderer<Cpu, Sort, AxisSharedThreshold<FloatCholesky>, Ellipse>(Cpu(2)));
   steady(Renderer<Cpu, Sort, AxisShared<HalfSplit>, OpacityBox>(Cpu(1)));
+}
+
+TEST_CASE("an update allocates nothing where no caller has the scene") {
+  const auto steady = [](const auto& backend) {
+    const auto shared = std::make_shared<const Scene>(order_spatially(make_builtin_scene(2000)));
+    const std::vector<vec3> means(1000, vec3(0.5f, 1, 2));
+    const std::vector<float> logits(1000, 0.5f);
+    const SceneArrays arrays{
+        .count = 1000, .means = {&means[0].x}, .opacities = {logits.data()}, .logit_opacities = true};
+    auto own = backend.upload(*shared), copied = backend.upload(shared);
+    const auto update_both = [&](std::size_t times) {
+      for (std::size_t i = 0; i < times; ++i)
+        backend.update(own, 7 * i, arrays), backend.update(copied, 7 * i, arrays);
+    };
+    REQUIRE_FALSE(own.view().chunks.empty());
+    const std::size_t before = allocations;
+    update_both(20);
+    const std::size_t warm = allocations;
+    update_both(20);
+    const std::size_t after = allocations;
+    CHECK(after == warm);
+    CHECK(warm >= before + 6);  // the arrays of the caller's scene
+  };
+  steady(Serial());
+  steady(Cpu(2));
 }
 
 TEST_CASE("cpu: an upload moves arrays to large pages only if asked to") {

@@ -15,13 +15,13 @@
 
 namespace swiftgs::test {
 
-/// Checks that `any`, whose scene is set, draws views of every kind and frames that stay with it as `typed`
+/// Checks that `any`, whose scenes are set, draws views of every kind and frames that stay with it as `typed`
 /// does.
 template <class B>
-void check_drawn_frames(AnyRenderer& any, BoundRenderer<B>& typed, const SceneView& scene) {
+void check_drawn_frames(AnyRenderer& any, BoundRenderer<B>& typed, const PlacedScenes& scenes) {
   const B& backend = typed.backend();
   PlacedViews expected(backend, views_of_every_kind()), drawn(backend, views_of_every_kind());
-  typed.render_into(scene, expected.span(), {.count = true});
+  typed.render_into(scenes, expected.span(), {.count = true});
   any.render_into(drawn.span(), {.count = true});
   any.wait();
   CHECK(differing(drawn.finish(backend), expected.finish(backend)) == 0);
@@ -35,7 +35,7 @@ void check_drawn_frames(AnyRenderer& any, BoundRenderer<B>& typed, const SceneVi
   RenderSettings settings;
   settings.outputs = {true, true}, settings.background = vec3(0.1f, 0.2f, 0.3f);
   const Span<const FrameView> resident = any.render_resident({cameras, 2}, settings);
-  const Span<const FrameView> kept = typed.render_resident(scene, {cameras, 2}, settings);
+  const Span<const FrameView> kept = typed.render_resident(scenes, {cameras, 2}, settings);
   REQUIRE(resident.size == kept.size);
   for (std::size_t i = 0; i < kept.size; ++i) {
     const std::size_t pixels = std::size_t(cameras[i].width) * std::size_t(cameras[i].height);
@@ -54,17 +54,17 @@ void check_drawn_frames(AnyRenderer& any, BoundRenderer<B>& typed, const SceneVi
   }
 }
 
-/// Checks that `any`, whose scene is set, records views of every kind as `typed` renders them.
+/// Checks that `any`, whose scenes are set, records views of every kind as `typed` renders them.
 /// `record(report)` has `any` record a frame.
 template <class B, class Record>
-void check_recorded_frames(AnyRenderer& any, BoundRenderer<B>& typed, const SceneView& scene,
+void check_recorded_frames(AnyRenderer& any, BoundRenderer<B>& typed, const PlacedScenes& scenes,
                            const Record& record) {
   const B& backend = typed.backend();
   const std::vector<AskedView> asked = views_of_every_kind();
   std::vector<AskedView> moved = asked;
   for (AskedView& view : moved) view.camera.translation.x += 0.1;
   PlacedViews reserved(backend, asked), set(backend, moved), expected(backend, moved);
-  typed.render_into(scene, expected.span());
+  typed.render_into(scenes, expected.span());
   typename B::template Buffer<FrameReport> report;
   report.reset(1);
   const Statistics taken = typed.statistics();

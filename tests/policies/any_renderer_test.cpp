@@ -23,6 +23,7 @@
 #include <swiftgs/swiftgs.hpp>
 
 #include "policies/cameras.hpp"
+#include "policies/hooked.hpp"
 #include "policies/rasterizers.hpp"
 
 using namespace swiftgs;
@@ -250,6 +251,145 @@ SWIFTGS_CONTRACT("any renderer: every policy draws and records all that a view a
     for_each_raster(
         [&](auto raster) { for_each_type(AllBounds(), [&](auto bounds) { check(sort, raster, bounds); }); });
   });
+}
+
+namespace {
+
+/// Two scenes of a renderer, the second of them twice, and what its type takes for that.
+template <class B>
+struct TwoScenes {
+  explicit TwoScenes(B& backend) : uploaded{backend.upload(given[0]), backend.upload(given[1])} {}
+
+  std::vector<Placement> placements(double aside) const {
+    const Similarity pose{matrix_of(unit(DQuaternion{0.8, 0.3, -0.4, 0.2})), 0.6, dvec3(aside, 0.2, 1)};
+    return {{.scene = 1, .world_from_scene = pose},
+            {},
+            {.scene = 1, .opacity = 0.5f, .clip = Clip::sphere(vec3(0, 0, 5), 4)}};
+  }
+  std::vector<PlacedScene> placed(double aside) const {
+    std::vector<PlacedScene> out;
+    for (const Placement& p : placements(aside))
+      out.push_back({uploaded[p.scene].view(), p.world_from_scene, p.opacity, p.clip});
+    return out;
+  }
+
+  std::shared_ptr<const Scene> given[2] = {std::make_shared<const Scene>(random_scene(300, 1, 7)),
+                                           std::make_shared<const Scene>(random_scene(120, 1, 8))};
+  typename B::SceneOn uploaded[2];
+};
+
+Span<const Placement> span_of(const std::vector<Placement>& placements) {
+  return {placements.data(), placements.size()};
+}
+
+}  // namespace
+
+SWIFTGS_CONTRACT("any renderer: scenes that are added and placed are drawn and recorded as its type does") {
+  Usual<B> typed(test::make_backend<B>());
+  TwoScenes<B> two(typed.backend());
+  const auto any = make_renderer(typed.name, {.threads = 1});
+  CHECK(any->add_scene(two.given[0]) == 0);
+  check_drawn_frames(*any, typed, two.uploaded[0]);
+  CHECK(any->add_scene(two.given[1]) == 1);
+  const std::vector<PlacedScene> where_they_stand{{two.uploaded[0].view()}, {two.uploaded[1].view()}};
+  check_drawn_frames(*any, typed, where_they_stand);
+
+  any->place(span_of(two.placements(0.3)));
+  const std::vector<PlacedScene> placed = two.placed(0.3), moved = two.placed(-0.4);
+  check_drawn_frames(*any, typed, placed);
+  check_recorded_frames(*any, typed, placed, [&](FrameReport* report) { any->record(report); });
+
+  // What is recorded stays until it is told to follow.
+  const std::vector<AskedView> asked = different_views();
+  PlacedViews drawn(backend, asked), before(backend, asked), after(backend, asked);
+  for (PlacedViews<B>* views : {&drawn, &before, &after}) views->views[1].shows = {1, 2};
+  typed.render_into(placed, before.span());
+  typed.render_into(moved, after.span());
+  CHECK(differing(before.finish(backend), after.finish(backend)) > 0);
+  typename B::template Buffer<FrameReport> report;
+  report.reset(1);
+  any->reserve(drawn.span(), {2000, 40'000});
+  any->place(span_of(two.placements(-0.4)));
+  any->record(report.data());
+  any->wait();
+  CHECK(differing(drawn.finish(backend), before.finish(backend)) == 0);
+  PlacedViews followed(backend, asked);
+  followed.views[1].shows = {1, 2};
+  any->set_views(followed.span());
+  any->set_recorded_scenes();
+  any->record(report.data());
+  any->wait();
+  CHECK(differing(followed.finish(backend), after.finish(backend)) == 0);
+
+  // Another renderer shares scenes and placements, and keeps them when this one takes another scene.
+  const auto other = make_renderer(typed.name, {.threads = 1});
+  REQUIRE(other->share_scene(*any));
+  any->set_scene(two.given[1]);
+  check_drawn_frames(*any, typed, two.uploaded[1]);
+  check_drawn_frames(*other, typed, moved);
+  CHECK(any->add_scene(two.given[0]) == 1);
+  CHECK(other->add_scene(two.given[0]) == 2);
+  std::vector<PlacedScene> more = moved;
+  more.push_back({two.uploaded[0].view()});
+  check_drawn_frames(*other, typed, more);
+}
+
+SWIFTGS_CONTRACT("any renderer: what cannot be placed is refused and changes nothing") {
+  Usual<B> typed(test::make_backend<B>());
+  TwoScenes<B> two(typed.backend());
+  const auto any = make_renderer(typed.name, {.threads = 1});
+  const std::vector<Placement> placements = two.placements(0.3);
+  CHECK_THROWS_WITH_AS(any->place(span_of(placements)), "place: the scene is number 1, expected less than 0",
+                       std::invalid_argument);
+  CHECK_THROWS_AS(any->set_recorded_scenes(), std::logic_error);
+  for (const auto& scene : two.given) any->add_scene(scene);
+  any->place(span_of(placements));
+  CHECK_THROWS_WITH_AS(any->set_recorded_scenes(), "render: expected reserve before set_scenes",
+                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(any->place({}), "place: expected one placement or more", std::invalid_argument);
+  const auto refuse = [&](const Placement& wrong, const char* message) {
+    const Placement both[] = {{}, wrong};
+    CHECK_THROWS_WITH_AS(any->place({both, 2}), doctest::Contains(message), std::invalid_argument);
+  };
+  refuse({.scene = 2}, "place: the scene is number 2, expected less than 2");
+  refuse({.world_from_scene = {.scale = -1}}, "placed scene: expected a finite scale above 0");
+  refuse({.opacity = 2}, "expected an opacity of 0 to 1 of a placed scene");
+  refuse({.clip = Clip::sphere(vec3(0), -1)}, "clip: expected a sphere with a radius of 0 or more");
+
+  const std::vector<AskedView> asked = different_views();
+  PlacedViews drawn(backend, asked), expected(backend, asked);
+  typed.render_into(two.placed(0.3), expected.span());
+  any->render_into(drawn.span());
+  any->wait();
+  CHECK(differing(drawn.finish(backend), expected.finish(backend)) == 0);
+
+  // Recorded frames take as many placed scenes of as many Gaussians.
+  any->reserve(drawn.span(), {2000, 40'000});
+  any->place({placements.data(), 2});
+  CHECK_THROWS_WITH_AS(any->set_recorded_scenes(),
+                       "set_scenes: the number of placed scenes is 2, expected 3 as reserved",
+                       std::invalid_argument);
+  // Those of scenes that are gone are not drawn.
+  any->place(span_of(placements));
+  any->set_scene(two.given[0]), any->add_scene(two.given[1]), any->place(span_of(placements));
+  typename B::template Buffer<FrameReport> report;
+  report.reset(1);
+  CHECK_THROWS_WITH_AS(any->record(report.data()),
+                       "render: expected reserve or set_recorded_scenes after other scenes were set",
+                       std::invalid_argument);
+  PlacedViews again(backend, asked);
+  any->set_views(again.span());
+  any->set_recorded_scenes();
+  any->record(report.data());
+  any->wait();
+  CHECK(differing(again.finish(backend), expected.finish(backend)) == 0);
+
+  any->place({placements.data(), 2});
+  drawn.views[0].shows = {2, 1};
+  CHECK_THROWS_WITH_AS(any->render_into(drawn.span()),
+                       doctest::Contains("a view shows 1 placed scenes from number 2 on, expected some of the"
+                                         " frame's 2"),
+                       std::invalid_argument);
 }
 
 TEST_CASE_TEMPLATE("any renderer: hosts take features of arrays of any stride", B, Serial, Cpu) {

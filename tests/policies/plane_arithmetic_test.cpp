@@ -60,9 +60,9 @@ struct OneSplat {
   std::vector<float> attributes(View view, unsigned row = 0, int first = 0) const {
     view.camera = view_constants(forward_camera(8, 8), Conventions());
     view.rules.alpha_max = alpha_max;
-    const SplatAttributes from{swiftgs::view(scene), {{&shape, 1}, {&depth, 1}, {&gaussian, 1}}, first, 4};
+    const SplatAttributes from{{{&shape, 1}, {&depth, 1}, {&gaussian, 1}}, first, 4};
     AttributeRow rows[AttributesView::most_rows];
-    from.gather<true>(view, 0, rows);
+    from.gather<true>(OneScene{swiftgs::view(scene)}, view, 0, rows);
     return {rows[row].values, rows[row].values + AttributeRow::channels};
   }
 };

@@ -28,6 +28,15 @@ def test_planes_of_the_built_in_scene_are_pictures(tmp_path):
     assert len({image.tobytes() for image in images.values()}) == len(images)
 
 
+def test_objects_move_about_the_built_in_scene(tmp_path):
+    run_script(tmp_path, ROOT / "examples/15_placed.py", "--width", "96", "--frames", "3")
+    images = [swiftgs.load_image(path) for path in sorted((tmp_path / "placed").glob("*.png"))]
+    assert len(images) == 3 and all(image.shape == (108, 96, 3) for image in images)
+    still = swiftgs.Renderer(scene=swiftgs.Scene.builtin()).render(swiftgs.Camera.builtin(96, 54)).colour
+    moved = [(np.abs(image[:54] - np.clip(still, 0, 1)).max(axis=2) > 0.02).mean() for image in images]
+    assert all(0.02 < part < 0.5 for part in moved) and len({image.tobytes() for image in images}) == 3
+
+
 def test_the_notebook_runs(tmp_path):
     run_script(tmp_path, ROOT / "examples/10_notebook.py")
     image = swiftgs.load_image(tmp_path / "notebook.png")

@@ -58,8 +58,9 @@ TEST_CASE(
   Gaussian far = at_depth(0);
   far.mean = {0x1p33f * 4, 0, -0x1p33f * 3}, far.scale = vec3(1e12f);
   const Scene scene = scene_of(at_depth(-0x1p-21f), at_depth(-0x1p-22f), far);
-  const reference::View view(camera, Conventions::gsplat());
-  const std::vector<VariedSplat> splats = reference::project_all_varied(scene, view, 1);
+  const ReferenceScene alone{scene};
+  const std::vector<VariedSplat> splats =
+      reference::project_all_varied(reference::views_of({&alone, 1}, camera, Conventions::gsplat()), 1);
   REQUIRE(splats.size() == 3);
   for (const VariedSplat& splat : splats) CHECK(splat.order_is_ambiguous);
 }

@@ -186,12 +186,16 @@ inline void store(OracleFrame& frame, const OraclePixel& pixel, dvec3 background
   frame.pixels_stopped += pixel.stopped;
 }
 
-/// Renders `scene`. `occluder`: as of `render_reference`.
-inline OracleFrame render_oracle(const Scene& scene, const Camera& camera, const Conventions& conventions,
-                                 dvec3 background = dvec3(0), Span<const float> occluder = {}) {
+/// Renders placed scenes of as many features. `occluder`: as of `render_reference`.
+inline OracleFrame render_oracle(Span<const ReferenceScene> scenes, const Camera& camera,
+                                 const Conventions& conventions, dvec3 background = dvec3(0),
+                                 Span<const float> occluder = {}) {
   std::vector<OracleSplat> splats;
-  for (std::size_t i = 0; i < scene.size(); ++i)
-    if (const auto splat = project_gaussian(scene, i, camera, conventions)) splats.push_back(*splat);
+  std::size_t number = 0;
+  for (const ReferenceScene& placed : scenes)
+    for (std::size_t i = 0; i < placed.scene.size(); ++i, ++number)
+      if (const auto splat = project_gaussian({placed, i}, number, camera, conventions))
+        splats.push_back(*splat);
   std::sort(splats.begin(), splats.end(), [](const OracleSplat& a, const OracleSplat& b) {
     return a.depth != b.depth ? a.depth < b.depth : a.index < b.index;
   });
@@ -201,7 +205,8 @@ inline OracleFrame render_oracle(const Scene& scene, const Camera& camera, const
   for (int y = 0; y < camera.height; ++y)
     for (int x = 0; x < camera.width; ++x) {
       const std::size_t i = std::size_t(y) * std::size_t(camera.width) + std::size_t(x);
-      OraclePixel pixel(conventions, occluder.size > 0 ? occluder[i] : INFINITY, scene.feature_channels);
+      OraclePixel pixel(conventions, occluder.size > 0 ? occluder[i] : INFINITY,
+                        scenes[0].scene.feature_channels);
       for (std::size_t n = 0; n < splats.size(); ++n)
         if (pixel.offer(splats[n], x, y)) ++frame.contributing_pairs, seen[n] = true;
       store(frame, pixel, background);

@@ -22,6 +22,14 @@
 
 namespace swiftgs::test {
 
+/// A placed scene.
+struct Placed {
+  Scene scene;
+  Similarity world_from_scene{};
+  float opacity = 1;
+  Clip clip{};
+};
+
 /// What is rendered by both, and what the result must be like.
 struct Case {
   Scene scene;
@@ -29,6 +37,7 @@ struct Case {
   Conventions conventions{};
   dvec3 background{0.2, 0.7, -0.1};
   std::vector<float> occluder{};
+  std::vector<Placed> more{};   ///< in the frame
   Real largest_bound = 1e-11L;  ///< of errors, in parts of the largest value
   std::size_t unsure = 0;       ///< pixels that may be set aside
   std::uint64_t visible = 20;   ///< at least
@@ -94,16 +103,22 @@ inline void check_planes(const ReferencePlanes& planes, const OracleFrame& expec
 /// Checks all references: the two that render, and the one that hard frames are judged by.
 inline void check(Case c) {
   c.scene = with_features(std::move(c.scene), 2);
+  std::vector<ReferenceScene> each{{c.scene}};
+  for (Placed& p : c.more) {
+    p.scene = with_features(std::move(p.scene), 2, 2);
+    each.push_back({p.scene, p.world_from_scene, p.opacity, p.clip});
+  }
+  const Span<const ReferenceScene> scenes{each.data(), each.size()};
   const Span<const float> occluder{c.occluder.data(), c.occluder.size()};
-  const OracleFrame expected = render_oracle(c.scene, c.camera, c.conventions, c.background, occluder);
-  check_planes(render_reference_planes(c.scene, c.camera, c.conventions, 1, occluder), expected, c);
-  const ReferenceFrame frame = render_reference(c.scene, c.camera, c.conventions, c.background, 1, occluder);
+  const OracleFrame expected = render_oracle(scenes, c.camera, c.conventions, c.background, occluder);
+  check_planes(render_reference_planes(scenes, c.camera, c.conventions, 1, occluder), expected, c);
+  const ReferenceFrame frame = render_reference(scenes, c.camera, c.conventions, c.background, 1, occluder);
   check_values(frame, expected, c);
   // It takes no conventions that renderers refuse, and no depths along the ray.
   if (c.conventions.alpha_min > 0 && c.conventions.depth_at == Conventions::DepthAt::centre) {
     const bool conditioned = true;
     CAPTURE(conditioned);
-    check_values(render_conditioned(c.scene, c.camera, c.conventions, c.background, 1, 1, occluder).frame,
+    check_values(render_conditioned(scenes, c.camera, c.conventions, c.background, 1, 1, occluder).frame,
                  expected, c);
   }
   CHECK(expected.visible >= c.visible);

@@ -3,6 +3,8 @@
 
 #include <optional>
 
+#include <swiftgs/reference/placed.hpp>
+
 #include "reference/oracle_lens.hpp"
 #include "reference/oracle_projection.hpp"
 
@@ -35,13 +37,61 @@ inline Real3 centre_of(const Camera& camera) {
   return centre;
 }
 
-/// Colour of Gaussian `i` as seen from `centre`.
-inline void set_colour(OracleSplat& s, const Scene& scene, const Real3& mean, const Camera& camera) {
+/// A Gaussian where its scene is placed in the world.
+struct WorldGaussian {
+  const ReferenceScene& placed;
+  std::size_t i;             ///< in its scene
+  Real3 mean, mean_sizes{};  ///< and the magnitudes that it sums
+  Real3 scale;
+  Real3 axes[3], axis_sizes[3]{};  ///< where its local axes point, likewise
+
+  WorldGaussian(const ReferenceScene& from, std::size_t number) : placed(from), i(number) {
+    const Scene& scene = placed.scene;
+    const Similarity& pose = placed.world_from_scene;
+    const Real3 local{scene.means[i].x, scene.means[i].y, scene.means[i].z};
+    mean = Real3{pose.translation.x, pose.translation.y, pose.translation.z};
+    mean_sizes = magnitudes(mean);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Real3 row = row_of(pose.rotation, int(k));
+      mean[k] += pose.scale * dot(row, local);
+      mean_sizes[k] += pose.scale * dot(magnitudes(row), magnitudes(local));
+      scale[k] = Real(pose.scale) * scene.scales[i][int(k)];
+      Real3 axis{};
+      axis[k] = 1;
+      axis = turn(scene.rotations[i], axis);
+      for (std::size_t to = 0; to < 3; ++to) {
+        const Real3 turned = row_of(pose.rotation, int(to));
+        axes[k][to] = dot(turned, axis), axis_sizes[k][to] = dot(magnitudes(turned), magnitudes(axis));
+      }
+    }
+  }
+  bool is_shown() const {
+    const Clip& clip = placed.clip;
+    const vec3 m = placed.scene.means[i];
+    Real off = 0;
+    for (int k = 0; k < 3; ++k) off += (Real(m[k]) - clip.centre[k]) * (Real(m[k]) - clip.centre[k]);
+    bool inside = off <= Real(clip.radius) * clip.radius;
+    for (int h = 0; h < clip.half_space_count; ++h) {
+      const vec4 p = clip.half_spaces[h];
+      inside = inside && Real(p.x) * m.x + Real(p.y) * m.y + Real(p.z) * m.z + p.w >= 0;
+    }
+    return inside;
+  }
+};
+
+/// Colour of a Gaussian as the camera sees it, in a direction of its scene.
+inline void set_colour(OracleSplat& s, const WorldGaussian& g, const Camera& camera) {
   const Real3 centre = centre_of(camera);
-  Real3 d{mean[0] - centre[0], mean[1] - centre[1], mean[2] - centre[2]};
-  const Real length = std::hypot(d[0], d[1], d[2]);
+  const Scene& scene = g.placed.scene;
+  const Real3 to{g.mean[0] - centre[0], g.mean[1] - centre[1], g.mean[2] - centre[2]};
+  const Real length = std::hypot(to[0], to[1], to[2]);
   Real size = 0;
-  for (std::size_t k = 0; k < 3; ++k) d[k] /= length, size += std::abs(mean[k]) + std::abs(centre[k]);
+  Real3 d{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    for (std::size_t row = 0; row < 3; ++row)
+      d[k] += g.placed.world_from_scene.rotation[int(k)][int(row)] * to[row] / length;
+    size += g.mean_sizes[k] + std::abs(centre[k]);
+  }
   const std::array<Real, 16> basis = oracle_harmonics(d[0], d[1], d[2]);
   // The gradient of a band l <= 3 is at most 4 on the unit sphere. A translation of double has its own
   // error, which the inverse of the rotation spreads to all members.
@@ -50,7 +100,7 @@ inline void set_colour(OracleSplat& s, const Scene& scene, const Real3& mean, co
   for (std::size_t c = 0; c < 3; ++c) {
     Real sum = 0.5L, sizes = 0.5L;
     for (std::size_t k = 0; k <= rest; ++k) {
-      const Real v = k == 0 ? scene.sh0[s.index][int(c)] : scene.sh_rest[3 * (s.index * rest + k - 1) + c];
+      const Real v = k == 0 ? scene.sh0[g.i][int(c)] : scene.sh_rest[3 * (g.i * rest + k - 1) + c];
       sum += basis[k] * v, sizes += std::abs(v);
     }
     s.colour[c] = std::max(Real(0), sum);
@@ -59,21 +109,17 @@ inline void set_colour(OracleSplat& s, const Scene& scene, const Real3& mean, co
 }
 
 /// Normal of the Gaussian at `p` in camera space.
-inline void set_normal(OracleSplat& s, const Scene& scene, const Real3& p, const Real3& p_error,
+inline void set_normal(OracleSplat& s, const WorldGaussian& g, const Real3& p, const Real3& p_error,
                        const Camera& camera) {
-  const vec3 scale = scene.scales[s.index];
-  Real3 local{};
-  if (scale.x <= scale.y && scale.x <= scale.z)
-    local[0] = 1;
-  else
-    local[scale.y <= scale.z ? 1 : 2] = 1;
-  const Real3 world = turn(scene.rotations[s.index], local);
+  const auto& [x, y, z] = g.scale;
+  const std::size_t shortest = x <= y && x <= z ? 0 : y <= z ? 1 : 2;
+  const Real3 &world = g.axes[shortest], &sizes = g.axis_sizes[shortest];
   const bool parallel = camera.lens.model == LensModel::orthographic;
   const Real3 ray = parallel ? Real3{0, 0, 1} : p, off = parallel ? Real3{} : p_error;
   Real towards = 0, doubt = 0;
   for (std::size_t r = 0; r < 3; ++r) {
     s.normal[r] = dot(row_of(camera, int(r)), world);
-    s.doubt.normal += 32 * unit * dot(magnitudes(row_of(camera, int(r))), magnitudes(world));
+    s.doubt.normal += 32 * unit * dot(magnitudes(row_of(camera, int(r))), sizes);
     towards += s.normal[r] * ray[r], doubt += 2 * off[r] + 32 * unit * std::abs(ray[r]);
   }
   if (towards > 0)
@@ -84,7 +130,7 @@ inline void set_normal(OracleSplat& s, const Scene& scene, const Real3& p, const
 /// Slope of depth along the ray, C^-1 of the covariance of depth with the place in the image, by the Cholesky
 /// factor `l` of C. Errors are bounded as those of a least-squares problem: the smallest variance of C is
 /// more than its determinant over its trace.
-inline void set_slope(OracleSplat& s, const Scene& scene, const ImageFactor& f, const Triangle& l,
+inline void set_slope(OracleSplat& s, const WorldGaussian& g, const ImageFactor& f, const Triangle& l,
                       const Real3& p, const Real3& p_error, const Camera& camera, const Conventions& k) {
   const auto length = [](const Real3& a) { return std::hypot(a[0], a[1], a[2]); };
   const Real3 unit_ray{p[0] / length(p), p[1] / length(p), p[2] / length(p)};
@@ -92,12 +138,10 @@ inline void set_slope(OracleSplat& s, const Scene& scene, const ImageFactor& f, 
   Real3 depth{};
   Real sizes = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    Real3 local{};
-    local[axis] = 1;
-    const Real3 world = turn(scene.rotations[s.index], local);
-    const Real scale = scene.scales[s.index][int(axis)];
+    const Real3& world = g.axes[axis];
+    const Real scale = g.scale[axis];
     for (std::size_t r = 0; r < 3; ++r) depth[axis] += scale * ahead[r] * dot(row_of(camera, int(r)), world);
-    sizes += scale * length(world);
+    sizes += scale * length(g.axis_sizes[axis]);
   }
   const Real x = dot(f.x, depth) / l.l00, y = (dot(f.y, depth) - l.l10 * x) / l.l11;
   s.slope_y = y / l.l11, s.slope_x = (x - l.l10 * s.slope_y) / l.l00;
@@ -135,7 +179,7 @@ inline void set_position(OracleSplat& s, const Real3& p, const Real3& p_error, c
 }
 
 /// Sets the mean of a pinhole's splat and maps the Gaussian's axes to the image.
-inline std::optional<ImageFactor> through_pinhole(OracleSplat& s, const Scene& scene, const Real3& p,
+inline std::optional<ImageFactor> through_pinhole(OracleSplat& s, const WorldGaussian& g, const Real3& p,
                                                   const Real3& p_error, const Camera& camera,
                                                   const Conventions& k) {
   if (p[2] == 0) return {};
@@ -147,13 +191,11 @@ inline std::optional<ImageFactor> through_pinhole(OracleSplat& s, const Scene& s
   const Real relative = 32 * unit + p_error[2] / std::abs(p[2]);
   ImageFactor f;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    Real3 local{};
-    local[axis] = 1;
-    const Real3 world = turn(scene.rotations[s.index], local);
-    const Real scale = scene.scales[s.index][int(axis)], ahead = dot(rows[2], world);
+    const Real3& world = g.axes[axis];
+    const Real scale = g.scale[axis], ahead = dot(rows[2], world);
     f.x[axis] = jx * scale * (dot(rows[0], world) - tx * ahead);
     f.y[axis] = jy * scale * (dot(rows[1], world) - ty * ahead);
-    const Real3 sizes = magnitudes(world);
+    const Real3& sizes = g.axis_sizes[axis];
     const Real x = dot(magnitudes(rows[0]), sizes), y = dot(magnitudes(rows[1]), sizes);
     const Real z = dot(magnitudes(rows[2]), sizes);
     f.x_error[axis] = scale * std::abs(jx) * (x + std::abs(tx) * z) * relative +
@@ -166,7 +208,7 @@ inline std::optional<ImageFactor> through_pinhole(OracleSplat& s, const Scene& s
 
 /// The same of other lenses. Their derivatives err by some hundred units: a point's error bends them as much
 /// as the point's angle, and polynomials add tens of roundings of terms about as large as their sum.
-inline std::optional<ImageFactor> through_lens(OracleSplat& s, const Scene& scene, const Real3& p,
+inline std::optional<ImageFactor> through_lens(OracleSplat& s, const WorldGaussian& g, const Real3& p,
                                                const Real3& p_error, const Camera& camera,
                                                const Conventions& k) {
   const Sight seen = sight(camera, k, p);
@@ -183,34 +225,35 @@ inline std::optional<ImageFactor> through_lens(OracleSplat& s, const Scene& scen
   place(seen.v, camera.fy, camera.cy, s.y, s.doubt.position_y);
   ImageFactor f;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    Real3 local{};
-    local[axis] = 1;
-    const Real3 world = turn(scene.rotations[s.index], local);
+    const Real3& world = g.axes[axis];
     const Real3 at{dot(row_of(camera, 0), world), dot(row_of(camera, 1), world),
                    dot(row_of(camera, 2), world)};
-    const Real scale = scene.scales[s.index][int(axis)];
+    const Real scale = g.scale[axis];
     f.x[axis] = camera.fx * scale * dot(seen.u.by, at), f.y[axis] = camera.fy * scale * dot(seen.v.by, at);
-    f.x_error[axis] = camera.fx * scale * length(seen.u.by) * length(world) * relative;
-    f.y_error[axis] = camera.fy * scale * length(seen.v.by) * length(world) * relative;
+    const Real size = scale * length(g.axis_sizes[axis]);
+    f.x_error[axis] = camera.fx * size * length(seen.u.by) * relative;
+    f.y_error[axis] = camera.fy * size * length(seen.v.by) * relative;
   }
   return f;
 }
 
-/// Projects Gaussian `i`; nothing where it is surely not drawn.
-inline std::optional<OracleSplat> project_gaussian(const Scene& scene, std::size_t i, const Camera& camera,
-                                                   const Conventions& k) {
-  if (!all_finite(scene, i)) return {};
+/// Projects a Gaussian, the frame's `number`; nothing where it is surely not drawn.
+inline std::optional<OracleSplat> project_gaussian(const WorldGaussian& g, std::size_t number,
+                                                   const Camera& camera, const Conventions& k) {
+  const Scene& scene = g.placed.scene;
+  if (!all_finite(scene, g.i) || !g.is_shown()) return {};
   OracleSplat s;
-  s.index = i;
+  s.index = number;
 
-  // Camera space. A row of double arithmetic errs by at most four units of the sum of its magnitudes.
-  const Real3 mean{scene.means[i].x, scene.means[i].y, scene.means[i].z};
+  // Camera space. A row of double arithmetic errs by at most four units of the sum of its magnitudes, and a
+  // placed one by twice as many.
+  const Real units = g.placed.world_from_scene.is_identity() ? 4 : 8;
   const Real3 rows[3] = {row_of(camera, 0), row_of(camera, 1), row_of(camera, 2)};
   Real3 p, p_error;
   for (std::size_t r = 0; r < 3; ++r) {
-    p[r] = dot(rows[r], mean) + Real(camera.translation[int(r)]);
-    const Real sizes = dot(magnitudes(rows[r]), magnitudes(mean)) + std::abs(camera.translation[int(r)]);
-    p_error[r] = 4 * unit * sizes;
+    p[r] = dot(rows[r], g.mean) + Real(camera.translation[int(r)]);
+    const Real sizes = dot(magnitudes(rows[r]), g.mean_sizes) + std::abs(camera.translation[int(r)]);
+    p_error[r] = units * unit * sizes;
   }
   s.z = p[2], s.doubt.z = p_error[2];
   if (by_distance(camera, k)) {
@@ -224,24 +267,24 @@ inline std::optional<OracleSplat> project_gaussian(const Scene& scene, std::size
       s.drawn != between_planes(s.doubt.nearest, k) || s.drawn != between_planes(s.doubt.furthest, k);
   if (!s.drawn && !s.doubt.drawn) return {};
   const std::optional<ImageFactor> found = camera.lens.is_pinhole()
-                                               ? through_pinhole(s, scene, p, p_error, camera, k)
-                                               : through_lens(s, scene, p, p_error, camera, k);
+                                               ? through_pinhole(s, g, p, p_error, camera, k)
+                                               : through_lens(s, g, p, p_error, camera, k);
   if (!found) return {};
   const ImageFactor& f = *found;
 
   const Triangle l(f, k.blur), sharp(f, 0);
   if (!(l.determinant() > 0) || l.xx() > largest_variance || l.yy() > largest_variance) return {};
   s.l00 = l.l00, s.l10 = l.l10, s.l11 = l.l11;
-  s.opacity = scene.opacities[i];
+  s.opacity = Real(scene.opacities[g.i]) * g.placed.opacity;
   if (k.antialiased)
     s.opacity *= std::sqrt(std::max(Real(k.min_compensation), sharp.determinant() / l.determinant()));
   bound_shape(f, l, sharp, k, s);
   set_footprint(s, l, camera, k);
-  if (k.depth_at == Conventions::DepthAt::ray) set_slope(s, scene, f, l, p, p_error, camera, k);
-  set_colour(s, scene, mean, camera);
-  set_normal(s, scene, p, p_error, camera);
+  if (k.depth_at == Conventions::DepthAt::ray) set_slope(s, g, f, l, p, p_error, camera, k);
+  set_colour(s, g, camera);
+  set_normal(s, g, p, p_error, camera);
   const std::size_t channels = std::size_t(scene.feature_channels);
-  s.features = {scene.features.data() + channels * i, channels};
+  s.features = {scene.features.data() + channels * g.i, channels};
   return s;
 }
 

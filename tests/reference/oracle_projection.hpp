@@ -64,10 +64,11 @@ inline Real3 cross(const Real3& a, const Real3& b) {
 }
 inline Real3 magnitudes(const Real3& a) { return {std::abs(a[0]), std::abs(a[1]), std::abs(a[2])}; }
 
-/// Row `row` of the camera's rotation.
-inline Real3 row_of(const Camera& camera, int row) {
-  return {camera.rotation[0][row], camera.rotation[1][row], camera.rotation[2][row]};
+/// Row `row` of a rotation.
+inline Real3 row_of(const dmat3& rotation, int row) {
+  return {rotation[0][row], rotation[1][row], rotation[2][row]};
 }
+inline Real3 row_of(const Camera& camera, int row) { return row_of(camera.rotation, row); }
 
 /// `v` turned by q as it is stored: v + 2 w (u x v) + 2 u x (u x v).
 inline Real3 turn(Quaternion q, const Real3& v) {

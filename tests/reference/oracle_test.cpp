@@ -4,8 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <stdexcept>
+#include <utility>
 
 #include <doctest/doctest.h>
+
+#include <swiftgs/edit/transform.hpp>
 
 #include "reference/gaussians.hpp"
 #include "reference/oracle_comparison.hpp"
@@ -148,6 +151,76 @@ TEST_CASE("reference: mirrored cameras and rotations of five digits agree with t
   check_presets(c);
   keep_five_digits(c.scene), keep_five_digits(c.camera);
   check_presets(c);
+}
+
+/// What `pose` brings back to `scene`.
+Placed placed_by(Scene scene, const Similarity& pose, float opacity = 1, const Clip& clip = {}) {
+  transform(scene, inverse(pose), dvec3(0.0));
+  return {std::move(scene), pose, opacity, clip};
+}
+Similarity pose_of(Random& random, double scale, dvec3 to) {
+  const Quaternion q = random_rotation(random);
+  return {matrix_of(swiftgs::unit(DQuaternion{q.w, q.x, q.y, q.z})), scale, to};
+}
+
+TEST_CASE("reference: placed scenes agree with the oracle through every lens") {
+  for (const LensModel model :
+       {LensModel::perspective, LensModel::fisheye, LensModel::orthographic, LensModel::equirectangular})
+    for (const double scale : {1e-3, 0.7, 1e3}) {
+      CAPTURE(name_of(model));
+      CAPTURE(scale);
+      Random random(130);
+      Case c{.scene = mixture(random, 100, 2)};
+      c.more.push_back(placed_by(mixture(random, 100, 3), pose_of(random, scale, dvec3(1, 2, 3)), 0.5f));
+      Placed cut{mixture(random, 200, 1), pose_of(random, scale, dvec3(0, 0.5, 2))};
+      for (vec3& mean : cut.scene.means) mean /= float(scale);
+      for (vec3& size : cut.scene.scales) size /= float(scale);
+      cut.clip = Clip::sphere(vec3(0, 0, float(2 / scale)), float(2 / scale));
+      cut.clip.half_space_count = 1, cut.clip.half_spaces[0] = vec4(1, 0.5f, 0.2f, float(0.3 / scale));
+      c.more.push_back(cut);
+      for (Camera camera : {oracle_camera(), turned_camera()}) {
+        camera.lens.model = model;
+        if (model == LensModel::orthographic) camera.fx = 9, camera.fy = 11;
+        if (model == LensModel::equirectangular) camera.width = 32, camera.fx = 40, camera.fy = 33;
+        c.camera = camera;
+        c.largest_bound = 1e-10L;  // poses add roundings
+        check_presets(c);
+        c.conventions = {}, c.conventions.depth_at = Conventions::DepthAt::ray, c.largest_bound = 1e-9L;
+        check(c);
+      }
+    }
+}
+
+TEST_CASE("reference: placed needles of equal depths agree with the oracle") {
+  Random random(140);
+  Case c{.scene = needles_and_pancakes(random, 150)};
+  c.more.push_back(placed_by(needles_and_pancakes(random, 150), pose_of(random, 30, dvec3(5, 0, 1)), 0.8f));
+  check_presets(c);
+  // The same scene at the same place, whose numbers alone order it.
+  Placed again = c.more[0];
+  again.opacity = 0.5f;
+  c = {.scene = equal_depths(random, 150), .more = {again, again}};
+  check_presets(c);
+}
+
+TEST_CASE("reference: placed millimetres 1e7 from zero agree with the oracle") {
+  Random random(150);
+  const dvec3 far(1e7, -2e7, 3e6);
+  Scene small = mixture(random, 200, 2);
+  transform(small, {dmat3(1.0), 1e-3, dvec3(0.0)}, dvec3(0.0));
+  Case c{.scene = {}, .more = {placed_by(small, pose_of(random, 1e-3, dvec3(0))), {small, {}, 0.5f}}};
+  c.camera = turned_camera();
+  c.camera.translation *= 1e-3;
+  for (Placed& p : c.more) {
+    p.world_from_scene.translation += far;
+    p.world_from_scene.rotation = c.more[0].world_from_scene.rotation;  // seldom as deep as each other
+  }
+  c.camera.translation -= c.camera.rotation * far;
+  c.conventions.near_plane = 1e-5f;
+  // As of worlds far from the origin: camera space is a difference of numbers of 2.5e7.
+  c.largest_bound += 16 * unit * 7.5e7L * Real(c.camera.fy) / 0.1e-3L;
+  c.unsure = 100;
+  check(c);
 }
 
 TEST_CASE("reference: pixels behind an occluder agree with the oracle") {

@@ -5,7 +5,6 @@
 #include <string_view>
 #include <utility>
 
-#include <swiftgs/reference/conditioning.hpp>
 #include <swiftgs/stress/judge.hpp>
 
 namespace swiftgs::test {
@@ -16,9 +15,7 @@ struct CaseJudge::Reference {
 
 CaseJudge::CaseJudge(StressCase drawn)
     : drawn_(std::move(drawn)),
-      reference_(std::make_unique<Reference>(Reference{
-          render_conditioned(drawn_.scene, drawn_.camera, drawn_.conventions, dvec3(drawn_.background), 1, 1,
-                             {drawn_.occluder.data(), drawn_.occluder.size()})})) {}
+      reference_(std::make_unique<Reference>(Reference{render_conditioned(drawn_, 1, 1)})) {}
 CaseJudge::~CaseJudge() = default;
 
 Verdict CaseJudge::judge(std::string_view name, const Frame& frame) const {

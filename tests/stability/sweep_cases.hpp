@@ -56,7 +56,7 @@ using Seeds = std::vector<std::uint64_t>;
 const Names long_shapes{"needles", "bare-needles", "pancakes", "ridges", "little-blur"};
 const Names large_shapes{"grazing", "scales", "distant-means"};
 const Names cameras{"wide-angles",   "long-lenses",     "principal-points", "uneven-focals",
-                    "world-offsets", "distant-cameras", "skewed-rotations"};
+                    "world-offsets", "distant-cameras", "placed-scenes",    "skewed-rotations"};
 const Names lenses{"distorted-lenses", "fisheyes", "orthographic", "panoramas"};
 const Names thresholds{"on-planes", "on-alphas", "on-stops", "on-ties"};
 const Names stacks{"equal-stacks", "deep-stacks"};

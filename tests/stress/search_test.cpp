@@ -27,7 +27,9 @@ StressSubject subject() {
   using Drawn = Renderer<Serial, Sort, Raster, Ellipse>;
   const auto renderer = std::make_shared<Drawn>();
   return {std::string(Drawn::name), [renderer](const StressCase& drawn) {
-            return renderer->render(renderer->backend().upload(drawn.scene), drawn.camera,
+            const auto uploaded = renderer->backend().upload(drawn.scene);
+            const PlacedScene placed{uploaded.view(), drawn.world_from_scene};
+            return renderer->render(Span<const PlacedScene>{&placed, 1}, drawn.camera,
                                     {.conventions = drawn.conventions,
                                      .background = drawn.background,
                                      .outputs = {.alpha = true, .depth = true}});

@@ -101,8 +101,7 @@ TEST_CASE("stress: rows hold the worst of what judge says of each seed") {
           made.camera,
           {.conventions = made.conventions, .background = made.background, .outputs = {true, true}}, frame);
       const StressVerdict verdict =
-          judge(render_conditioned(made.scene, made.camera, made.conventions, dvec3(made.background), seed),
-                frame, exponent_representation_named(table[i].name));
+          judge(render_conditioned(made, seed), frame, exponent_representation_named(table[i].name));
       if (verdict.strict_normalised_error > worst.strict_normalised_error)
         worst.strict_normalised_error = verdict.strict_normalised_error,
         worst.worst_pixel = verdict.worst_pixel, worst_seed = seed;

@@ -14,14 +14,15 @@ from ._errors import (Cancelled, CapacityError, DeviceError, Error, FileError, F
                       InvalidArgument, OrderError, OutOfMemory, Unavailable)
 from ._frame import Frame, StoredDepth, load_image
 from ._gsplat import rasterization
+from ._placement import Clip, Placement
 from ._renderer import Memory, Picked, Renderer, RendererEntry, Statistics, Times, find_renderer, list_renderers
 from ._scene import Scene, load
 
 __version__ = _lib.version().decode()
 
 __all__ = [
-    "Camera", "Cameras", "Cancelled", "CapacityError", "Conventions", "DeviceArray", "DeviceError", "Error",
+    "Camera", "Cameras", "Cancelled", "CapacityError", "Clip", "Conventions", "DeviceArray", "DeviceError", "Error",
     "FileError", "FormatError", "Frame", "InternalError", "InvalidArgument", "Memory", "NOTHING", "OrderError",
-    "OutOfMemory", "Picked", "Renderer", "RendererEntry", "Scene", "Statistics", "StoredDepth", "Times", "Unavailable",
-    "find_renderer", "list_renderers", "load", "load_cameras", "load_image", "rasterization"
+    "OutOfMemory", "Picked", "Placement", "Renderer", "RendererEntry", "Scene", "Statistics", "StoredDepth", "Times",
+    "Unavailable", "find_renderer", "list_renderers", "load", "load_cameras", "load_image", "rasterization"
 ]

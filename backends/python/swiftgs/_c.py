@@ -13,7 +13,7 @@ from typing import Any
 
 from ._errors import exception_of
 
-ABI_MAJOR, ABI_MINOR = 1, 7
+ABI_MAJOR, ABI_MINOR = 1, 8
 
 MEASURE_COUNTS, MEASURE_TIMES = 1, 2
 HOST, DEVICE = 0, 1
@@ -78,7 +78,8 @@ class View(_Sized):
                 ("depth", Plane), ("occluder", Plane), ("over", c_int32), ("left", c_int32), ("top", c_int32),
                 ("background", c_float * 3), ("stored_depth", StoredDepth), ("squared_depth", Plane),
                 ("first_depth", Plane), ("median_depth", Plane), ("normal", Plane), ("id", Plane),
-                ("median_id", Plane), ("features", Plane), ("feature_channels", c_int32), ("conversion", c_int32)]
+                ("median_id", Plane), ("features", Plane), ("feature_channels", c_int32), ("conversion", c_int32),
+                ("first_shown", c_uint32), ("shown_count", c_uint32)]
 
 
 class Frame(_Sized):
@@ -105,6 +106,12 @@ class RendererEntry(_Sized):
 class RendererOptions(_Sized):
     _fields_ = [("size", c_uint32), ("threads", c_int32), ("stream", c_void_p), ("allocate", c_void_p),
                 ("release", c_void_p), ("context", c_void_p)]
+
+
+class Placement(_Sized):
+    _fields_ = [("size", c_uint32), ("half_space_count", c_int32), ("scene", c_uint64), ("rotation", c_double * 9),
+                ("scale", c_double), ("translation", c_double * 3), ("transparency", c_double),
+                ("half_spaces", c_float * 24), ("centre", c_float * 3), ("radius", c_float)]
 
 
 class Picked(ctypes.Structure):
@@ -225,6 +232,8 @@ for _name, _arguments in {
         "renderer_set_scene": (c_void_p, c_void_p),
         "renderer_set_gaussians": (c_void_p, c_void_p),
         "renderer_share_scene": (c_void_p, c_void_p),
+        "renderer_add_scene": (c_void_p, c_void_p, c_void_p),
+        "renderer_place": (c_void_p, c_void_p, c_size_t),
         "renderer_render": (c_void_p, c_void_p),
         "renderer_render_into": (c_void_p, c_void_p),
         "renderer_wait": (c_void_p,),

@@ -3,7 +3,7 @@
 import ctypes
 import operator
 import os
-from typing import Any, Dict, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -75,7 +75,8 @@ class Frame:
                  id: Any = None, median_id: Any = None,  # pylint: disable=redefined-builtin
                  features: Any = None, occluder: Any = None, stored_depth: Optional[StoredDepth] = None,
                  over: bool = False, background: Any = _BLACK, conventions: Union[str, Conventions] = "gsplat",
-                 first_pixel: Optional[Tuple[int, int]] = None, conversion: Optional[str] = None) -> None:
+                 first_pixel: Optional[Tuple[int, int]] = None, conversion: Optional[str] = None,
+                 shows: Any = None) -> None:
         """`occluder` is a depth buffer, only read: a splat at its depth or behind is not drawn. `stored_depth` says
         what its values mean; without it they are depths. `over` keeps what
         `colour` holds behind the splats, in place of `background` [3] or [C, 3]. With `first_pixel` the frame is a
@@ -83,7 +84,10 @@ class Frame:
 
         `conversion` makes the colours of a scene with sRGB-encoded values linear light ("srgb-to-linear"), or the other
         way round ("linear-to-srgb"). Straight colours are converted, and multiplied by alpha again; RGB, and what lies
-        before a background that is not black, as a whole picture. `over` then takes and leaves converted colours."""
+        before a background that is not black, as a whole picture. `over` then takes and leaves converted colours.
+
+        `shows` are the placed scenes that images show, of several in the renderer: a range, such as `range(2, 5)`, or
+        one of each image; None for all."""
         self.colour, self.alpha, self.depth, self.squared_depth = colour, alpha, depth, squared_depth
         self.first_depth, self.median_depth, self.normal = first_depth, median_depth, normal
         self.id, self.median_id, self.features = id, median_id, features
@@ -111,6 +115,8 @@ class Frame:
         self._fill(over)
         if background is not _BLACK:
             self.background = background
+        if shows is not None:
+            self.shows = shows
         self._struct: Any = _c.Frame()
         self._struct.views, self._struct.count = ctypes.addressof(self._views), len(self._views)
         self._argument = ctypes.byref(self._struct)
@@ -184,6 +190,25 @@ class Frame:
         if found.shape not in ((3,), (len(self._views), 3)):
             raise ValueError(f"background has the shape {found.shape}, expected (3,) or ({len(self._views)}, 3)")
         self._table["background"] = found
+
+    @property
+    def shows(self) -> List[Optional[range]]:
+        """The placed scenes that each image shows; None: all. It may be set, to one range for all images as well."""
+        ranges = [range(view.first_shown, view.first_shown + view.shown_count) for view in self._views]
+        return [found or None for found in ranges]
+
+    @shows.setter
+    def shows(self, value: Any) -> None:
+        each = [value] * len(self._views) if value is None or isinstance(value, range) else list(value)
+        if len(each) != len(self._views):
+            raise ValueError(f"shows has {len(each)} ranges, expected one, or {len(self._views)}, one an image")
+        for found in each:
+            if found is not None and not (isinstance(found, range) and found and found.step == 1 and
+                                          0 <= found.start and found.stop < 2**32):
+                raise ValueError(f"shows has {found!r}, expected None or a range of one placed scene or more, such as "
+                                 "range(2, 5)")
+        for view, found in zip(self._views, each):
+            view.first_shown, view.shown_count = (found.start, len(found)) if found else (0, 0)
 
     def __len__(self) -> int:
         """How many images there are."""

@@ -3,7 +3,7 @@
 import ctypes
 import operator
 import threading
-from typing import Any, List, NamedTuple, Optional, Sequence, Union
+from typing import Any, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -12,6 +12,7 @@ from ._c import Handle, count_of, lib, render, text_of
 from ._camera import Camera, check_cameras
 from ._frame import Frame
 from ._gaussians import gaussians_of
+from ._placement import Placement
 from ._scene import Scene
 
 
@@ -26,7 +27,7 @@ class RendererEntry(NamedTuple):
 class Statistics(NamedTuple):
     """Counts of a frame. Those from `intersections_visited` on are 0 unless the frame was drawn with `counts=True`."""
 
-    gaussians: int  #: in the scene
+    gaussians: int  #: in all placed scenes
     visible: int  #: projected to splats
     intersections: int  #: pairs of splat and tile
     intersections_visited: int  #: before all pixels of their raster block had stopped
@@ -46,7 +47,9 @@ class Picked(NamedTuple):
     """What a pixel shows. Weights are alpha times transmittance, as axis-shared-threshold-float-cholesky blends with
     them, whatever the renderer; depths are those of the Gaussians' means."""
 
-    gaussian: Optional[int]  #: index of the largest weight, of equal ones the nearest; None: nothing is there
+    #: index of the largest weight, of equal ones the nearest; None: nothing is there. Of several placed scenes
+    #: `Renderer.placed_scene_of` tells which.
+    gaussian: Optional[int]
     weight: float  #: of that Gaussian
     depth: float
     median: Optional[int]  #: the Gaussian that takes the transmittance below 1/2; None: none does
@@ -99,7 +102,7 @@ def _entry_of(entry: _c.RendererEntry) -> RendererEntry:
 
 
 class Renderer:
-    """Draws frames of the scene that it was given.
+    """Draws frames of the scenes that it was given.
 
     It keeps its memory: a frame no larger than an earlier one allocates nothing. Calls from several threads run one
     after another; a renderer for each thread draws at once with others.
@@ -128,7 +131,8 @@ class Renderer:
         self.on_device = entry.on_device  #: whether it draws on a CUDA device
         self._device = _arrays.current_device() if self.on_device else None
         self._scene_lock = threading.RLock()  # `rasterization` draws before another thread changes the scene
-        self._scene = "no scene"
+        self._counts: List[int] = []  # Gaussians of each scene
+        self._placed: List[int] = []  # number of the scene of each placement
         if scene is not None:
             self.set_scene(scene)
 
@@ -138,20 +142,64 @@ class Renderer:
         return text_of(lib.renderer_device_name, self._open())
 
     def set_scene(self, scene: Scene) -> None:
-        """Uploads `scene` for the frames that follow; backends of the host share its memory."""
+        """Uploads `scene` for the frames that follow, in place of all scenes and placements before; backends of the
+        host share its memory."""
+        with self._scene_lock:
+            lib.renderer_set_scene(self._open(), self._handle_of(scene))
+            self._counts, self._placed = [len(scene)], [0]
+
+    def add_scene(self, scene: Scene) -> int:
+        """Uploads one more scene, and returns its number: 0, 1 and so on. Frames show it too, where it stands by
+        itself, until the next `place`."""
+        number = ctypes.c_uint64()
+        with self._scene_lock:
+            lib.renderer_add_scene(self._open(), self._handle_of(scene), ctypes.byref(number))
+            self._counts.append(len(scene))
+            self._placed.append(number.value)
+        return number.value
+
+    @staticmethod
+    def _handle_of(scene: Scene) -> Handle:
         if not isinstance(scene, Scene):
             raise TypeError(f"scene is of type {type(scene).__name__}, expected swiftgs.Scene; swiftgs.load reads one")
+        return scene._open()
+
+    def place(self, placements: Sequence[Placement]) -> None:
+        """Sets the placed scenes that frames show: any of the renderer's scenes, any number of times. Gaussians are
+        numbered over all of them, those of the first placed scene first: see `placed_scene_of`. If something of
+        `placements` is refused, nothing changes."""
+        structs: Any = (_c.Placement * len(placements))()
+        for index, placement in enumerate(placements):
+            if not isinstance(placement, Placement):
+                raise TypeError(f"placement {index} is of type {type(placement).__name__}, expected swiftgs.Placement")
+            structs[index] = placement._struct()
         with self._scene_lock:
-            lib.renderer_set_scene(self._open(), scene._open())
-            self._scene = f"{len(scene):,} Gaussians"
+            lib.renderer_place(self._open(), structs, len(structs))
+            self._placed = [struct.scene for struct in structs]
+
+    def placed_scene_of(self, numbers: Any) -> Tuple[np.ndarray, np.ndarray]:
+        """The placement of each Gaussian that a frame numbers, such as by its plane `id`, and the Gaussian's index in
+        that scene: two arrays of the shape of `numbers`, with -1 in both for `NOTHING`."""
+        found = np.asarray(numbers)
+        if found.dtype.kind not in "ui":
+            raise TypeError(f"numbers are of type {found.dtype}, expected whole numbers")
+        found = found.astype(np.int64)
+        with self._scene_lock:
+            firsts = np.cumsum([0] + [self._counts[scene] for scene in self._placed])
+        nothing = found == _c.NOTHING
+        wrong = ~nothing & ((found < 0) | (found >= firsts[-1]))
+        if wrong.any():
+            raise ValueError(f"numbers have {found[wrong][0]}, expected less than {firsts[-1]} or NOTHING")
+        placement = np.searchsorted(firsts[1:], found, side="right")
+        return np.where(nothing, -1, placement), np.where(nothing, -1, found - firsts[placement])
 
     def share_scene(self, other: "Renderer") -> None:
-        """Shares what `other`, a renderer of the same backend, has uploaded."""
+        """Shares the scenes that `other`, a renderer of the same backend, has uploaded, and their placements."""
         if not isinstance(other, Renderer):
             raise TypeError(f"other is of type {type(other).__name__}, expected swiftgs.Renderer")
         with self._scene_lock:
             lib.renderer_share_scene(self._open(), other._open())
-            self._scene = other._scene
+            self._counts, self._placed = list(other._counts), list(other._placed)
 
     def set_gaussians(self, means: Any, scales: Any, rotations: Any, opacities: Any, sh0: Any = None,
                       sh_rest: Any = None, *, colours: Any = None, log_scales: bool = False,
@@ -180,7 +228,7 @@ class Renderer:
                 given = [array for array in (*arrays, *beside) if array is not None]
                 for stream in {_arrays.stream_of(array, device) for array in given}:
                     self._hand_on(handle, stream)
-            self._scene = f"{struct.count:,} Gaussians"
+            self._counts, self._placed = [struct.count], [0]
 
     def _hand_on(self, handle: Handle, stream: Optional[int]) -> None:
         """What a library does next on its stream comes after what the renderer has been given."""
@@ -198,8 +246,8 @@ class Renderer:
         Without `out` the images are new arrays of NumPy, whatever the backend: of one image without an index of the
         image, of a sequence of cameras with it. `format` is "rgb", "rgba", "rgba-half" or "rgba8"; `alpha=True`,
         `depth=True` and so on add the planes of `Frame`, `features=3` the first three of the scene's, `colour=False`
-        leaves colour out, and `background`, `conventions`, `occluder`, `stored_depth`, `first_pixel` and `conversion`
-        are those of `Frame`. With `out`, a frame of yours, all of that is the frame's,
+        leaves colour out, and `background`, `conventions`, `occluder`, `stored_depth`, `first_pixel`, `conversion` and
+        `shows` are those of `Frame`. With `out`, a frame of yours, all of that is the frame's,
         and the same frame comes back.
 
         Frames on the host are complete when it returns. Those in arrays of a CUDA device are in the order of their
@@ -340,5 +388,10 @@ class Renderer:
         self.close()
 
     def __repr__(self) -> str:
-        state = "closed" if self._handle is None else f"on {self.device_name}, {self._scene}"
-        return f"<swiftgs.Renderer {self.name} {state}>"
+        if self._handle is None:
+            return f"<swiftgs.Renderer {self.name} closed>"
+        count = sum(self._counts[scene] for scene in self._placed)
+        scenes = f"{count:,} Gaussians" if self._placed else "no scene"
+        if len(self._placed) > 1:
+            scenes += f" in {len(self._placed)} placed scenes"
+        return f"<swiftgs.Renderer {self.name} on {self.device_name}, {scenes}>"

@@ -10,6 +10,7 @@
 #include <CLI/CLI.hpp>
 
 #include <swiftgs/any_renderer.hpp>
+#include <swiftgs/edit/transform.hpp>
 #include <swiftgs/io/image.hpp>
 #include <swiftgs/io/sort_calibrations.hpp>
 
@@ -21,6 +22,7 @@
 #include "options.hpp"
 #include "progress.hpp"
 #include "read/distinct_files.hpp"
+#include "read/placed_input.hpp"
 #include "read/scene_input.hpp"
 #include "read/views.hpp"
 #include "result_file.hpp"
@@ -29,7 +31,9 @@ namespace swiftgs::cli {
 namespace {
 
 struct RenderOptions {
-  SceneOptions scene;
+  std::vector<std::string> scenes;
+  bool place = false;
+  SceneOptions scene;  ///< how to read them; of the first one
   ViewOptions view;
   LensOptions lens;
   std::string renderer;  ///< empty for `default_renderer()`
@@ -90,7 +94,31 @@ void use_calibration(AnyRenderer& renderer, const std::string& file, const Scene
   renderer.use_calibrations(std::move(found));
 }
 
-void render(const RenderOptions& options) {
+/// What the scenes are called in results, and their files.
+struct SceneNames {
+  std::string all;
+  std::vector<NamedFile> files;
+
+  SceneNames(const std::vector<ListedScene>& scenes, SceneOptions reading) {
+    for (const ListedScene& scene : scenes) {
+      reading.scene = scene.file;
+      const Capture capture = capture_of(reading);
+      all += (all.empty() ? "" : "+") + capture.name;
+      files.push_back({"SCENE", capture.scene.string()});
+    }
+  }
+};
+
+/// `place_views` of the first scene. A view that is found for it goes where the scene goes.
+void place_views(std::vector<View>& views, const DrawnScenes& drawn) {
+  const bool found = views[0].to_find_at > 0;
+  cli::place_views(views, *drawn.gaussians[0], drawn.camera);
+  if (!found) return;
+  for (View& view : views)
+    view.camera = transformed(view.camera, drawn.placements[0].world_from_scene), validate(view.camera);
+}
+
+void render(RenderOptions options) {
   const Writer write = writer_of(options.format);
   const std::string& planes = options.view.planes;
   if (!planes.empty() && options.format != "exr" && !(planes == "alpha" && options.format == "png"))
@@ -98,11 +126,15 @@ void render(const RenderOptions& options) {
         "--planes: expected --format exr, whose channels hold them, or alpha in a PNG");
   require_batch(options.batch);
   validate(options.lens);
-  const Capture capture = capture_of(options.scene);
-  require_distinct({{"--json", options.json}},
-                   {{"SCENE", capture.scene.string()},
-                    {"--cameras", cameras_of(options.scene, options.view.cameras)},
-                    {"--calibration", options.calibration}});
+  const std::vector<ListedScene> listed = scenes_of(options.scenes, options.place);
+  if (listed.size() > 1 && !options.calibration.empty())
+    throw std::invalid_argument("--calibration: found " + std::to_string(listed.size()) +
+                                " scenes, expected the one that it is of");
+  options.scene.scene = listed[0].file;
+  SceneNames names(listed, options.scene);
+  names.files.push_back({"--cameras", cameras_of(options.scene, options.view.cameras)});
+  names.files.push_back({"--calibration", options.calibration});
+  require_distinct({{"--json", options.json}}, names.files);
   const std::unique_ptr<AnyRenderer> renderer =
       make_renderer(options.renderer.empty() ? default_renderer() : options.renderer);
   std::vector<std::string> notes;
@@ -111,9 +143,9 @@ void render(const RenderOptions& options) {
   RenderSettings settings = settings_of(options.view);
   settings.conventions.depth = depth_of(options.lens);
   settings.conventions.depth_at = depth_at_of(options.lens);
-  const DrawnScene drawn = load_to_draw(options.scene, notes);
-  const auto scene = drawn.gaussians;
-  place_views(views, *scene, drawn.camera);
+  const DrawnScenes drawn = load_to_place(listed, options.scene, notes);
+  const auto scene = drawn.gaussians[0];
+  place_views(views, drawn);
   use_lens(views, options.lens, *scene);
   settings = settings_for(settings, *scene);
   if (options.format == "png" && settings.outputs.alpha && settings.background != vec3(0))
@@ -124,7 +156,8 @@ void render(const RenderOptions& options) {
   head.notes = std::move(notes);
   Numbered<RenderResult> numbered;
   std::filesystem::create_directories(options.out);
-  renderer->set_scene(scene);
+  for (const auto& each : drawn.gaussians) renderer->add_scene(each);
+  renderer->place({drawn.placements.data(), drawn.placements.size()});
   if (!options.calibration.empty()) use_calibration(*renderer, options.calibration, *scene, views);
 
   const std::size_t batch = std::min(std::size_t(options.batch), views.size());
@@ -158,7 +191,7 @@ void render(const RenderOptions& options) {
         std::filesystem::path(options.out) / (view.name + "." + options.format);
     write(file, frame);
     RenderResult result{.renderer = std::string(renderer->name()),
-                        .scene = capture.name,
+                        .scene = names.all,
                         .view = view.name,
                         .conventions = options.view.conventions,
                         .lens = words_of(view.camera.lens),
@@ -204,6 +237,12 @@ A scene without cameras gets one view, which is found for it; 'builtin' has a fr
 number 0, and an orbit, 1 to 24. Images are called as the cameras are, or by number.
 A scene that was trained with anti-aliasing is rendered with it.
 Each camera has the lens of its file unless --lens or --panorama gives all the same.
+With --place, or a list, a frame shows several scenes, and splats of all are blended by depth.
+The first one has the cameras. A list is a JSON array of objects with "file", beside the list,
+and where they differ from these defaults "rotation": [1, 0, 0, 0] (a quaternion w, x, y, z, or
+three rows), "scale": 1, "translation": [0, 0, 0], "opacity": 1, and "clip" with what shows, in
+numbers of the file: "box": [x, y, z, x, y, z], "sphere": [x, y, z, radius], and "half_spaces":
+[[x, y, z, offset]]. A scene with an origin stands at its origin.
 With --batch N a frame has N views, the last frame what is left. The time of an image is then
 that of its frame, divided by the views of the frame.
 
@@ -212,7 +251,9 @@ Examples:
   swiftgs render garden/ --views 0,8,DSC08050
   swiftgs render garden.spz --cameras cameras.json --views 0,8 --stats
   swiftgs render fox.spz --cameras fox/sparse/0 --views every:8 --format exr
-  swiftgs render garden/ --views 0 --panorama --scale 2)";
+  swiftgs render garden/ --views 0 --panorama --scale 2
+  swiftgs render room.spz chair.ply lamp.ply --place
+  swiftgs render scenes.json)";
 
 }  // namespace
 
@@ -220,7 +261,15 @@ void add_render(CLI::App& app) {
   CLI::App* command = app.add_subcommand("render", "Renders views of a scene to image files");
   command->footer(render_help);
   const auto options = std::make_shared<RenderOptions>();
-  add_scene(*command, options->scene);
+  command
+      ->add_option(
+          "SCENE", options->scenes,
+          std::string("Files, folders of captures, builtin, or builtin:N for N Gaussians; files are\n") +
+              scene_files + ",\nor a .json list of scenes, shown in one frame")
+      ->required();
+  command->add_flag("--place", options->place,
+                    "Show several SCENEs in one frame, each where its file has it");
+  add_scene_reading(*command, options->scene);
   add_views(*command, options->view, "all");
   add_planes(*command, options->view.planes);
   add_lens(*command, options->lens);

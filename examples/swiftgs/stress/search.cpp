@@ -14,13 +14,13 @@
 #include <swiftgs/stress/search.hpp>
 
 #include "bench/threads.hpp"
+#include "draw/team.hpp"
 #include "number_text.hpp"
 #include "progress.hpp"
 #include "result_file.hpp"
 #include "stress/cases.hpp"
 #include "stress/search_results.hpp"
 #include "stress/table.hpp"
-#include "draw/team.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -42,6 +42,8 @@ StressSubject subject_of(const RendererEntry& entry) {
             std::unique_ptr<AnyRenderer> made = std::move(*renderer);
             if (!made) made = entry.make();
             made->set_scene(std::make_shared<const Scene>(drawn.scene));
+            const Placement placement{.world_from_scene = drawn.world_from_scene};
+            made->place({&placement, 1});
             Frame frame;
             made->render(
                 drawn.camera,

@@ -5,8 +5,8 @@
 #include <cstddef>
 #include <cstdio>
 
-#include "json_text.hpp"
 #include "draw/renderer_words.hpp"
+#include "json_text.hpp"
 #include "stress/table.hpp"
 
 namespace swiftgs::cli {
@@ -24,17 +24,24 @@ Json json_of(const Lens& lens) {
           {"prism", d.prism}};
 }
 
-Json json_of(const Camera& c) {
+Json json_of(const dmat3& matrix) {
   Json rows = Json::array();
-  for (int row = 0; row < 3; ++row)
-    rows.push_back({c.rotation[0][row], c.rotation[1][row], c.rotation[2][row]});
+  for (int row = 0; row < 3; ++row) rows.push_back({matrix[0][row], matrix[1][row], matrix[2][row]});
+  return rows;
+}
+
+Json json_of(const Similarity& by) {
+  return {{"rotation", json_of(by.rotation)}, {"scale", by.scale}, {"translation", json_of(by.translation)}};
+}
+
+Json json_of(const Camera& c) {
   return {{"width", c.width},
           {"height", c.height},
           {"fx", c.fx},
           {"fy", c.fy},
           {"cx", c.cx},
           {"cy", c.cy},
-          {"rotation", rows},
+          {"rotation", json_of(c.rotation)},
           {"translation", json_of(c.translation)},
           {"lens", json_of(c.lens)}};
 }
@@ -84,6 +91,7 @@ std::string case_text(const StressCase& drawn) {
   return text_of({{"camera", json_of(drawn.camera)},
                   {"conventions", json_of(drawn.conventions)},
                   {"background", json_of(drawn.background)},
+                  {"world_from_scene", json_of(drawn.world_from_scene)},
                   {"sh_degree", drawn.scene.sh_degree},
                   {"gaussians", gaussians}});
 }

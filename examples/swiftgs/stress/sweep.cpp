@@ -61,8 +61,8 @@ void Sweep::draw_seed(const StressPoint& point, std::uint64_t seed, std::vector<
   const auto scene = std::make_shared<const Scene>(made.scene);
   const RenderSettings settings{
       .conventions = made.conventions, .background = made.background, .outputs = {true, true}};
-  const ConditionedFrame reference =
-      render_conditioned(*scene, made.camera, made.conventions, dvec3(made.background), seed, threads_);
+  const Placement placement{.world_from_scene = made.world_from_scene};
+  const ConditionedFrame reference = render_conditioned(made, seed, threads_);
   for (std::size_t i = 0; i < subjects_.size(); ++i) {
     Subject& subject = subjects_[i];
     progress.start(std::string(point.family->name) + " " + severity_text(point.severity) + ": " +
@@ -72,6 +72,7 @@ void Sweep::draw_seed(const StressPoint& point, std::uint64_t seed, std::vector<
     try {
       if (!subject.renderer) subject.renderer = subject.entry.make();
       subject.renderer->set_scene(scene);
+      subject.renderer->place({&placement, 1});
       subject.renderer->render(made.camera, settings, frame);
       add(rows[i], judge(reference, frame, exponent_representation_named(subject.entry.name)), seed);
     } catch (const std::exception& error) {

@@ -16,7 +16,7 @@
 extern "C" {
 #endif
 
-/// Renders frames of the scene that it was given. It keeps its memory: a frame no larger than an earlier one
+/// Renders frames of the scenes that it was given. It keeps its memory: a frame no larger than an earlier one
 /// allocates nothing. Calls from several threads run one after another.
 typedef struct swiftgs_renderer swiftgs_renderer;
 
@@ -70,8 +70,9 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_name(const swiftgs_renderer* rende
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_device_name(const swiftgs_renderer* renderer,
                                                           const char** name);
 
-/// Uploads `scene` for the frames that follow; backends of the host share it. A graph of frames that were
-/// recorded before reads the scene of then: destroy the graph first.
+/// Uploads `scene` for the frames that follow, in place of all scenes and placements before; backends of the
+/// host share it. A graph of frames that were recorded before reads the scene of then: destroy the graph
+/// first.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_set_scene(swiftgs_renderer* renderer,
                                                         const swiftgs_scene* scene);
 /// As above, of arrays. Those of a device go to a renderer of `cuda` within the device, in stream order, and
@@ -83,11 +84,39 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_set_scene(swiftgs_renderer* render
 /// no scene.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_set_gaussians(swiftgs_renderer* renderer,
                                                             const swiftgs_gaussians* gaussians);
-/// Shares the scene that `other` has uploaded, without another copy. On a device the renderer's stream waits
-/// for what the stream of `other` has now. `SWIFTGS_INVALID_ARGUMENT`, and nothing changes, if `other` has no
-/// scene or another backend.
+/// Shares the scenes that `other` has uploaded, without other copies, and their placements. On a device the
+/// renderer's stream waits for what the stream of `other` has now. `SWIFTGS_INVALID_ARGUMENT`, and nothing
+/// changes, if `other` has no scene or another backend.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_share_scene(swiftgs_renderer* renderer,
                                                           const swiftgs_renderer* other);
+
+/// Uploads one more scene, and writes its number: 0, 1 and so on. Frames show it too, where it stands by
+/// itself, until the next `swiftgs_renderer_place`.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_add_scene(swiftgs_renderer* renderer,
+                                                        const swiftgs_scene* scene, uint64_t* number);
+
+/// A placed scene: one of a renderer's scenes in a frame, moved to p_world = scale rotation p_scene +
+/// translation. Zeros show it all where it stands by itself. Its clip is in the scene's own space, and shows
+/// the Gaussians whose means lie in all half-spaces and in the sphere.
+typedef struct swiftgs_placement {
+  uint32_t size;             ///< `sizeof(swiftgs_placement)`; the same in all elements of an array
+  int32_t half_space_count;  ///< 0 to 6
+  uint64_t scene;            ///< number of the scene, as `swiftgs_renderer_add_scene` writes it
+  double rotation[9];        ///< @shape{3, 3} scene to world, row after row, orthonormal; all 0: none
+  double scale;              ///< above 0; 0: 1
+  double translation[3];     ///< world position of the scene's zero
+  double transparency;       ///< 1 less what opacities are multiplied by; 0 to 1
+  float half_spaces[24];     ///< @shape{6, 4} x, y, z, w each: points p with (x, y, z) . p + w >= 0
+  float centre[3];           ///< of the sphere
+  float radius;              ///< 0: no sphere
+} swiftgs_placement;
+
+/// Sets the placed scenes that frames show: any of the renderer's scenes, any number of times. Gaussians are
+/// numbered over all of them, those of the first placed scene first: so `id`, `median_id` and
+/// `swiftgs_renderer_pick` tell them. Origins of scenes are not looked at: add them to translations. Errors:
+/// `SWIFTGS_INVALID_ARGUMENT`, and nothing changes.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_place(swiftgs_renderer* renderer,
+                                                    const swiftgs_placement* placements, size_t count);
 
 /// What a frame measures beside its images. Flags are added.
 enum {
@@ -136,6 +165,11 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_reserve(swiftgs_renderer* renderer
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_set_views(swiftgs_renderer* renderer,
                                                         const swiftgs_frame* frame);
 
+/// Sets what recorded frames show to what `swiftgs_renderer_place` was given since, in stream order: as many
+/// placed scenes of as many Gaussians as were reserved, moved, clipped or made fainter.
+/// `SWIFTGS_INVALID_ARGUMENT`, and nothing changes, for others, and if a scene alone was reserved.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_set_recorded_scenes(swiftgs_renderer* renderer);
+
 /// What a recorded frame took. If it overflowed, it drew nothing; a capacity of these numbers suffices.
 typedef struct swiftgs_report {
   uint64_t visible;        ///< Gaussians, of all views
@@ -145,8 +179,9 @@ typedef struct swiftgs_report {
 
 /// Draws the views that were set. It neither waits nor allocates, so that a CUDA graph may capture it.
 /// `report` is memory that the backend reaches: of the host, or of the device, or pinned. On a host the frame
-/// is complete when it returns. Errors: `SWIFTGS_INVALID_ARGUMENT` before `swiftgs_renderer_reserve`,
-/// `SWIFTGS_CAPACITY_ERROR` for a scene of more Gaussians than were reserved.
+/// is complete when it returns. Errors: `SWIFTGS_INVALID_ARGUMENT` before `swiftgs_renderer_reserve`, and of
+/// placed scenes where others were uploaded since in their place; `SWIFTGS_CAPACITY_ERROR` for a scene of
+/// more Gaussians than were reserved.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_record(swiftgs_renderer* renderer, swiftgs_report* report);
 
 /// Returns when all work submitted so far is done.
@@ -189,7 +224,7 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_times(swiftgs_renderer* renderer, 
 typedef struct swiftgs_statistics {
   uint32_t size;           ///< `sizeof(swiftgs_statistics)`
   uint32_t reserved;       ///< 0
-  uint64_t gaussians;      ///< in the scene
+  uint64_t gaussians;      ///< in all placed scenes
   uint64_t visible;        ///< projected to splats
   uint64_t intersections;  ///< pairs of splat and tile
   /// 0 unless the frame measured counts, as all below.

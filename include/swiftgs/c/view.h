@@ -130,11 +130,15 @@ typedef struct swiftgs_view {
   /// 3 floats: sum of weight times normal, a unit vector in camera space along the Gaussian's shortest axis,
   /// against the ray through its mean.
   swiftgs_plane normal;
-  swiftgs_plane id;  ///< uint32: index of the largest weight, of equal ones the nearest; or `SWIFTGS_NOTHING`
+  /// uint32: Gaussian of the largest weight, of equal ones the nearest; or `SWIFTGS_NOTHING`. Of several
+  /// placed scenes the number is that over the frame, as `swiftgs_renderer_place` says.
+  swiftgs_plane id;
   swiftgs_plane median_id;   ///< uint32: index of the Gaussian of `median_depth`; or `SWIFTGS_NOTHING`
   swiftgs_plane features;    ///< `feature_channels` floats: sum of weight times feature
   int32_t feature_channels;  ///< their number: the scene's first ones
   int32_t conversion;        ///< of `colour`: `SWIFTGS_CONVERT_...`
+  uint32_t first_shown;      ///< number of the first placed scene that shows
+  uint32_t shown_count;      ///< how many placed scenes show; 0: all from there on
 } swiftgs_view;
 
 /// Pixels of an image on the host, for `swiftgs_image_write`. Planes are those of `swiftgs_view`, only read.

@@ -7,8 +7,6 @@
 #include <stdexcept>
 #include <string>
 
-#include <glm/matrix.hpp>
-
 #include <swiftgs/camera.hpp>
 #include <swiftgs/edit/finite.hpp>
 #include <swiftgs/edit/origin.hpp>
@@ -17,42 +15,9 @@
 #include <swiftgs/math.hpp>
 #include <swiftgs/rotation.hpp>
 #include <swiftgs/scene.hpp>
+#include <swiftgs/similarity.hpp>
 
 namespace swiftgs {
-
-/// A movement that keeps shapes: p becomes scale * rotation p + translation.
-struct Similarity {
-  dmat3 rotation{1.0};  ///< orthonormal, of determinant 1; GLM stores it by columns: rotation[column][row]
-  double scale = 1;     ///< above 0
-  dvec3 translation{0.0};
-
-  dvec3 operator()(const dvec3& p) const { return scale * (rotation * p) + translation; }
-};
-
-/// Throws `std::invalid_argument` that names the first invalid member.
-inline void validate(const Similarity& by) {
-  const auto require = [](bool holds, const char* expected) {
-    if (!holds) throw std::invalid_argument(std::string("transform: expected ") + expected);
-  };
-  require(detail::is_finite(by.scale) && by.scale > 0, "a finite scale above 0");
-  for (int i = 0; i < 3; ++i) {
-    require(detail::is_finite(by.translation[i]), "a finite translation");
-    for (int j = 0; j < 3; ++j)
-      require(std::abs(detail::dot(by.rotation[i], by.rotation[j]) - (i == j ? 1.0 : 0.0)) < 1e-6,
-              "a rotation with orthonormal columns");
-  }
-  require(detail::dot(detail::cross(by.rotation[0], by.rotation[1]), by.rotation[2]) > 0,
-          "a rotation, not a mirror");
-}
-
-/// The movement that undoes `by`. Throws as `validate` does.
-inline Similarity inverse(const Similarity& by) {
-  validate(by);
-  Similarity back;
-  back.rotation = glm::transpose(by.rotation), back.scale = 1 / by.scale;
-  back.translation = -back.scale * (back.rotation * by.translation);
-  return back;
-}
 
 namespace detail {
 

@@ -64,7 +64,8 @@ SWIFTGS_HD inline SphereSlopes sphere_slopes(const ViewConstants& v, const Gauss
                                    v.fx * inverse_z, v.fy * inverse_z};
     return ImageAxes<double>(v, by, g.scale, g.rotation);
   };
-  const dvec3 ahead = v.depth_is_distance ? p * (1 / std::sqrt(dot(p, p))) : dvec3(0.0, 0.0, 1.0);
+  const dvec3 ahead =
+      v.depth_is_distance ? p * (v.depth_scale / std::sqrt(dot(p, p))) : dvec3(0.0, 0.0, v.depth_scale);
   dvec3 in_world(0.0), depth;
   for (int row = 0; row < 3; ++row)
     for (int k = 0; k < 3; ++k) in_world[k] += ahead[row] * v.rotation[row][k];

@@ -232,18 +232,24 @@ inline void mark_ambiguous_orders(std::vector<VariedSplat>& splats) {
   }
 }
 
-inline std::vector<VariedSplat> project_all_varied(const Scene& scene, const View& view, std::uint64_t seed) {
+/// Appends the splats of a placed scene.
+inline void project_varied(const View& view, std::uint64_t seed, std::vector<VariedSplat>& splats) {
+  const Scene& scene = view.placed.scene;
   std::vector<Scene> moved;
-  for (std::size_t t = 0; t < trials; ++t) moved.push_back(nudged(scene, seed + 977 * (t + 1)));
-  std::vector<VariedSplat> splats;
+  for (std::size_t t = 0; t < trials; ++t) moved.push_back(nudged(scene, seed + 977 * (t + 1) + view.first));
   for (std::size_t i = 0; i < scene.size(); ++i)
     for (const Columns part : view.parts) {
-      std::optional<VariedSplat> splat = project_varied(scene, moved, i, view, part, seed);
+      std::optional<VariedSplat> splat = project_varied(moved, i, view, part, seed);
       if (!splat || !(splat->splat.opacity >= 0.99 * double(view.conventions.alpha_min))) continue;
       bound_varied(*splat, view, part);
       if (splat->splat.x_begin < splat->splat.x_end && splat->splat.y_begin < splat->splat.y_end)
         splats.push_back(std::move(*splat));
     }
+}
+
+inline std::vector<VariedSplat> project_all_varied(const std::vector<View>& views, std::uint64_t seed) {
+  std::vector<VariedSplat> splats;
+  for (const View& view : views) project_varied(view, seed, splats);
   std::stable_sort(splats.begin(), splats.end(), [](const VariedSplat& a, const VariedSplat& b) {
     return float(a.splat.depth) < float(b.splat.depth);
   });
@@ -279,17 +285,18 @@ inline void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pi
 
 }  // namespace reference
 
-/// Renders `scene` as `render_reference` does, six more times with every float of it moved by up to a unit in
-/// its last place, and finds where decisions are ambiguous. What moves is decided by `seed` alone.
+/// Renders placed scenes as `render_reference` does, six more times with every float of them moved by up to a
+/// unit in its last place, and finds where decisions are ambiguous. Clips decide of the means as they are.
+/// What moves is decided by `seed` alone.
 /// Throws `std::invalid_argument` as `render_reference` does, and where `conventions` are not valid or
 /// measure depth along the ray.
-inline ConditionedFrame render_conditioned(const Scene& scene, const Camera& camera,
+inline ConditionedFrame render_conditioned(Span<const ReferenceScene> scenes, const Camera& camera,
                                            const Conventions& conventions, dvec3 background = dvec3(0),
                                            std::uint64_t seed = 1, int threads = 0,
                                            Span<const float> occluder = {}) {
   using namespace reference;
   ConditionedFrame out;
-  check_reference_arguments(scene, camera, background, occluder);
+  check_reference_arguments(scenes, camera, background, occluder);
   if (conventions.depth_at != Conventions::DepthAt::centre)
     throw std::invalid_argument("render_conditioned: expected depths of centres");
   validate(conventions);
@@ -299,8 +306,7 @@ inline ConditionedFrame render_conditioned(const Scene& scene, const Camera& cam
   out.alpha_move.resize(out.frame.alpha.size()), out.depth_move.resize(out.frame.alpha.size());
   for (std::vector<double>& ambiguous : out.ambiguous) ambiguous.resize(out.frame.alpha.size());
 
-  const std::vector<VariedSplat> splats =
-      project_all_varied(scene, reference::View(camera, conventions), seed);
+  const std::vector<VariedSplat> splats = project_all_varied(views_of(scenes, camera, conventions), seed);
   for_each_index(std::size_t(camera.height), threads, [&](std::size_t row) {
     const int y = int(row);
     std::vector<VariedPixel> pixels(std::size_t(camera.width));
@@ -321,6 +327,14 @@ inline ConditionedFrame render_conditioned(const Scene& scene, const Camera& cam
   out.colour_span = highest - lowest;
   for (const double value : out.frame.colour) out.peak = std::max(out.peak, std::abs(value));
   return out;
+}
+/// The same of a scene alone, where it stands by itself.
+inline ConditionedFrame render_conditioned(const Scene& scene, const Camera& camera,
+                                           const Conventions& conventions, dvec3 background = dvec3(0),
+                                           std::uint64_t seed = 1, int threads = 0,
+                                           Span<const float> occluder = {}) {
+  const ReferenceScene alone{scene};
+  return render_conditioned({&alone, 1}, camera, conventions, background, seed, threads, occluder);
 }
 
 }  // namespace swiftgs

@@ -48,8 +48,9 @@ struct Normal {
   bool undecided;  ///< across the ray as far as float can tell, so that it may point either way
 };
 
-inline Normal normal(const Scene& scene, std::size_t i, const View& view) {
+inline Normal normal(std::size_t i, const View& view) {
   constexpr double least_cosine = 1e-5;
+  const Scene& scene = view.placed.scene;
   const Quaternion& q = scene.rotations[i];
   const vec3& s = scene.scales[i];
   const double scales[] = {s.x, s.y, s.z};
@@ -60,6 +61,23 @@ inline Normal normal(const Scene& scene, std::size_t i, const View& view) {
   const Eigen::Vector3d ray = parallel ? Eigen::Vector3d(0, 0, 1) : camera_space_mean(scene, i, view);
   const double cosine = axis.dot(ray.stableNormalized());
   return {cosine > 0 ? -axis : axis, std::abs(cosine) < least_cosine};
+}
+
+/// What planes show of a Gaussian besides its splat.
+struct Attributes {
+  Normal normal;
+  const float* features;
+};
+
+/// Those of all Gaussians, by their numbers.
+inline std::vector<Attributes> attributes_of(const std::vector<View>& views) {
+  std::vector<Attributes> all;
+  for (const View& view : views) {
+    const Scene& scene = view.placed.scene;
+    for (std::size_t i = 0; i < scene.size(); ++i)
+      all.push_back({normal(i, view), scene.features.data() + std::size_t(scene.feature_channels) * i});
+  }
+  return all;
 }
 
 /// What a pixel has collected so far.
@@ -148,7 +166,7 @@ inline void write_pixel(ReferencePlanes& out, std::size_t i, const PlanesPixel& 
 }
 
 /// Blends `splats`, front to back, into the image rows [first, last).
-inline void render_rows(ReferencePlanes& out, const Scene& scene, const std::vector<Normal>& normals,
+inline void render_rows(ReferencePlanes& out, const std::vector<Attributes>& attributes,
                         const std::vector<const Splat*>& splats, int first, int last,
                         const Conventions& conventions, Span<const float> occluder) {
   const std::size_t width = std::size_t(out.width), begin = width * std::size_t(first);
@@ -160,9 +178,10 @@ inline void render_rows(ReferencePlanes& out, const Scene& scene, const std::vec
     for (int y = std::max(first, splat->y_begin); y < std::min(last, splat->y_end); ++y)
       for (int x = splat->x_begin; x < splat->x_end; ++x) {
         const std::size_t i = width * std::size_t(y - first) + std::size_t(x);
-        const double weight = pixels[i].offer(*splat, normals[splat->index], x, y, conventions);
+        const Attributes& of = attributes[splat->index];
+        const double weight = pixels[i].offer(*splat, of.normal, x, y, conventions);
         for (std::size_t c = 0; weight > 0 && c < channels; ++c) {
-          const float feature = scene.features[channels * splat->index + c];
+          const float feature = of.features[c];
           const double most = most_attribute(conventions.alpha_max);
           if (std::isfinite(feature))
             out.features[channels * (begin + i) + c] += weight * std::clamp(double(feature), -most, most);
@@ -173,27 +192,35 @@ inline void render_rows(ReferencePlanes& out, const Scene& scene, const std::vec
 
 }  // namespace reference
 
-/// Renders all planes of `scene`, with all its features, on `threads` threads, as `render_reference` renders
-/// colour, alpha and depth. Throws as it does.
-inline ReferencePlanes render_reference_planes(const Scene& scene, const Camera& camera,
+/// Renders all planes of placed scenes, with the features that all have, on `threads` threads, as
+/// `render_reference` renders colour, alpha and depth. Throws as it does.
+inline ReferencePlanes render_reference_planes(Span<const ReferenceScene> scenes, const Camera& camera,
                                                const Conventions& conventions, int threads = 0,
                                                Span<const float> occluder = {}) {
   using namespace reference;
-  check_reference_arguments(scene, camera, dvec3(0), occluder);
+  check_reference_arguments(scenes, camera, dvec3(0), occluder);
   threads = thread_count(threads);
-  const reference::View view(camera, conventions);
-  const SplatChunks chunks = project_all(scene, view, threads);
+  const std::vector<reference::View> views = views_of(scenes, camera, conventions);
+  const SplatChunks chunks = project_all(views, threads);
   const std::vector<std::vector<const Splat*>> strips = sort_into_strips(chunks, camera.height);
-  std::vector<Normal> normals;
-  for (std::size_t i = 0; i < scene.size(); ++i) normals.push_back(normal(scene, i, view));
+  const std::vector<Attributes> attributes = attributes_of(views);
 
+  int channels = scenes.empty() ? 0 : max_feature_channels;
+  for (const ReferenceScene& placed : scenes) channels = std::min(channels, placed.scene.feature_channels);
   ReferencePlanes out;
-  prepare(out, camera, scene.feature_channels);
+  prepare(out, camera, channels);
   for_each_index(strips.size(), threads, [&](std::size_t strip) {
     const int first = int(strip) * strip_rows, last = std::min(camera.height, first + strip_rows);
-    render_rows(out, scene, normals, strips[strip], first, last, conventions, occluder);
+    render_rows(out, attributes, strips[strip], first, last, conventions, occluder);
   });
   return out;
+}
+/// The same of a scene alone, where it stands by itself.
+inline ReferencePlanes render_reference_planes(const Scene& scene, const Camera& camera,
+                                               const Conventions& conventions, int threads = 0,
+                                               Span<const float> occluder = {}) {
+  const ReferenceScene alone{scene};
+  return render_reference_planes({&alone, 1}, camera, conventions, threads, occluder);
 }
 
 }  // namespace swiftgs

@@ -17,6 +17,7 @@
 #include <swiftgs/plane/attributes.hpp>
 #include <swiftgs/reference/colour.hpp>
 #include <swiftgs/reference/lens.hpp>
+#include <swiftgs/reference/placed.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/splats.hpp>
 
@@ -42,7 +43,7 @@ struct Splat {
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();   ///< of depth along the ray @units{depth per pixel}
   Eigen::Vector3d colour = Eigen::Vector3d::Zero();  ///< RGB, the scene's own values
   Covariance covariance;
-  std::size_t index = 0;                               ///< of the Gaussian in its scene
+  std::size_t index = 0;                               ///< number of the Gaussian in the frame
   int x_begin = 0, x_end = 0, y_begin = 0, y_end = 0;  ///< no pixel outside is reached
 
   /// At pixel (column, row), as `Conventions::depth_at` has it.
@@ -57,14 +58,25 @@ struct Columns {
   double middle;
 };
 
-/// What all Gaussians of one frame are projected with.
+/// What all Gaussians of a placed scene are projected with. A point p of the scene is at
+/// scale * rotation p + translation of camera space, which has the world's lengths.
 struct View {
-  View(const Camera& c, const Conventions& k) : camera(c), conventions(k), lens(c, k) {
+  View(const Camera& c, const Conventions& k, const ReferenceScene& scene, std::size_t first_index = 0)
+      : camera(c), conventions(k), placed(scene), first(first_index), lens(c, k) {
+    const Similarity& pose = placed.world_from_scene;
+    Eigen::Matrix3d of_camera, of_scene;
+    Eigen::Vector3d camera_at, scene_at;
     for (int row = 0; row < 3; ++row) {
-      for (int column = 0; column < 3; ++column) rotation(row, column) = c.rotation[column][row];
-      translation[row] = c.translation[row];
+      for (int column = 0; column < 3; ++column) {
+        of_camera(row, column) = c.rotation[column][row];
+        of_scene(row, column) = pose.rotation[column][row];
+      }
+      camera_at[row] = c.translation[row], scene_at[row] = pose.translation[row];
     }
-    centre = -rotation.inverse() * translation;
+    scale = pose.scale;
+    rotation = of_camera * of_scene;
+    translation = of_camera * scene_at + camera_at;
+    centre = -rotation.inverse() * translation / scale;
     const int width = panorama_part(c) > 0 ? panorama_part(c) : c.width;
     for (int x = 0; x < c.width; x += width)
       parts.push_back(
@@ -73,9 +85,13 @@ struct View {
 
   Camera camera;
   Conventions conventions;
+  ReferenceScene placed;
+  std::size_t first;  ///< number of the scene's first Gaussian
   CameraLens lens;
-  Eigen::Matrix3d rotation;
-  Eigen::Vector3d translation, centre;
+  double scale;
+  Eigen::Matrix3d rotation;  ///< from the scene to the camera
+  Eigen::Vector3d translation;
+  Eigen::Vector3d centre;      ///< of the camera, in the scene
   std::vector<Columns> parts;  ///< of the image, each with a copy of every splat that it shows
 };
 
@@ -85,7 +101,7 @@ inline Eigen::Matrix3d gaussian_axes(const Scene& scene, std::size_t i, const Vi
   const Quaternion& q = scene.rotations[i];
   const Eigen::Matrix3d axes = Eigen::Quaterniond(q.w, q.x, q.y, q.z).toRotationMatrix();
   const vec3& s = scene.scales[i];
-  return view.rotation * axes * Eigen::Vector3d(s.x, s.y, s.z).asDiagonal();
+  return view.scale * view.rotation * axes * Eigen::Vector3d(s.x, s.y, s.z).asDiagonal();
 }
 
 /// Projects the covariance of Gaussian `i`, which a lens shows with this Jacobian.
@@ -104,12 +120,13 @@ inline Covariance project_covariance(const Scene& scene, std::size_t i,
           .det_sharp = det_sharp};
 }
 
-/// Slope of the depth along the ray of `splat`, whose mean is at `p`: that of the plane over the image that
-/// fits depths on the Gaussian best, in least squares with the blur as noise of the image. None where
-/// renderers could not sum squares of depths.
-inline Eigen::Vector2d slope_of_depth(const Splat& splat, const Scene& scene, const Eigen::Vector3d& p,
-                                      const Eigen::Matrix<double, 2, 3>& jacobian, const View& view) {
-  const Eigen::Matrix3d axes = gaussian_axes(scene, splat.index, view);
+/// Slope of the depth along the ray of Gaussian `i`, whose splat is `splat` and whose mean is at `p`: that of
+/// the plane over the image that fits depths on the Gaussian best, in least squares with the blur as noise of
+/// the image. None where renderers could not sum squares of depths.
+inline Eigen::Vector2d slope_of_depth(const Splat& splat, const Scene& scene, std::size_t i,
+                                      const Eigen::Vector3d& p, const Eigen::Matrix<double, 2, 3>& jacobian,
+                                      const View& view) {
+  const Eigen::Matrix3d axes = gaussian_axes(scene, i, view);
   Eigen::Matrix<double, 5, 2> places = Eigen::Matrix<double, 5, 2>::Zero();
   places.topRows<3>() = (jacobian * axes).transpose();
   places.bottomRows<2>().diagonal().setConstant(std::sqrt(double(view.conventions.blur)));
@@ -191,7 +208,19 @@ inline bool is_between_planes(float depth, const Conventions& k) {
 /// Mean of Gaussian `i` in camera space.
 inline Eigen::Vector3d camera_space_mean(const Scene& scene, std::size_t i, const View& view) {
   const vec3& m = scene.means[i];
-  return view.rotation * Eigen::Vector3d(m.x, m.y, m.z) + view.translation;
+  return view.scale * (view.rotation * Eigen::Vector3d(m.x, m.y, m.z)) + view.translation;
+}
+
+/// Whether the clip of a placed scene shows a Gaussian with this mean.
+inline bool is_shown(const Clip& clip, const vec3& mean) {
+  const Eigen::Vector3d m(mean.x, mean.y, mean.z);
+  for (int i = 0; i < clip.half_space_count; ++i) {
+    const vec4& h = clip.half_spaces[i];
+    if (!(Eigen::Vector3d(h.x, h.y, h.z).dot(m) + h.w >= 0)) return false;
+  }
+  const vec3& c = clip.centre;
+  return clip.radius == std::numeric_limits<float>::infinity() ||
+         (m - Eigen::Vector3d(c.x, c.y, c.z)).squaredNorm() <= double(clip.radius) * clip.radius;
 }
 
 /// Projects Gaussian `i`, whose mean is at `p` in camera space, without its colour. Does not test planes,
@@ -206,7 +235,7 @@ inline std::optional<Splat> project_unculled(const Scene& scene, std::size_t i, 
   if (!(cov.xx <= double(largest_variance) && cov.yy <= double(largest_variance))) return {};
 
   Splat splat;
-  splat.opacity = scene.opacities[i];
+  splat.opacity = double(scene.opacities[i]) * view.placed.opacity;
   if (k.antialiased)
     splat.opacity *= std::sqrt(std::max(double(k.min_compensation), cov.det_sharp / cov.det));
   splat.cutoff = k.alpha_min > 0 ? 2 * std::log(splat.opacity / double(k.alpha_min)) * (1 + 1e-9) + 1e-9
@@ -216,28 +245,32 @@ inline std::optional<Splat> project_unculled(const Scene& scene, std::size_t i, 
   splat.y_weight = 1 / cov.yy;
   splat.shear = cov.xy / cov.yy;
   splat.depth = view.lens.depth(p);
-  splat.index = i;
+  splat.index = view.first + i;
   splat.covariance = cov;
   if (k.depth_at == Conventions::DepthAt::ray)
-    splat.slope = slope_of_depth(splat, scene, p, seen->jacobian, view);
+    splat.slope = slope_of_depth(splat, scene, i, p, seen->jacobian, view);
   const double sum =
       splat.x + splat.y + splat.x_weight + splat.y_weight + splat.shear + splat.depth + splat.opacity;
   if (!std::isfinite(sum)) return {};
   return splat;
 }
 
-/// Evaluates the colour of `splat`; false where a channel is not a finite float, and the splat is not drawn.
-inline bool shade(Splat& splat, const Scene& scene, const View& view) {
-  const vec3& m = scene.means[splat.index];
+/// Evaluates the colour of Gaussian `i`, whose splat is `splat`; false where a channel is not a finite float,
+/// and the splat is not drawn.
+inline bool shade(Splat& splat, const Scene& scene, std::size_t i, const View& view) {
+  const vec3& m = scene.means[i];
   const Eigen::Vector3d direction = Eigen::Vector3d(m.x, m.y, m.z) - view.centre;
-  const Eigen::Vector3d sum = colour(scene, splat.index, direction.stableNormalized());
+  const Eigen::Vector3d sum = colour(scene, i, direction.stableNormalized());
   splat.colour = sum.cwiseMax(0.0);
   return sum.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= double(std::numeric_limits<float>::max());
 }
 
-/// Projects Gaussian `i` for a part of the image; nothing when it is culled or reaches no pixel there.
-inline std::optional<Splat> project(const Scene& scene, std::size_t i, const View& view, Columns part) {
+/// Projects Gaussian `i` of the view's scene for a part of the image; nothing when it is culled or reaches no
+/// pixel there.
+inline std::optional<Splat> project(std::size_t i, const View& view, Columns part) {
   const Conventions& k = view.conventions;
+  const Scene& scene = view.placed.scene;
+  if (!is_shown(view.placed.clip, scene.means[i])) return {};
   const Eigen::Vector3d p = camera_space_mean(scene, i, view);
   if (!is_between_planes(float(view.lens.depth(p)), k)) return {};
   std::optional<Splat> splat = project_unculled(scene, i, p, view, part);
@@ -245,7 +278,7 @@ inline std::optional<Splat> project(const Scene& scene, std::size_t i, const Vie
   bound_by_alpha(*splat, view, part);
   if (k.footprint == Conventions::Footprint::three_sigma_square) cut_to_three_sigma_square(*splat);
   if (splat->x_begin >= splat->x_end || splat->y_begin >= splat->y_end) return {};
-  if (!shade(*splat, scene, view)) return {};
+  if (!shade(*splat, scene, i, view)) return {};
   return splat;
 }
 

@@ -9,6 +9,7 @@
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/scene.hpp>
+#include <swiftgs/similarity.hpp>
 #include <swiftgs/split_mix.hpp>
 
 namespace swiftgs {
@@ -19,7 +20,8 @@ struct StressCase {
   Camera camera;
   Conventions conventions;
   vec3 background{0.25f};
-  std::vector<float> occluder;  ///< @shape{height, width} as `FrameView::occluder`, or empty
+  std::vector<float> occluder;    ///< @shape{height, width} as `FrameView::occluder`, or empty
+  Similarity world_from_scene{};  ///< where the scene is placed
 };
 
 /// Size of an image. @units{pixels}

@@ -38,6 +38,7 @@ inline const std::vector<StressFamily>& stress_families() {
       {"panoramas", "1 / angle to a pole (1/radian)", {1, 10, 100, 1000}, panoramas},
       {"world-offsets", "distance from the origin", {1e2, 1e4, 1e6, 1e8}, world_offsets},
       {"distant-cameras", "distance of the camera", {1e1, 1e3, 1e5, 1e7}, distant_cameras},
+      {"placed-scenes", "distance from the origin", {1, 1e3, 1e6, 1e8}, placed_scenes},
       {"skewed-rotations", "distance from a rotation", {0, 1e-5, 1e-4, 4e-4}, skewed_rotations},
       {"on-planes", "last places off the planes", {0, 1, 2, 4}, on_planes},
       {"on-alphas", "last places off alpha", {0, 1, 2, 4}, on_alphas},

@@ -11,6 +11,7 @@
 #include <swiftgs/frame.hpp>
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/reference/conditioning.hpp>
+#include <swiftgs/stress/case.hpp>
 
 namespace swiftgs {
 
@@ -50,6 +51,13 @@ struct PlaneJudge {
 };
 
 }  // namespace stress
+
+/// What frames of `drawn` are judged by.
+inline ConditionedFrame render_conditioned(const StressCase& drawn, std::uint64_t seed = 1, int threads = 0) {
+  const ReferenceScene placed{drawn.scene, drawn.world_from_scene};
+  return render_conditioned({&placed, 1}, drawn.camera, drawn.conventions, dvec3(drawn.background), seed,
+                            threads, {drawn.occluder.data(), drawn.occluder.size()});
+}
 
 /// Judges `frame`, of the reference's size; its alpha and depth too where it has them. Its renderer works out
 /// exponents in `representation`.

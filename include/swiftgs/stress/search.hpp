@@ -58,9 +58,7 @@ class References {
   explicit References(const StressCase& drawn) : drawn_(drawn) {}
 
   const ConditionedFrame& operator[](std::size_t i) {
-    if (!frames_[i])
-      frames_[i] = render_conditioned(drawn_.scene, drawn_.camera, drawn_.conventions,
-                                      dvec3(drawn_.background), i + 1, 1);
+    if (!frames_[i]) frames_[i] = render_conditioned(drawn_, i + 1, 1);
     return *frames_[i];
   }
 

@@ -95,10 +95,12 @@ MUTANTS = [
            "inverse(float(p[2])), x_over_z = float(p[0]) * inverse_z, y_over_z = float(p[1]) * inverse_z;"),
     Mutant("project: camera's centre in float", I + "project.hpp",
            "{mean.x - v.centre[0],", "{mean.x - float(v.centre[0]),"),
-    Mutant("project: depth by a float sum", I + "project.hpp", "const float z = float(p[2]);",
+    Mutant("project: depth by a float sum", I + "project.hpp", "const float z = float(v.depth_scale * p[2]);",
            "const vec3 from_camera(float(g.mean.x - v.centre[0]), float(g.mean.y - v.centre[1]),\n"
            "                       float(g.mean.z - v.centre[2]));\n"
            "  const float z = dot(vec3(v.axes[2][0], v.axes[2][1], v.axes[2][2]), from_camera);"),
+    Mutant("placed: the camera's place beside a scene's in float", I + "placed_scene.hpp",
+           "x = camera.centre[0] - to.x,", "x = float(camera.centre[0]) - float(to.x),"),
     Mutant("project: means on 1/4096 pixel", I + "project.hpp", "s.l0 = f.l0,",
            "s.mean = vec2(std::round(s.mean.x * 4096) / 4096, std::round(s.mean.y * 4096) / 4096);\n"
            "  s.l0 = f.l0,"),

@@ -75,11 +75,11 @@ class SWIFTGS_API Cpu {
   /// system to move the arrays, the caller's memory included, to large pages. @sync Complete when it returns,
   /// but for `LargePages::later`.
   SceneOn upload(std::shared_ptr<const Scene> scene, LargePages pages = LargePages::later) const;
-  SceneOn upload(Scene scene, LargePages pages = LargePages::later) const {
-    return upload(std::make_shared<const Scene>(std::move(scene)), pages);
-  }
+  SceneOn upload(Scene scene, LargePages pages = LargePages::later) const;
   /// As `HostScene::copy`.
   SceneOn upload(const SceneArrays& arrays, std::optional<SceneOn>& reuse) const;
+  /// As `HostScene::update`.
+  void update(SceneOn& scene, std::size_t first, const SceneArrays& arrays) const;
 
   template <class T>
   void download(Span<const T> from, T* to) const {

@@ -13,6 +13,7 @@
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/cuda/stage_memory.hpp>
 #include <swiftgs/footprint.hpp>
+#include <swiftgs/placed_scene.hpp>
 #include <swiftgs/project_stage.hpp>
 #include <swiftgs/raster/all.hpp>
 #include <swiftgs/shade_stage.hpp>
@@ -23,6 +24,9 @@ namespace swiftgs {
 
 SWIFTGS_API Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage,
                               ViewAccess access = ViewAccess::any);
+/// A scene alone is handed to each loop by value, unless `access` asks for stored ones.
+SWIFTGS_API PlacedScenes store_scenes(Cuda& cuda, const PlacedScenes& scenes, Span<const View> views,
+                                      SceneStorage<Cuda>& storage, ViewAccess access = ViewAccess::any);
 
 /// One kernel: projects, compacts in the order of the Gaussians and finds tiles. Does not wait.
 /// In the library for `AllBounds`; for others in `<swiftgs/cuda.cuh>`.
@@ -127,8 +131,8 @@ inline constexpr bool may_gain_by_coarse_tiles<Cuda, AxisSharedThreshold<FloatCh
 struct AttributeRow;
 struct SplatAttributes;
 /// One thread per splat.
-SWIFTGS_API void gather_attributes(Cuda& cuda, const SplatAttributes& from, const Views& views,
-                                   AttributeRow* to);
+SWIFTGS_API void gather_attributes(Cuda& cuda, const SplatAttributes& from, const PlacedScenes& scenes,
+                                   const Views& views, AttributeRow* to);
 
 /// One thread block per tile.
 SWIFTGS_API void count_hidden(Cuda& cuda, const RasterJob& job, std::uint32_t* to);

@@ -40,12 +40,12 @@ struct FrameTotals {
 /// is used. Its functions return when their work is in stream order, unless they say that they wait.
 /// All of them throw `DeviceError`, and `CapacityError` where the device's memory does not suffice.
 ///
-/// A recorded frame (`Renderer::record`) may be captured into a CUDA graph, as may `for_each`, `clear`, and
-/// `sort_pairs` and `sort_positions` of no more pairs than before. What waits, takes the time or copies from
-/// the host's memory throws `DeviceError` while the stream is being captured, before it calls CUDA, and the
-/// capture stays valid. CUDA does not allow to free memory then, so do not destroy or grow a buffer either. A
-/// graph holds addresses of the backend's memory: do not replay it once the backend is gone or its memory has
-/// grown.
+/// A recorded frame (`Renderer::record`) may be captured into a CUDA graph, as may `for_each`, `clear`,
+/// `update`, and `sort_pairs` and `sort_positions` of no more pairs than before. What waits, takes the time
+/// or copies from the host's memory throws `DeviceError` while the stream is being captured, before it calls
+/// CUDA, and the capture stays valid. CUDA does not allow to free memory then, so do not destroy or grow a
+/// buffer either. A graph holds addresses of the backend's memory: do not replay it once the backend is gone
+/// or its memory has grown.
 class SWIFTGS_API Cuda {
   struct State;
 
@@ -124,6 +124,15 @@ class SWIFTGS_API Cuda {
   /// copied, it is released instead. `arrays` do not lie in it. Waits for the device if memory has to grow.
   /// If arguments are refused or the stream is being captured, `reuse` stays.
   SceneOn upload(const SceneArrays& arrays, std::optional<SceneOn>& reuse) const;
+
+  /// Replaces Gaussians of `scene` from number `first` on by those of `arrays`, within the device and in
+  /// stream order; arrays that are null stay as they are. Does not wait or allocate, so a CUDA graph may
+  /// capture it. Arrays stay where they are: views and copies of the scene, and recorded work that runs
+  /// again, show the update. Other streams must have drawn the scene before, and wait before they draw it
+  /// again or overwrite the arrays, which do not lie in the scene. Does not check numbers. `sh_rest` has the
+  /// bands that the device stores, `view().sh_degree`. Throws `std::invalid_argument` as `validate_update`
+  /// does.
+  void update(SceneOn& scene, std::size_t first, const SceneArrays& arrays) const;
 
   /// Copies after all work submitted before, and waits for the copy.
   template <class T>

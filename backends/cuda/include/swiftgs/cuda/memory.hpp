@@ -23,7 +23,7 @@ struct SWIFTGS_API DeviceMemory {
 template <class T>
 using DeviceBuffer = GrowingBuffer<T, DeviceMemory>;
 
-/// A scene in the memory of a device: shared, never changed.
+/// A scene in the memory of a device. Copies share it; `Cuda::update` alone changes it.
 class DeviceScene {
  public:
   struct Arrays;
@@ -42,6 +42,8 @@ class DeviceScene {
   ~DeviceScene() = default;
 
   SceneView view() const { return view_; }
+  /// For the backend.
+  Arrays& arrays() { return *arrays_; }
 
   /// The memory of a scene that is given up; null if it was ever copied. Another stream may then still draw
   /// it, even if the copy is gone.

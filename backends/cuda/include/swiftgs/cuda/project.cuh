@@ -80,6 +80,27 @@ struct SharedCamera {
     if (threadIdx.x < words)
       of_camera[threadIdx.x] = reinterpret_cast<const std::uint32_t*>(&camera)[threadIdx.x];
   }
+  /// As `eye` makes it, by threads that each find a number.
+  __device__ void load_eye(const ViewConstants& camera, const PlacedScene& placed) {
+    constexpr unsigned pose_words = offsetof(ViewConstants, cx) / sizeof(std::uint32_t);
+    const Similarity& pose = placed.world_from_scene;
+    const bool moved = !pose.is_identity();
+    const unsigned k = threadIdx.x;
+    if (k >= pose_words && k < words) of_camera[k] = reinterpret_cast<const std::uint32_t*>(&camera)[k];
+    auto& eye = reinterpret_cast<ViewConstants&>(of_camera);
+    if (k == 0) eye.opacity = placed.opacity, eye.depth_scale = pose.scale;
+    if (k < 9) {
+      const int row = int(k / 3), column = int(k % 3);
+      const double element = moved ? eye_rotation(camera, pose, row, column) : camera.rotation[row][column];
+      eye.rotation[row][column] = element, eye.axes[row][column] = float(element);
+    } else if (k < 12) {
+      eye.centre[k - 9] = moved ? eye_centre(camera, pose, int(k) - 9) : camera.centre[k - 9];
+    } else if (k == 12) {
+      eye.fx = eye_focal(camera, pose, camera.fx), eye.focal_x = float(eye.fx);
+    } else if (k == 13) {
+      eye.fy = eye_focal(camera, pose, camera.fy), eye.focal_y = float(eye.fy);
+    }
+  }
   __device__ const ViewConstants& camera() const { return reinterpret_cast<const ViewConstants&>(of_camera); }
 };
 
@@ -89,13 +110,12 @@ struct SharedCamera {
 constexpr unsigned project_blocks(bool through_lens) { return through_lens ? 8 : 9; }
 
 /// Projects the Gaussians of one block in one view and appends the visible ones to those of the blocks before
-/// it. The blocks of some Gaussians for all views follow each other: they find them in the cache. Without
-/// `through_lens` all views are pinholes whose depth is z.
-template <class Bounds, class ViewSource, bool through_lens>
+/// it. Without `through_lens` all views are pinholes whose depth is z.
+template <class Bounds, class ViewSource, class Scenes, bool through_lens>
 __global__ void __launch_bounds__(project_threads, project_blocks(through_lens))
-    project(const __grid_constant__ ViewSource views, const __grid_constant__ SceneView scene,
-            const Bounds bounds, const BlockList list, const ProjectOutput output,
-            const EpochsView<FrameCounts> epochs) {
+    project(const __grid_constant__ ViewSource views, const __grid_constant__ Scenes scenes,
+            const Bounds bounds, const BlockList list, const std::uint32_t chunks_a_view,
+            const ProjectOutput output, const EpochsView<FrameCounts> epochs) {
   __shared__ ProjectShared<Bounds> shared;
   await_earlier();
   // The first block counts even where none has something to show.
@@ -104,12 +124,10 @@ __global__ void __launch_bounds__(project_threads, project_blocks(through_lens))
   const unsigned warp = threadIdx.x / warp_size;
   const std::uint32_t loaded_epoch = threadIdx.x == 0 ? read_epoch(epochs) : 0;
   const std::uint32_t block = listed == 0 ? 0 : list[blockIdx.x];
-  const std::uint32_t later = blockIdx.x + prefetch_ahead;
-  if (later <= last) prefetch_gaussians(scene, list[later] / views.size());
-  const std::uint32_t of_view = block % views.size(), group = block / views.size();
+  const std::uint32_t of_view = Scenes::only ? block % views.size() : block / chunks_a_view;
 
   // Project, and count the visible splats of the block.
-  const std::size_t i = std::size_t(group) * project_threads + threadIdx.x;
+  std::uint32_t gaussian_number = 0;
   const auto shape = [](const ViewConstants& camera, const Gaussian& gaussian) {
     if constexpr (through_lens)
       return project_shape(camera, gaussian);
@@ -117,14 +135,38 @@ __global__ void __launch_bounds__(project_threads, project_blocks(through_lens))
       return project_through_pinhole(camera, gaussian);
   };
   ProjectedShape splat;
-  if constexpr (ViewSource::only) {
-    if (i < scene.size()) splat = shape(views[0].camera, load_gaussian(scene, i));
+  const std::uint32_t later = blockIdx.x + prefetch_ahead;
+  if constexpr (Scenes::only) {
+    const SceneView& scene = scenes.scene;
+    if (later <= last) prefetch_gaussians(scene, list[later] / views.size());
+    const std::size_t i = std::size_t(block / views.size()) * project_threads + threadIdx.x;
+    gaussian_number = std::uint32_t(i);
+    if constexpr (ViewSource::only) {
+      if (i < scene.size()) splat = shape(views[0].camera, load_gaussian(scene, i));
+    } else {
+      __shared__ SharedCamera shared_camera;
+      shared_camera.load(views[of_view].camera);
+      const Gaussian gaussian = load_gaussian(scene, i < scene.size() ? i : 0);
+      __syncthreads();
+      if (i < scene.size()) splat = shape(shared_camera.camera(), gaussian);
+    }
   } else {
-    __shared__ SharedCamera shared_camera;
-    shared_camera.load(views[of_view].camera);
-    const Gaussian gaussian = load_gaussian(scene, i < scene.size() ? i : 0);
-    __syncthreads();
-    if (i < scene.size()) splat = shape(shared_camera.camera(), gaussian);
+    __shared__ SharedCamera shared_eye;
+    __shared__ bool drawn;
+    const PlacedChunk at = placed_chunk<true>(scenes, views[of_view], block % chunks_a_view);
+    if (at.placed) {
+      const PlacedScene& placed = *at.placed;
+      const SceneView& scene = placed.scene;
+      shared_eye.load_eye(views[of_view].camera, placed);
+      if (threadIdx.x == warp_size) drawn = can_be_drawn(placed, at.chunk);
+      const std::size_t i = std::size_t(at.chunk) * project_threads + threadIdx.x;
+      gaussian_number = placed.first_gaussian + std::uint32_t(i);
+      const Gaussian gaussian = load_gaussian(scene, i < scene.size() ? i : 0);
+      if (later <= last) prefetch_gaussians(scene, std::size_t(at.chunk) + (list[later] - block));
+      __syncthreads();
+      if (drawn && i < scene.size() && placed.clip.shows(gaussian.mean))
+        splat = shape(shared_eye.camera(), gaussian);
+    }
   }
   const unsigned visible_lanes = __ballot_sync(whole_warp, splat.visible);
   if (lane_index() == 0) shared.visible[warp] = std::uint32_t(__popc(visible_lanes));
@@ -171,7 +213,7 @@ __global__ void __launch_bounds__(project_threads, project_blocks(through_lens))
   output.shapes[at] = splat.shape;
   output.footprints[at] = footprint;
   output.depths[at] = splat.depth;
-  output.gaussians[at] = std::uint32_t(i);
+  output.gaussians[at] = gaussian_number;
   if constexpr (!ViewSource::only)
     if (output.of_view) output.of_view[at] = std::uint16_t(of_view);
 }
@@ -180,8 +222,7 @@ template <BoundsPolicy Bounds>
 void run_project(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, ProjectScratch<Cuda>& scratch,
                  Splats<Cuda>& splats, Footprints<Cuda>& footprints) {
   footprints.views = plan.views;
-  const SceneView& scene = plan.scene;
-  const std::size_t n = scene.size() * plan.views.size();
+  const std::size_t n = plan.candidates();
   const std::size_t most_splats = std::numeric_limits<std::uint32_t>::max();
   if (n > most_splats) throw CapacityError("Gaussians in all views", n, most_splats);
   const std::size_t limit = plan.limits.capacity.splats, capacity = limit == 0 ? n : std::min(limit, n);
@@ -197,15 +238,23 @@ void run_project(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Projec
                              splats.gaussians.data(), plan.views.size() > 1 ? splats.of_view.data() : nullptr,
                              footprints.each.data(),  scratch.hidden.data(),
                              std::uint32_t(capacity)};
-  const unsigned blocks = blocks_for(scene.size(), project_threads) * unsigned(plan.views.size());
-  const BlockList list = run_list_blocks(cuda, plan, blocks, scratch.shown);
+  std::size_t chunks_a_view = 0;
+  for (const View& view : plan.views)
+    chunks_a_view = std::max(chunks_a_view, plan.scenes.chunks_of(view).size());
+  const std::size_t all_blocks = chunks_a_view * plan.views.size();
+  const std::size_t most_blocks = std::numeric_limits<std::int32_t>::max();
+  if (all_blocks > most_blocks) throw CapacityError("chunks in all views", all_blocks, most_blocks);
+  const unsigned blocks = unsigned(all_blocks);
+  const BlockList list = run_list_blocks(cuda, plan, blocks, unsigned(chunks_a_view), scratch.shown);
   const EpochsView<FrameCounts> epochs = scratch.epochs.begin(cuda, blocks);
-  with_views(plan.views, [&]<class ViewSource>(const ViewSource& views) {
-    const auto kernel =
-        plan.views.through_lens ? project<Bounds, ViewSource, true> : project<Bounds, ViewSource, false>;
-    launch_early(cuda, "project", kernel, blocks, project_threads, views, scene, bounds, list, output,
-                 epochs);
-  });
+  with_views_and_scenes(plan.views, plan.scenes,
+                        [&]<class ViewSource, class Scenes>(const ViewSource& views, const Scenes& scenes) {
+                          const auto kernel = plan.views.through_lens
+                                                  ? project<Bounds, ViewSource, Scenes, true>
+                                                  : project<Bounds, ViewSource, Scenes, false>;
+                          launch_early(cuda, "project", kernel, blocks, project_threads, views, scenes,
+                                       bounds, list, std::uint32_t(chunks_a_view), output, epochs);
+                        });
   scratch.epochs.end();
   splats.pending = footprints.found_by = {epochs.last(), scratch.hidden.data(), scratch.totals.data(),
                                           ++scratch.projections};

@@ -58,6 +58,15 @@ struct ViewStorage<Cuda> {
   static auto buffers(auto& self) { return std::tie(self.stored); }
 };
 
+/// On a device placed scenes are in its memory.
+template <>
+struct SceneStorage<Cuda> {
+  std::vector<PlacedScene> each;
+  DeviceBuffer<PlacedScene> stored;
+
+  static auto buffers(auto& self) { return std::tie(self.stored); }
+};
+
 /// Of operations that `Epochs` keeps running sums for alone.
 struct NoCounts {};
 

@@ -3,7 +3,9 @@
 
 #include <cstdint>
 
+#include <swiftgs/placed_scene.hpp>
 #include <swiftgs/raster/raster_blocks.hpp>
+#include <swiftgs/views.hpp>
 
 namespace swiftgs::kernels {
 
@@ -44,6 +46,17 @@ void with_views(const Views& views, const F& f) {
     f(StoredViews{views.stored, std::uint32_t(views.size())});
   else
     f(OneView{views.each[0]});
+}
+
+/// f(views, scenes) as kernels take them.
+template <class F>
+void with_views_and_scenes(const Views& views, const PlacedScenes& scenes, const F& f) {
+  with_views(views, [&](const auto& source) {
+    if (scenes.is_stored())
+      f(source, SeveralScenes{scenes.reachable(), std::uint32_t(scenes.size())});
+    else
+      f(source, OneScene{scenes.each()[0].scene});
+  });
 }
 
 }  // namespace swiftgs::kernels

@@ -24,19 +24,21 @@
 #include <swiftgs/mpi/splat_exchange.hpp>
 #include <swiftgs/mpi/strip_frames.hpp>
 #include <swiftgs/mpi/strips.hpp>
+#include <swiftgs/placed_scene.hpp>
 #include <swiftgs/renderer.hpp>
 #include <swiftgs/tile_choice.hpp>
 
 namespace swiftgs {
 
-/// Renders frames of a scene of which each rank holds a part. Each rank projects its own Gaussians, sends
-/// splats to the ranks whose strips they touch, and draws its own strip by the stages of `Renderer`. The bits
-/// are those of one `Renderer`, for any number of ranks.
+/// Renders frames of placed scenes of which each rank holds parts. Each rank projects its own Gaussians,
+/// sends splats to the ranks whose strips they touch, and draws its own strip by the stages of `Renderer`.
+/// The bits are those of one `Renderer` that draws the same parts rank by rank.
 ///
-/// Part r of the scene holds Gaussians that follow those of part r - 1 in the order of the scene (`part_of`).
-/// All functions that render are collective, and all ranks ask for the same planes of the same views. If one
-/// rank fails, all throw: that rank its own error, the others `RankError`; the renderers stay usable. After
-/// an `MpiError` the program must end.
+/// Part r of a scene holds Gaussians that follow those of part r - 1 in the order of the scene (`part_of`).
+/// Of several placed scenes each rank gives its parts, placed alike: Gaussians are numbered rank by rank, and
+/// of equal depths the lower rank's is in front. All functions that render are collective, and all ranks ask
+/// for the same planes of the same views. If one rank fails, all throw: that rank its own error, the others
+/// `RankError`; the renderers stay usable. After an `MpiError` the program must end.
 template <class B, class Sort, class Raster, class Bounds>
 requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRenderer {
  public:
@@ -65,7 +67,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   /// Renders into this rank's memory for whole views, which its backend reaches. Reads and writes only the
   /// pixels of its strip, see `drawn`. Finished when it returns. Throws as `Renderer::render_into`, and
   /// `RankError`.
-  void render_into(const SceneView& part, Span<const View> views) {
+  void render_into(const PlacedScenes& part, Span<const View> views) {
     Failure failure;
     failure.guard([&] {
       for (const View& view : views) validate(view);
@@ -79,7 +81,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
 
   /// Renders a view a camera into memory of the backend that the renderer keeps until the next call, each
   /// rank its strip. Returns and throws as `render_into`.
-  Span<const DrawnStrip> render_strips(const SceneView& part, Span<const Camera> cameras,
+  Span<const DrawnStrip> render_strips(const PlacedScenes& part, Span<const Camera> cameras,
                                        const RenderSettings& settings) {
     Failure failure;
     failure.guard([&] { make_views(part, cameras, settings); });
@@ -90,7 +92,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
 
   /// Renders a frame a camera and collects them on rank 0, on the host. `frames` has as many there, and is
   /// not looked at on other ranks. Throws as `render_into`.
-  void render(const SceneView& part, Span<const Camera> cameras, const RenderSettings& settings,
+  void render(const PlacedScenes& part, Span<const Camera> cameras, const RenderSettings& settings,
               Span<Frame> frames) {
     const bool collects = ranks_.rank() == 0;
     std::vector<FrameView> whole;
@@ -114,7 +116,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
          [&] { frames_.to_host(backend(), ranks_, drawn_, frames); });
     frames_.collect(ranks_, strips_);
   }
-  void render(const SceneView& part, const Camera& camera, const RenderSettings& settings, Frame& frame) {
+  void render(const PlacedScenes& part, const Camera& camera, const RenderSettings& settings, Frame& frame) {
     render(part, {&camera, 1}, settings, {&frame, 1});
   }
 
@@ -136,8 +138,8 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   static constexpr int most_attributes = int(AttributesView::most);
 
   static auto parts(auto& self) {
-    return std::tie(self.whole_storage_, self.shares_, self.colours_, self.exchange_, self.strip_storage_,
-                    self.strip_footprints_, self.frames_);
+    return std::tie(self.whole_storage_, self.scene_storage_, self.shares_, self.colours_, self.exchange_,
+                    self.strip_storage_, self.strip_footprints_, self.frames_);
   }
 
   static std::uint64_t since(Clock::time_point begun) {
@@ -147,7 +149,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     return std::uint64_t(1e6 * backend().milliseconds(from, to).value_or(0));
   }
 
-  void make_views(const SceneView& part, Span<const Camera> cameras, const RenderSettings& settings) {
+  void make_views(const PlacedScenes& part, Span<const Camera> cameras, const RenderSettings& settings) {
     swiftgs::make_views(cameras, settings, views_);
     // Planes of whole views only say what is asked for: strips have the memory.
     for (View& view : views_) {
@@ -163,7 +165,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
 
   /// One frame. `place` gives the view strips of `drawn_` memory; `finish` is called when they are drawn.
   template <class Place, class Finish>
-  void draw(const SceneView& part, Span<const View> views, Failure& failure, const Place& place,
+  void draw(const PlacedScenes& part, Span<const View> views, Failure& failure, const Place& place,
             const Finish& finish) {
     drawn_.clear(), counters_ = {};
     try {
@@ -179,23 +181,28 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   }
 
   template <class Place, class Finish>
-  void draw_together(const SceneView& part, Span<const View> views, Failure& failure, const Place& place,
+  void draw_together(const PlacedScenes& part, Span<const View> views, Failure& failure, const Place& place,
                      const Finish& finish) {
     const Clock::time_point begun = Clock::now();
     const Traffic before = ranks_.traffic();
-    RankCounters mine{.gaussians = part.size()};
+    RankCounters mine;
     // Ranks that failed apart from each other may have learnt different costs.
     if (!complete_) strip_plan_.reset(), tiles_ = {};
     complete_ = false;
     std::optional<FramePlan> whole;
-    failure.guard([&] { whole = project_part(part, views, mine); });
+    failure.guard([&] {
+      scenes_ = store_scenes(backend(), part, views, scene_storage_);
+      mine.gaussians = scenes_.gaussians();
+      whole = project_part(views, mine);
+    });
     mine.project_ns = since(begun);
     const bool indices = std::any_of(views.begin(), views.end(), [](const View& view) {
       return view.frame.id.data || view.frame.median_id.data;
     });
-    exchange_offers(ranks_, shares_,
-                    {.gaussians = indices ? std::uint32_t(part.size()) : 0, .frame = views_identity(views)},
-                    failure, offers_);
+    exchange_offers(
+        ranks_, shares_,
+        {.gaussians = indices ? std::uint32_t(mine.gaussians) : 0, .frame = views_identity(views)}, failure,
+        offers_);
     failure.guard([&] {
       prepare_strips(views);
       place();
@@ -210,7 +217,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     failure.guard([&] { exchange_.stage_shapes(backend(), shares_.splats.view()); });
     exchange_.send_shapes(shapes, strips_);
     failure.guard([&] {
-      exchange_.find_attributes(backend(), part, shares_.splats.view(), whole_, 0);
+      exchange_.find_attributes(backend(), scenes_, shares_.splats.view(), whole_, 0);
       shading.emplace(shade(backend(), *whole, shares_.splats, colours_));
       exchange_.keep_shapes(backend(), shares_.splats.view());
     });
@@ -227,11 +234,11 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
       if (!std::exchange(begun_colours, true)) colours.begin(link_ && shading ? shading->stream() : nullptr);
     };
     std::optional<RasterJob> drawn;
-    failure.guard([&] { drawn = draw_strip(part, shapes, begin_colours, *shading, colours, mine); });
+    failure.guard([&] { drawn = draw_strip(shapes, begin_colours, *shading, colours, mine); });
     begin_colours();  // where the strip has failed or shows nothing
     shapes.wait(), colours.wait();
     for (int first = most_attributes; first < attribute_count(whole_.each); first += most_attributes)
-      draw_attributes(part, first, drawn, failure, mine);
+      draw_attributes(first, drawn, failure, mine);
     failure.guard(finish);
     mine.frame_ns = since(begun);
     mine.traffic = ranks_.traffic() - before;
@@ -240,8 +247,8 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
 
   /// The same on a rank alone, whose strip is all there is.
   template <class Place, class Finish>
-  void draw_alone(const SceneView& scene, Span<const View> views, const Failure& failure, const Place& place,
-                  const Finish& finish) {
+  void draw_alone(const PlacedScenes& scene, Span<const View> views, const Failure& failure,
+                  const Place& place, const Finish& finish) {
     failure.agree(ranks_);
     const Clock::time_point begun = Clock::now();
     std::vector<View> all(views.begin(), views.end());
@@ -255,7 +262,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     finish();
     const Statistics found = one_.statistics();
     const StageTimes times = one_.times();
-    RankCounters mine{.gaussians = scene.size(), .visible = found.visible, .drawn = found.visible};
+    RankCounters mine{.gaussians = found.gaussians, .visible = found.visible, .drawn = found.visible};
     mine.intersections = found.intersections, mine.rows = one_.tiles().rows, mine.bytes = memory();
     mine.project_ns = std::uint64_t(1e6 * times.project);
     mine.strip_ns = std::uint64_t(1e6 * (times.sort + times.raster)), mine.frame_ns = since(begun);
@@ -264,7 +271,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
 
   /// Finds the splats of this rank's Gaussians in all views, and shares them out among the ranks. Returns the
   /// plan of these views.
-  FramePlan project_part(const SceneView& part, Span<const View> views, RankCounters& mine) {
+  FramePlan project_part(Span<const View> views, RankCounters& mine) {
     check_ready(backend());
     const Span<const View> parts = parts_.of(views);
     key_ = FrameKey::of({}, parts);
@@ -272,7 +279,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
                          whole_storage_);
     const std::uint32_t rows = whole_.tiles.rows;
     if (!strip_plan_ || strip_plan_->rows() != rows) strip_plan_.emplace(rows, ranks_.size());
-    FramePlan plan(whole_, part);
+    FramePlan plan(whole_, scenes_);
     const FrameReport report = whole_capacity_.draw_until_it_fits([&](const Capacity& capacity) {
       // As many intersections as there may be: strips have their own, and these are not emitted.
       if (!B::reaches_host_memory) plan.limits = {{capacity.splats, std::size_t(max_intersections)}};
@@ -312,9 +319,8 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   /// this work alone: no messages, and only the last time where a strip is drawn again with more capacity.
   /// Returns the job that it rasterized; none if the strip shows nothing.
   template <class BeginColours>
-  std::optional<RasterJob> draw_strip(const SceneView& part, Exchange& shapes,
-                                      const BeginColours& begin_colours, Shading<B>& shading,
-                                      Exchange& colours, RankCounters& mine) {
+  std::optional<RasterJob> draw_strip(Exchange& shapes, const BeginColours& begin_colours,
+                                      Shading<B>& shading, Exchange& colours, RankCounters& mine) {
     Strip& strip = strips_[std::size_t(ranks_.rank())];
     Splats<B>& splats = exchange_.joined();
     mine.drawn = splats.count, mine.bytes = memory();
@@ -339,7 +345,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
       begun_raster = backend().now();
       return exchange_.colours();
     };
-    FramePlan plan(stored, part);
+    FramePlan plan(stored, scenes_);
     std::optional<RasterJob> drawn;
     const FrameReport report = strip_capacity_.draw_until_it_fits([&](const Capacity& capacity) {
       splats.set_count(std::size_t(mine.drawn));
@@ -365,10 +371,9 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
 
   /// Draws attributes from the `first` on over the tile lists of `drawn`. Ranks that show nothing
   /// or have failed take part too, because others wait for their attributes.
-  void draw_attributes(const SceneView& part, int first, std::optional<RasterJob>& drawn, Failure& failure,
-                       RankCounters& mine) {
+  void draw_attributes(int first, std::optional<RasterJob>& drawn, Failure& failure, RankCounters& mine) {
     failure.guard([&] {
-      exchange_.find_attributes(backend(), part, shares_.splats.view(), whole_, first);
+      exchange_.find_attributes(backend(), scenes_, shares_.splats.view(), whole_, first);
       exchange_.stage_attributes(backend(), first);
     });
     Exchange attributes(ranks_, link_.get());
@@ -405,6 +410,8 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   Renderer<B, Sort, Raster, Bounds> one_;  ///< draws for a rank alone; has the stages
   std::unique_ptr<DirectLink> link_;
   ViewStorage<B> whole_storage_, strip_storage_;
+  SceneStorage<B> scene_storage_;
+  PlacedScenes scenes_;  ///< of this rank, in `scene_storage_`
   Footprints<B> strip_footprints_;
   Shares<B> shares_;
   Colours<B> colours_;  ///< of the shares

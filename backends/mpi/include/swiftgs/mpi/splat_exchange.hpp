@@ -143,9 +143,10 @@ class SplatExchange {
   }
 
   /// The same for attributes of the frame from the `first` on, up to `AttributesView::most`.
-  void find_attributes(B& b, const SceneView& part, const SplatsView& shares, const Views& views, int first) {
-    const SplatAttributes from{part, shares, first, sent_rows(first)};
-    if (from.rows != 0) gather_attributes(b, from, views, attribute_rows_.data());
+  void find_attributes(B& b, const PlacedScenes& part, const SplatsView& shares, const Views& views,
+                       int first) {
+    const SplatAttributes from{shares, first, sent_rows(first)};
+    if (from.rows != 0) gather_attributes(b, from, part, views, attribute_rows_.data());
   }
   void stage_attributes(B& b, int first) {
     for (unsigned r = 0; r < sent_rows(first); ++r)

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Placed scenes.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <iterator>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <swiftgs/any_renderer.hpp>
+
+#include "error.hpp"
+#include "renderer.hpp"
+#include "scene.hpp"
+#include "structs.hpp"
+
+namespace swiftgs::c {
+namespace {
+
+static_assert(std::size(swiftgs_placement{}.half_spaces) == 4 * Clip::max_half_spaces);
+
+Clip to_clip(const swiftgs_placement& from) {
+  Clip clip;
+  clip.half_space_count = from.half_space_count;
+  for (int i = 0; i < Clip::max_half_spaces; ++i)
+    for (int k = 0; k < 4; ++k) clip.half_spaces[i][k] = from.half_spaces[4 * i + k];
+  clip.centre = vec3(from.centre[0], from.centre[1], from.centre[2]);
+  if (from.radius != 0) clip.radius = from.radius;
+  return clip;
+}
+
+/// Zeros of `from` are the defaults. 1 - (1 - opacity) is the opacity again: floats have fewer bits.
+Placement to_placement(const swiftgs_placement& from) {
+  if (!(from.transparency >= 0 && from.transparency <= 1))
+    throw std::invalid_argument("swiftgs_placement: transparency is " + std::to_string(from.transparency) +
+                                ", expected 0 to 1");
+  Placement to;
+  to.scene = std::size_t(from.scene);
+  Similarity& pose = to.world_from_scene;
+  if (std::any_of(std::begin(from.rotation), std::end(from.rotation), [](double each) { return each != 0; }))
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column) pose.rotation[column][row] = from.rotation[3 * row + column];
+  if (from.scale != 0) pose.scale = from.scale;
+  for (int axis = 0; axis < 3; ++axis) pose.translation[axis] = from.translation[axis];
+  to.opacity = float(1 - from.transparency);
+  to.clip = to_clip(from);
+  return to;
+}
+
+}  // namespace
+}  // namespace swiftgs::c
+
+using namespace swiftgs::c;
+
+extern "C" {
+
+swiftgs_status swiftgs_renderer_add_scene(swiftgs_renderer* renderer, const swiftgs_scene* scene,
+                                          std::uint64_t* number) {
+  return guarded([&] {
+    require_pointer(scene, "scene");
+    require_pointer(number, "number");
+    *number = of(renderer)->add_scene(scene->scene);
+  });
+}
+
+swiftgs_status swiftgs_renderer_place(swiftgs_renderer* renderer, const swiftgs_placement* placements,
+                                      std::size_t count) {
+  return guarded([&] {
+    const Turn any = of(renderer);
+    std::vector<swiftgs::Placement> all;
+    for_each_struct(placements, count, "swiftgs_placement",
+                    [&](const swiftgs_placement& each) { all.push_back(to_placement(each)); });
+    any->place({all.data(), all.size()});
+  });
+}
+
+swiftgs_status swiftgs_renderer_set_recorded_scenes(swiftgs_renderer* renderer) {
+  return guarded([&] { of(renderer)->set_recorded_scenes(); });
+}
+
+}  // extern "C"

@@ -1,0 +1,88 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "read/placed_input.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <utility>
+
+#include "draw/team.hpp"
+#include "notes.hpp"
+#include "read/scene_input.hpp"
+
+namespace swiftgs::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Whether `name` is a file of a JSON array. Scenes in JSON are objects.
+bool is_list(const std::string& name) {
+  if (!name.ends_with(".json") || !fs::is_regular_file(name)) return false;
+  char first = 0;
+  std::ifstream(name) >> first;
+  return first == '[';
+}
+
+/// Of positions and in a world from which origins were subtracted.
+Placement placement_of(const ListedScene& listed, std::size_t scene, const dvec3& origin,
+                       const dvec3& of_world) {
+  Placement p{.scene = scene, .world_from_scene = listed.world_from_scene, .opacity = listed.opacity};
+  p.world_from_scene.translation = listed.world_from_scene(origin) - of_world;
+  for (const HalfSpace& half : listed.half_spaces)
+    p.clip.half_spaces[p.clip.half_space_count++] =
+        vec4(vec3(half.normal), float(detail::dot(half.normal, origin) - half.offset));
+  if (listed.sphere)
+    p.clip.centre = vec3(listed.sphere->centre - origin), p.clip.radius = float(listed.sphere->radius);
+  return p;
+}
+
+}  // namespace
+
+std::vector<ListedScene> scenes_of(const std::vector<std::string>& names, bool place) {
+  if (names.size() > 1 && !place)
+    throw std::invalid_argument("render: found " + std::to_string(names.size()) +
+                                " scenes, expected one, or --place to show all in one frame");
+  std::vector<ListedScene> scenes;
+  for (const std::string& name : names) {
+    if (!is_list(name)) {
+      scenes.push_back({.file = name});
+      continue;
+    }
+    Team::here().require_same_file(name);
+    for (ListedScene& scene : read_scene_list(name)) {
+      if (!builtin_size(scene.file))
+        scene.file = (fs::path(name).parent_path() / scene.file).lexically_normal().string();
+      scenes.push_back(std::move(scene));
+    }
+  }
+  return scenes;
+}
+
+DrawnScenes load_to_place(const std::vector<ListedScene>& scenes, const SceneOptions& reading,
+                          std::vector<std::string>& said) {
+  DrawnScenes drawn;
+  std::vector<std::string> files;
+  for (const ListedScene& listed : scenes) {
+    const std::size_t known = std::size_t(std::find(files.begin(), files.end(), listed.file) - files.begin());
+    if (known == files.size()) {
+      SceneOptions options = reading;
+      options.scene = listed.file;
+      DrawnScene read = load_to_draw(options, said);
+      if (files.empty()) drawn.camera = read.camera;
+      files.push_back(listed.file), drawn.gaussians.push_back(std::move(read.gaussians));
+      const bool antialiased = drawn.gaussians.back()->antialiased;
+      if (antialiased != drawn.gaussians[0]->antialiased)
+        say_notes(listed.file,
+                  {"The scene was trained " + std::string(antialiased ? "with" : "without") +
+                   " anti-aliasing, and is drawn as the first one was trained."},
+                  said);
+    }
+    drawn.placements.push_back(
+        placement_of(listed, known, drawn.gaussians[known]->origin, drawn.gaussians[0]->origin));
+  }
+  return drawn;
+}
+
+}  // namespace swiftgs::cli

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <swiftgs/any_renderer.hpp>
+#include <swiftgs/camera.hpp>
+#include <swiftgs/io/scene_list.hpp>
+#include <swiftgs/scene.hpp>
+
+#include "options.hpp"
+
+namespace swiftgs::cli {
+
+/// The scenes of one frame, of which `names` are scenes or lists of them: files of lists lie where the list
+/// does. Reads lists alone. Throws `std::invalid_argument` for several names unless `place` says that one
+/// frame shows all.
+std::vector<ListedScene> scenes_of(const std::vector<std::string>& names, bool place);
+
+/// Scenes of one frame to draw. The world's zero is where the first one's means have theirs.
+struct DrawnScenes {
+  std::vector<std::shared_ptr<const Scene>> gaussians;  ///< each file once
+  std::vector<Placement> placements;
+  std::optional<Camera> camera;  ///< that the first file has
+};
+
+/// Loads `scenes` as `reading` says, as `load_to_draw` does.
+DrawnScenes load_to_place(const std::vector<ListedScene>& scenes, const SceneOptions& reading,
+                          std::vector<std::string>& said);
+
+}  // namespace swiftgs::cli

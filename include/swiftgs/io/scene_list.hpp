@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <swiftgs/api.hpp>
+#include <swiftgs/edit/select.hpp>
+#include <swiftgs/similarity.hpp>
+
+namespace swiftgs {
+
+/// A scene of a list: where it stands in the world, and what of it shows. Movement and clip are of positions
+/// as the scene's file has them, whatever `Scene::origin` a reader subtracts.
+struct ListedScene {
+  std::string file;  ///< as the list has it: relative to the list's folder
+  Similarity world_from_scene{};
+  float opacity = 1;
+  std::vector<HalfSpace> half_spaces{};  ///< at most `Clip::max_half_spaces`
+  std::optional<Sphere> sphere{};
+};
+
+/// Reads a list of scenes, a JSON array of objects. Each has a `file`, and may have
+/// - `rotation`, a quaternion w, x, y, z of any length or three rows of three numbers, `scale` above 0, and
+///   `translation`, which make p_world = scale rotation p + translation,
+/// - `opacity`, 0 to 1, which the Gaussians' opacities are multiplied by,
+/// - `clip`, an object of `box` [x, y, z, x, y, z], two corners; `sphere` [x, y, z, radius]; and
+/// `half_spaces`,
+///   [x, y, z, offset] each, of positions p with (x, y, z) . p of the offset or more. A box is six
+///   half-spaces. Gaussians show whose means lie in all of them.
+/// Throws `FormatError` for anything else, also for other members, and `std::system_error` if the file cannot
+/// be read.
+SWIFTGS_API std::vector<ListedScene> read_scene_list(const std::filesystem::path& path);
+
+}  // namespace swiftgs

@@ -1,0 +1,320 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Placed scenes: the scenes of one frame, each where it stands in the world. Gaussians are numbered over the
+/// frame, those of the first placed scene first; everything that tells of a Gaussian tells its number.
+
+#include <algorithm>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <swiftgs/clip.hpp>
+#include <swiftgs/error.hpp>
+#include <swiftgs/math.hpp>
+#include <swiftgs/project.hpp>
+#include <swiftgs/render_input.hpp>
+#include <swiftgs/scene.hpp>
+#include <swiftgs/similarity.hpp>
+#include <swiftgs/span.hpp>
+#include <swiftgs/view_constants.hpp>
+#include <swiftgs/views.hpp>
+
+namespace swiftgs {
+
+/// A scene in a frame: where it stands, and what of it shows. To show a range of its Gaussians, place a
+/// `SceneView` of that range (`range_of`).
+struct PlacedScene {
+  SceneView scene{};
+  Similarity world_from_scene{};
+  float opacity = 1;  ///< times the opacities of its Gaussians, 0 to 1
+  Clip clip{};
+
+  // The library sets what follows.
+  std::uint32_t first_gaussian = 0;  ///< Gaussians of the placed scenes before it
+  std::uint32_t first_chunk = 0;     ///< chunks of these
+  /// 1 where a frame on a device did not draw it, because what was written to its memory is not valid.
+  mutable std::uint32_t refused = 0;
+
+  SWIFTGS_HD std::size_t size() const { return scene.size(); }
+  SWIFTGS_HD std::uint32_t chunks() const {
+    return std::uint32_t((scene.size() + chunk_size - 1) / chunk_size);
+  }
+  /// Whether a frame can draw it.
+  SWIFTGS_HD bool is_valid() const {
+    return world_from_scene.is_valid() && opacity >= 0 && opacity <= 1 && clip.is_valid();
+  }
+  /// Whether a frame shows it as it shows the scene alone.
+  SWIFTGS_HD bool is_plain() const {
+    return world_from_scene.is_identity() && opacity == 1 && clip.shows_all();
+  }
+};
+
+/// Throws `std::invalid_argument` where nothing can be rendered of `placed`. Reads no Gaussian.
+inline void validate(const PlacedScene& placed) {
+  validate(placed.scene);
+  validate(placed.world_from_scene, "placed scene");
+  detail::require_for_render(placed.opacity >= 0 && placed.opacity <= 1,
+                             "an opacity of 0 to 1 of a placed scene");
+  validate(placed.clip);
+}
+
+/// Gaussians [first, first + count) of `scene`. Where `first` is no
+/// multiple of `chunk_size`, no chunk of them is skipped. Throws `std::invalid_argument` if the scene has
+/// fewer.
+inline SceneView range_of(const SceneView& scene, std::size_t first, std::size_t count) {
+  if (first > scene.size() || count > scene.size() - first)
+    throw std::invalid_argument("range_of: Gaussians " + std::to_string(first) + " and " +
+                                std::to_string(count) + " on, expected a range of the scene's " +
+                                std::to_string(scene.size()));
+  SceneView range = scene;
+  if (count != scene.size() && scene.identity != 0)
+    range.identity = scene.identity * 0x9e3779b97f4a7c15 + first * 0xff51afd7ed558ccd + count;
+  const std::size_t stride = std::size_t(scene.sh_stride), channels = std::size_t(scene.feature_channels);
+  const auto cut = [&](auto& array, std::size_t each) {
+    if (array.size != 0) array = {array.data + first * each, count * each};
+  };
+  cut(range.means, 1), cut(range.scales, 1), cut(range.rotations, 1), cut(range.opacities, 1);
+  cut(range.sh0, 1), cut(range.features, channels);
+  if (range.sh_rest.size != 0) {
+    const std::size_t begin = std::min(first * stride, scene.sh_rest.size);
+    range.sh_rest = {scene.sh_rest.data + begin, std::min(count * stride, scene.sh_rest.size - begin)};
+  }
+  const std::size_t chunks = (count + chunk_size - 1) / chunk_size;
+  if (range.chunks.size != 0)
+    range.chunks = first % chunk_size == 0
+                       ? Span<const ChunkBounds>{scene.chunks.data + first / chunk_size, chunks}
+                       : Span<const ChunkBounds>{};
+  return range;
+}
+
+/// An element of the rotation from the space of a placed scene to that of a camera.
+SWIFTGS_HD inline double eye_rotation(const ViewConstants& camera, const Similarity& world_from_scene,
+                                      int row, int column) {
+  const dvec3& axis = world_from_scene.rotation[column];
+  const double* of = camera.rotation[row];
+  return std::fma(of[0], axis.x, std::fma(of[1], axis.y, of[2] * axis.z));
+}
+/// A coordinate of the camera's centre in the space of a placed scene, by Cramer's rule: to take a rotation's
+/// transpose for its inverse would move the scene by as much as the rotation may be off.
+SWIFTGS_HD inline double eye_centre(const ViewConstants& camera, const Similarity& world_from_scene, int k) {
+  const dmat3& rotation = world_from_scene.rotation;
+  const dvec3 &axis = rotation[k], &a = rotation[(k + 1) % 3], &b = rotation[(k + 2) % 3];
+  const dvec3 across = cross(a, b);
+  const dvec3& to = world_from_scene.translation;
+  const double x = camera.centre[0] - to.x, y = camera.centre[1] - to.y, z = camera.centre[2] - to.z;
+  const double along = std::fma(across.x, x, std::fma(across.y, y, across.z * z));
+  return along / (world_from_scene.scale * dot(across, axis));
+}
+/// The focal length `of_camera` in the space of a placed scene. Only parallel rays tell lengths.
+SWIFTGS_HD inline double eye_focal(const ViewConstants& camera, const Similarity& world_from_scene,
+                                   double of_camera) {
+  return camera.lens.model == LensModel::orthographic ? of_camera * world_from_scene.scale : of_camera;
+}
+
+/// The camera in the space of a placed scene, where it sees the scene's own numbers as the world's camera
+/// sees the placed ones: a camera's image stays when both it and what it sees are moved and scaled, but for
+/// the distances of parallel rays. Harmonics turn with the scene, since directions are the scene's own.
+/// Depths are those of the world.
+SWIFTGS_HD inline ViewConstants eye(const ViewConstants& camera, const PlacedScene& placed) {
+  ViewConstants out = camera;
+  out.opacity = placed.opacity;
+  const Similarity& pose = placed.world_from_scene;
+  if (pose.is_identity()) return out;  // to the sign of its zeros
+  for (int row = 0; row < 3; ++row) {
+    out.centre[row] = eye_centre(camera, pose, row);
+    for (int column = 0; column < 3; ++column) {
+      out.rotation[row][column] = eye_rotation(camera, pose, row, column);
+      out.axes[row][column] = float(out.rotation[row][column]);
+    }
+  }
+  out.fx = eye_focal(camera, pose, camera.fx), out.fy = eye_focal(camera, pose, camera.fy);
+  out.focal_x = float(out.fx), out.focal_y = float(out.fy);
+  out.depth_scale = pose.scale;
+  return out;
+}
+
+/// A Gaussian, and the camera that sees it in its scene's space.
+template <class Camera>
+struct SeenGaussian {
+  Camera camera;
+  const SceneView& scene;
+  std::size_t i;  ///< in the scene
+};
+
+/// The only scene of a frame, where it stands by itself. Loops read scenes as this or as `SeveralScenes`.
+struct OneScene {
+  static constexpr bool only = true;
+  SceneView scene;
+
+  SWIFTGS_HD SeenGaussian<const ViewConstants&> see(const ViewConstants& camera, std::uint32_t number) const {
+    return {camera, scene, number};
+  }
+};
+
+/// Placed scenes in memory of the backend.
+struct SeveralScenes {
+  static constexpr bool only = false;
+  const PlacedScene* each;
+  std::uint32_t count;  ///< 1 or more
+
+  /// The placed scene of a Gaussian.
+  SWIFTGS_HD const PlacedScene& of_gaussian(std::uint32_t number) const {
+    return last_from(&PlacedScene::first_gaussian, number);
+  }
+  /// That of a chunk.
+  SWIFTGS_HD const PlacedScene& of_chunk(std::uint32_t chunk) const {
+    return last_from(&PlacedScene::first_chunk, chunk);
+  }
+  SWIFTGS_HD SeenGaussian<ViewConstants> see(const ViewConstants& camera, std::uint32_t number) const {
+    const PlacedScene& placed = of_gaussian(number);
+    return {eye(camera, placed), placed.scene, number - placed.first_gaussian};
+  }
+
+ private:
+  /// The last whose first is at most `number`: it is not empty if any has that number.
+  SWIFTGS_HD const PlacedScene& last_from(std::uint32_t PlacedScene::*first, std::uint32_t number) const {
+    std::uint32_t low = 0, high = count;
+    while (high - low > 1) {
+      const std::uint32_t middle = low + (high - low) / 2;
+      (each[middle].*first <= number ? low : high) = middle;
+    }
+    return each[low];
+  }
+};
+
+/// Numbers the Gaussians and chunks of all scenes. Throws `CapacityError` for 2^32 Gaussians or more.
+inline void number_gaussians(Span<PlacedScene> scenes) {
+  const std::size_t most = std::numeric_limits<std::uint32_t>::max();
+  std::size_t gaussians = 0;
+  std::uint32_t chunks = 0;
+  for (PlacedScene& placed : scenes) {
+    placed.first_gaussian = std::uint32_t(gaussians), placed.first_chunk = chunks, placed.refused = 0;
+    gaussians += placed.size();
+    if (gaussians > most) throw CapacityError("Gaussians in all placed scenes", gaussians, most);
+    chunks += placed.chunks();
+  }
+}
+
+/// What a frame shows: a scene alone, or placed scenes; their arrays live until the frame is finished. Where
+/// a function asks for this, give it either, or an uploaded scene. It points to placed scenes of the caller.
+class PlacedScenes {
+ public:
+  PlacedScenes() = default;
+  PlacedScenes(const SceneView& scene) { one_.scene = scene; }
+  template <class Uploaded>
+  requires requires(const Uploaded& scene) {
+    { scene.view() } -> std::same_as<SceneView>;
+  }
+  PlacedScenes(const Uploaded& scene) : PlacedScenes(scene.view()) {}
+  /// `stored`: the same where a device's loops read them.
+  PlacedScenes(Span<const PlacedScene> scenes, const PlacedScene* stored = nullptr)
+      : is_one_(scenes.size == 1 && !stored), each_(scenes), stored_(stored) {
+    if (is_one_) one_ = scenes[0], one_.first_gaussian = one_.first_chunk = 0;
+  }
+  PlacedScenes(const std::vector<PlacedScene>& scenes) : PlacedScenes(Span{scenes.data(), scenes.size()}) {}
+
+  Span<const PlacedScene> each() const { return is_one_ ? Span<const PlacedScene>{&one_, 1} : each_; }
+  std::size_t size() const { return each().size; }
+  /// Where loops of the backend read them.
+  const PlacedScene* reachable() const { return stored_ ? stored_ : each().data; }
+  bool is_stored() const { return stored_ != nullptr; }
+  /// Whether it is a scene alone, where it stands by itself.
+  bool is_alone() const { return size() == 1 && each()[0].is_plain(); }
+
+  /// Of all scenes, once they are numbered.
+  std::size_t gaussians() const { return empty() ? 0 : last().first_gaussian + last().size(); }
+  std::size_t chunks() const { return empty() ? 0 : last().first_chunk + last().chunks(); }
+
+  /// Those that `view` shows, and their chunks.
+  Span<const PlacedScene> shown(const View& view) const {
+    const std::size_t first = std::min(std::size_t(view.shows.first), size());
+    return {each().data + first, std::min(std::size_t(view.shows.count), size() - first)};
+  }
+  ChunkRange chunks_of(const View& view) const {
+    const Span<const PlacedScene> of = shown(view);
+    if (of.empty()) return {};
+    const PlacedScene& back = of[of.size - 1];
+    return {of[0].first_chunk, std::size_t(back.first_chunk) + back.chunks()};
+  }
+  std::size_t gaussians_of(const View& view) const {
+    const Span<const PlacedScene> of = shown(view);
+    if (of.empty()) return 0;
+    const PlacedScene& back = of[of.size - 1];
+    return back.first_gaussian - of[0].first_gaussian + back.size();
+  }
+
+  /// Identity of what learns from frames; 0 if some scene has none.
+  std::uint64_t identity() const {
+    std::uint64_t all = 0;
+    for (const PlacedScene& placed : each()) {
+      if (placed.scene.identity == 0) return 0;
+      all = all * 0x9e3779b97f4a7c15 + placed.scene.identity;
+    }
+    return all;
+  }
+
+ private:
+  bool empty() const { return size() == 0; }
+  const PlacedScene& last() const { return each()[size() - 1]; }
+
+  bool is_one_ = true;  ///< `one_`, a copy; else `each_`
+  PlacedScene one_;
+  Span<const PlacedScene> each_{};
+  const PlacedScene* stored_ = nullptr;
+};
+
+/// Where a Gaussian of a frame comes from.
+struct PlacedIndex {
+  std::size_t scene, gaussian;  ///< index of the placed scene, and of the Gaussian in it
+};
+
+/// Of the Gaussian with this number in a frame of `scenes`, as ids and picks tell it. Throws
+/// `std::invalid_argument` if there is none, as of `no_gaussian`.
+inline PlacedIndex placed_index(const PlacedScenes& scenes, std::uint32_t number) {
+  std::size_t first = 0;
+  for (std::size_t i = 0; i < scenes.size(); first += scenes.each()[i].size(), ++i)
+    if (number - first < scenes.each()[i].size()) return {i, number - first};
+  detail::refuse("placed_index: the Gaussian", number, "less than " + std::to_string(first));
+}
+
+/// Throws `std::invalid_argument` where a frame asks for features that one of `scenes` does not have.
+inline void require_features(const PlacedScenes& scenes, int channels) {
+  for (const PlacedScene& placed : scenes.each()) require_features(placed.scene, channels);
+}
+
+/// f(source) with the scenes as loops read them.
+template <class F>
+void with_scenes(const PlacedScenes& scenes, const F& f) {
+  if (!scenes.is_stored() && scenes.is_alone())
+    f(OneScene{scenes.each()[0].scene});
+  else
+    f(SeveralScenes{scenes.reachable(), std::uint32_t(scenes.size())});
+}
+
+/// A renderer's own copy of the placed scenes of a frame.
+template <class B>
+struct SceneStorage {
+  std::vector<PlacedScene> each;
+
+  static std::tuple<> buffers(auto&) { return {}; }  ///< none in the backend's own memory
+};
+
+/// Copies and numbers placed scenes, of which each view shows some. What it returns holds until the next
+/// call. Throws as `number_gaussians`. Backends that do not reach the host's memory overload this.
+template <class B>
+PlacedScenes store_scenes(B&, const PlacedScenes& scenes, Span<const View>, SceneStorage<B>& storage,
+                          ViewAccess = ViewAccess::any) {
+  if (scenes.size() == 1) return scenes;
+  storage.each.assign(scenes.each().begin(), scenes.each().end());
+  number_gaussians({storage.each.data(), storage.each.size()});
+  return PlacedScenes(storage.each);
+}
+
+}  // namespace swiftgs

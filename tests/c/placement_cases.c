@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+
+/* Placed scenes: several scenes in one frame. */
+#include <math.h>
+#include <stdint.h>
+#include <string.h>
+
+#include "check.h"
+
+enum { pixels = small_width * small_height, floats = 3 * pixels, half = small_count / 2 };
+
+/* Gaussians [first, first + count) of a scene. */
+static swiftgs_scene* part_of(const swiftgs_scene* scene, uint64_t first, uint64_t count) {
+  swiftgs_gaussians arrays = {.size = sizeof(arrays)};
+  CHECK_OK(swiftgs_scene_get_arrays(scene, &arrays));
+  swiftgs_array* const all[] = {&arrays.means,     &arrays.scales, &arrays.rotations,
+                                &arrays.opacities, &arrays.sh0,    &arrays.sh_rest};
+  for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); ++i)
+    all[i]->data += first * (uint64_t)all[i]->stride / sizeof(float);
+  arrays.count = count;
+  swiftgs_scene* part = NULL;
+  CHECK_OK(swiftgs_scene_from_arrays(&arrays, &part));
+  return part;
+}
+
+/* A drawing with ids, whose renderer has the two halves of the scene. */
+struct halves {
+  struct drawing d;
+  uint32_t* id;
+};
+
+static void set_up_halves(struct halves* h) {
+  set_up(&h->d, small_renderer);
+  h->id = make_memory(sizeof(uint32_t) * pixels);
+  h->d.view.id = (swiftgs_plane){h->id, (int64_t)sizeof(uint32_t) * small_width};
+  swiftgs_renderer_free(h->d.renderer);
+  CHECK_OK(swiftgs_renderer_create(small_renderer, NULL, &h->d.renderer));
+  swiftgs_scene* const whole = make_scene();
+  for (uint64_t i = 0; i < 2; ++i) {
+    swiftgs_scene* const part = part_of(whole, i * half, half);
+    uint64_t number = 7;
+    CHECK_OK(swiftgs_renderer_add_scene(h->d.renderer, part, &number));
+    CHECK(number == i);
+    swiftgs_scene_free(part);
+  }
+  swiftgs_scene_free(whole);
+}
+
+void test_placed(void) {
+  struct halves h;
+  set_up_halves(&h);
+  struct drawing* const d = &h.d;
+  swiftgs_renderer* const whole = make_renderer(small_renderer);
+  float* const expected = draw_plain(whole, &d->camera);
+
+  /* The halves are the whole: by themselves, and placed by zeros. Their numbers go on. */
+  CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
+  CHECK(same_floats(d->colour, expected, floats));
+  swiftgs_placement both[2] = {{.size = sizeof(both[0])}, {.size = sizeof(both[0]), .scene = 1}};
+  CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
+  memset(d->colour, 0, sizeof(float) * floats);
+  CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
+  CHECK(same_floats(d->colour, expected, floats));
+  uint32_t* const id = make_memory(sizeof(uint32_t) * pixels);
+  memcpy(id, h.id, sizeof(uint32_t) * pixels);
+  int of_second = 0;
+  for (int i = 0; i < pixels; ++i) of_second += id[i] != SWIFTGS_NOTHING && id[i] >= half;
+  CHECK(of_second > 100);
+  swiftgs_picked picked = {0};
+  CHECK_OK(swiftgs_renderer_pick(d->renderer, 0, 32, 24, 1, 1, &picked));
+  CHECK(picked.gaussian == id[24 * small_width + 32]);
+
+  /* The other half first: the same picture, other numbers. */
+  both[0].scene = 1, both[1].scene = 0;
+  CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
+  CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
+  CHECK(same_floats(d->colour, expected, floats));
+  for (int i = 0; i < pixels; ++i)
+    CHECK(h.id[i] == (id[i] == SWIFTGS_NOTHING ? id[i] : (id[i] + half) % small_count));
+
+  /* Views show some of them. */
+  CHECK_OK(swiftgs_renderer_place(d->renderer, both, 1));
+  float* const second = draw_plain(d->renderer, &d->camera);
+  CHECK_OK(swiftgs_renderer_place(d->renderer, &both[1], 1));
+  float* const first = draw_plain(d->renderer, &d->camera);
+  CHECK(!same_floats(first, second, floats));
+  CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
+  d->view.first_shown = 1;
+  CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
+  CHECK(same_floats(d->colour, first, floats));
+  d->view.first_shown = 0, d->view.shown_count = 1;
+  CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
+  CHECK(same_floats(d->colour, second, floats));
+
+  /* What is transparent or clipped does not show. Here that is the first half. */
+  d->view.shown_count = 0;
+  both[1].transparency = 1;
+  for (int i = 0; i < 3; ++i) {
+    CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
+    CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
+    CHECK(same_floats(d->colour, second, floats));
+    both[1].transparency = 0;
+    both[1].half_space_count = i == 0, both[1].half_spaces[3] = -1; /* 0 >= 1 */
+    both[1].centre[0] = 1e6f, both[1].radius = i == 1 ? 1 : 0;
+  }
+
+  /* Another scene takes the place of all, and another renderer shares it. */
+  swiftgs_scene* const scene = make_scene();
+  CHECK_OK(swiftgs_renderer_set_scene(d->renderer, scene));
+  CHECK(same_floats(draw_plain(d->renderer, &d->camera), expected, floats));
+  uint64_t number = 0;
+  CHECK_OK(swiftgs_renderer_add_scene(d->renderer, scene, &number));
+  CHECK(number == 1);
+  CHECK_OK(swiftgs_renderer_share_scene(whole, d->renderer));
+  swiftgs_statistics statistics = {.size = sizeof(statistics)};
+  CHECK_OK(swiftgs_renderer_render(whole, &d->frame));
+  CHECK_OK(swiftgs_renderer_statistics(whole, &statistics));
+  CHECK(statistics.gaussians == 2 * small_count);
+  swiftgs_scene_free(scene);
+  swiftgs_renderer_free(d->renderer), swiftgs_renderer_free(whole);
+}
+
+void test_placed_recorded(void) {
+  struct halves h;
+  set_up_halves(&h);
+  struct drawing* const d = &h.d;
+  float* const recorded = make_floats(floats);
+  swiftgs_placement both[2] = {{.size = sizeof(both[0])}, {.size = sizeof(both[0]), .scene = 1}};
+  CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
+  const swiftgs_capacity capacity = {
+      .size = sizeof(capacity), .splats = small_count, .intersections = 100000};
+  float* const before = draw_plain(d->renderer, &d->camera);
+  d->view.colour.data = recorded;
+  CHECK_OK(swiftgs_renderer_reserve(d->renderer, &d->frame, &capacity));
+  both[1].translation[0] = 0.5;
+  CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
+  swiftgs_report report = {0};
+  CHECK_OK(swiftgs_renderer_record(d->renderer, &report));
+  CHECK(report.overflowed == 0 && same_floats(recorded, before, floats));
+  CHECK_OK(swiftgs_renderer_set_recorded_scenes(d->renderer));
+  CHECK_OK(swiftgs_renderer_record(d->renderer, &report));
+  CHECK(!same_floats(recorded, before, floats));
+  CHECK(same_floats(recorded, draw_plain(d->renderer, &d->camera), floats));
+
+  CHECK_INVALID(swiftgs_renderer_set_recorded_scenes(NULL), "renderer is NULL");
+  CHECK_OK(swiftgs_renderer_place(d->renderer, both, 1));
+  CHECK_INVALID(swiftgs_renderer_set_recorded_scenes(d->renderer),
+                "the number of placed scenes is 1, expected 2 as reserved");
+  swiftgs_renderer_free(d->renderer);
+}
+
+void test_placed_errors(void) {
+  struct halves h;
+  set_up_halves(&h);
+  swiftgs_renderer* const renderer = h.d.renderer;
+  swiftgs_scene* const scene = make_scene();
+  uint64_t number = 0;
+  CHECK_INVALID(swiftgs_renderer_add_scene(NULL, scene, &number), "renderer is NULL");
+  CHECK_INVALID(swiftgs_renderer_add_scene(renderer, NULL, &number), "scene is NULL");
+  CHECK_INVALID(swiftgs_renderer_add_scene(renderer, scene, NULL), "number is NULL");
+
+  const swiftgs_placement zeros = {.size = sizeof(zeros)};
+  CHECK_INVALID(swiftgs_renderer_place(NULL, &zeros, 1), "renderer is NULL");
+  CHECK_INVALID(swiftgs_renderer_place(renderer, NULL, 1), "swiftgs_placement is NULL");
+  CHECK_INVALID(swiftgs_renderer_place(renderer, NULL, 0), "place: expected one placement or more");
+  swiftgs_placement wrong[12];
+  for (int i = 0; i < 12; ++i) wrong[i] = zeros;
+  wrong[0].scene = 2;
+  wrong[1].scale = -1;
+  wrong[2].scale = INFINITY;
+  wrong[3].translation[1] = NAN;
+  wrong[4].rotation[0] = 1;
+  wrong[5].rotation[0] = wrong[5].rotation[4] = 1, wrong[5].rotation[8] = -1;
+  wrong[6].transparency = 1.5;
+  wrong[7].transparency = NAN;
+  wrong[8].half_space_count = 7;
+  wrong[9].half_space_count = 1, wrong[9].half_spaces[2] = NAN;
+  wrong[10].radius = -1;
+  wrong[11].size = 8;
+  const char* const messages[12] = {"place: the scene is number 2, expected less than 2",
+                                    "placed scene: expected a finite scale above 0",
+                                    "placed scene: expected a finite scale above 0",
+                                    "placed scene: expected a finite translation",
+                                    "placed scene: expected a rotation with orthonormal columns",
+                                    "placed scene: expected a rotation, not a mirror",
+                                    "swiftgs_placement: transparency is 1.5",
+                                    "swiftgs_placement: transparency is nan",
+                                    "clip: expected 0 to 6 half-spaces",
+                                    "clip: expected half-spaces of finite numbers",
+                                    "clip: expected a sphere with a radius of 0 or more",
+                                    "swiftgs_placement: size is 8, expected 240"};
+  for (int i = 0; i < 12; ++i) CHECK_INVALID(swiftgs_renderer_place(renderer, &wrong[i], 1), messages[i]);
+  const swiftgs_placement two[2] = {zeros, wrong[11]};
+  CHECK_INVALID(swiftgs_renderer_place(renderer, two, 2), "swiftgs_placement: size of number 1 is 8");
+
+  /* Nothing has changed: the halves are the whole. */
+  swiftgs_renderer* const whole = make_renderer(small_renderer);
+  CHECK(same_floats(draw_plain(renderer, &h.d.camera), draw_plain(whole, &h.d.camera), floats));
+  h.d.view.first_shown = 1, h.d.view.shown_count = 2;
+  CHECK_INVALID(swiftgs_renderer_render(renderer, &h.d.frame),
+                "a view shows 2 placed scenes from number 1 on, expected some of the frame's 2");
+  CHECK_INVALID(swiftgs_renderer_set_recorded_scenes(renderer), "expected reserve before set_scenes");
+  swiftgs_scene_free(scene);
+  swiftgs_renderer_free(renderer), swiftgs_renderer_free(whole);
+}

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "scene_list.hpp"
+
+#include <string>
+#include <vector>
+
+#include <swiftgs/io/scene_list.hpp>
+
+#include "files.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+std::vector<ListedScene> parse(const std::string& content) {
+  return io::parse_scene_list({as_bytes(content), "scenes.json"});
+}
+
+std::string complaint_about(const std::string& content) {
+  return complaint([&] { parse(content); });
+}
+
+/// A list of one scene with these members beside its file.
+std::string with_members(const std::string& members) { return "[{\"file\": \"a.ply\", " + members + "}]"; }
+
+const std::string whole = R"([{"file": "room.spz"},
+  {"file": "things/chair.ply", "rotation": [0, 0, 3, 0], "scale": 0.5, "translation": [1e7, -2.5, 3],
+   "opacity": 0.25, "clip": {"half_spaces": [[1, 2, -3, 4], [0, 0, 1, -1]], "sphere": [1, 2, 3, 4.5]}},
+  {"rotation": [[0, -1, 0], [1, 0, 0], [0, 0, 1]], "clip": {"box": [-1, -2, -3, 4, 5, 6]}, "file": "room.spz"}])";
+
+}  // namespace
+
+TEST_CASE("scene list: scenes have what their objects say and the defaults of what they do not") {
+  const TemporaryFolder folder;
+  const std::vector<ListedScene> scenes = read_scene_list(folder.write("scenes.json", whole));
+  REQUIRE(scenes.size() == 3);
+  CHECK(scenes[0].file == "room.spz");
+  CHECK(scenes[0].world_from_scene.is_identity());
+  CHECK(scenes[0].opacity == 1);
+  CHECK(scenes[0].half_spaces.empty());
+  CHECK_FALSE(scenes[0].sphere);
+
+  const ListedScene& chair = scenes[1];
+  CHECK(chair.file == "things/chair.ply");
+  CHECK(chair.world_from_scene(dvec3(2, 4, 6)) == dvec3(1e7 - 1, -0.5, 0));  // half a turn about y
+  CHECK(chair.opacity == 0.25f);
+  REQUIRE(chair.half_spaces.size() == 2);
+  CHECK(chair.half_spaces[0].normal == dvec3(1, 2, -3));
+  CHECK(chair.half_spaces[0].offset == 4);
+  REQUIRE(chair.sphere);
+  CHECK(chair.sphere->centre == dvec3(1, 2, 3));
+  CHECK(chair.sphere->radius == 4.5);
+
+  const ListedScene& turned = scenes[2];
+  CHECK(turned.world_from_scene(dvec3(1, 2, 3)) == dvec3(-2, 1, 3));
+  REQUIRE(turned.half_spaces.size() == 6);
+  const auto shows = [&](const dvec3& p) {
+    for (const HalfSpace& half : turned.half_spaces)
+      if (!half.contains(p)) return false;
+    return true;
+  };
+  for (const dvec3 inside : {dvec3(-1, -2, -3), dvec3(4, 5, 6), dvec3(0, 0, 0)}) CHECK(shows(inside));
+  for (const dvec3 outside : {dvec3(-1.1, 0, 0), dvec3(0, 5.1, 0), dvec3(0, 0, -3.1), dvec3(0, 0, 6.1)})
+    CHECK_FALSE(shows(outside));
+}
+
+TEST_CASE("scene list: a file that ends early or is damaged is refused or read") {
+  check_every_truncation(whole, [](const std::string& content) { parse(content); });
+  for (const char flip : {'\1', '\4', '@'})
+    check_every_damage(whole, flip, [](const std::string& content) { parse(content); });
+}
+
+TEST_CASE("scene list: what is wrong is named with its place") {
+  const auto says = [](const std::string& content, const std::string& message) {
+    CHECK(complaint_about(content) == "scenes.json: " + message);
+  };
+  const std::string a_list = "byte 0: expected an array of one scene or more, each an object with 'file'";
+  says("{}", a_list), says("[]", a_list), says("3", a_list);
+  says("[3]", "byte 1: expected a scene (a JSON object)");
+  says("[{}]", "byte 1: expected a scene with 'file'");
+  says(R"([{"file": ""}])", "byte 1: expected a name in 'file'");
+  says(R"([{"file": "a"}, {"file": 3}])", "byte 16: expected 'file' to be a string");
+  const auto refuses = [&](const std::string& members, const std::string& message) {
+    says(with_members(members), "byte 1: expected " + message);
+  };
+  refuses(R"("opacty": 1)", "the members file, rotation, scale, translation, opacity, clip, found 'opacty'");
+  refuses(R"("opacity": 1.5)", "an opacity of 0 to 1");
+  refuses(R"("opacity": "no")", "a number in 'opacity'");
+  refuses(R"("scale": 0)", "a finite scale above 0");
+  refuses(R"("translation": [1, 2])", "three numbers in 'translation'");
+  refuses(R"("rotation": [1, 2])", "'rotation' to be a quaternion w, x, y, z or three rows of three numbers");
+  refuses(R"("rotation": [0, 0, 0, 0])", "a quaternion other than 0 in 'rotation'");
+  refuses(R"("rotation": [1, 2, 3])", "three numbers in 'rotation'");
+  refuses(R"("rotation": [1, 2, 3, "x"])", "4 numbers in 'rotation'");
+  refuses(R"("rotation": [[2, 0, 0], [0, 1, 0], [0, 0, 1]])", "a rotation with orthonormal columns");
+  refuses(R"("rotation": [[1, 0, 0], [0, 1, 0], [0, 0, -1]])", "a rotation, not a mirror");
+  const auto refuses_clip = [&](const std::string& clip, const std::string& message) {
+    says(with_members("\"clip\": " + clip), "byte 27: expected " + message);
+  };
+  refuses_clip("3", "a clip (a JSON object)");
+  refuses_clip(R"({"ball": []})", "the members box, sphere, half_spaces, found 'ball'");
+  refuses_clip(R"({"box": [1, 2, 3]})", "6 numbers in 'box'");
+  refuses_clip(R"({"box": [1, 0, 0, 0, 1, 1]})", "a box whose first corner is the lower one");
+  refuses_clip(R"({"sphere": [1, 2, 3, -4]})", "a sphere with a finite radius of 0 or more");
+  refuses_clip(R"({"half_spaces": 3})", "'half_spaces' to be an array");
+  refuses_clip(R"({"half_spaces": [[0, 0, 0, 1]]})", "a half-space with a finite normal other than 0");
+  refuses_clip(R"({"half_spaces": [[0, 1, 0, 1]], "box": [0, 0, 0, 1, 1, 1]})",
+               "at most 6 half-spaces, of which a box is six");
+}

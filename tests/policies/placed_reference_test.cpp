@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Frames of placed scenes, against the reference.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/edit.hpp>
+
+#include "policies/hooked.hpp"
+#include "policies/lenses.hpp"
+#include "policies/planes.hpp"
+#include "policies/views.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+constexpr int channels = 4;
+
+/// A placed scene, on the host.
+struct Placed {
+  Scene scene;
+  Similarity pose{};
+  float opacity = 1;
+  Clip clip{};
+};
+using List = std::vector<Placed>;
+
+Similarity pose_of(std::uint64_t seed, double scale, dvec3 to) {
+  Random random(seed);
+  const Quaternion q = random_rotation(random);
+  return {matrix_of(unit(DQuaternion{q.w, q.x, q.y, q.z})), scale, to};
+}
+
+/// `scene` in a space of its own, from which `pose` brings it back to where it was.
+Placed placed_by(Scene scene, const Similarity& pose, float opacity = 1, const Clip& clip = {}) {
+  transform(scene, inverse(pose), dvec3(0.0));
+  return {std::move(scene), pose, opacity, clip};
+}
+
+Placed moved(Placed placed, dvec3 by) {
+  placed.pose.translation += by;
+  return placed;
+}
+
+/// Some of scale 1e-3 to 1e3, one where it stands by itself, and one empty.
+List list_of_scales(const Scene& each) {
+  Scene none;
+  none.feature_channels = each.feature_channels;
+  const Placed small = placed_by(each, pose_of(1, 1e-3, dvec3(0.3, -0.2, 0.7)));
+  const Placed large = placed_by(each, pose_of(2, 1e3, dvec3(-5, 2, 40)));
+  const Placed faint = placed_by(each, pose_of(3, 0.7, dvec3(0.1, 0.2, 1)), 0.3f);
+  return {moved(small, dvec3(0.2, 0.1, 0.3)),
+          {each, {}, 0.6f},
+          {none},
+          moved(large, dvec3(-0.3, 0.1, 0.05)),
+          moved(faint, dvec3(0, -0.2, -0.2)),
+          placed_by(each, pose_of(4, 30, dvec3(9, 0.1, 0)))};
+}
+
+std::vector<ReferenceScene> for_reference(const List& list) {
+  std::vector<ReferenceScene> out;
+  for (const Placed& p : list) out.push_back({p.scene, p.pose, p.opacity, p.clip});
+  return out;
+}
+
+ReferencePlanes reference_of(const List& list, const Camera& camera, const Conventions& conventions,
+                             const std::vector<float>& occluder = {}) {
+  const std::vector<ReferenceScene> scenes = for_reference(list);
+  return render_reference_planes({scenes.data(), scenes.size()}, camera, conventions, 0,
+                                 {occluder.data(), occluder.size()});
+}
+
+/// The list where backend `B` reads them.
+template <class B>
+class ListOn {
+ public:
+  ListOn(const B& backend, const List& list) {
+    for (const Placed& p : list) {
+      uploaded_.push_back(backend.upload(p.scene));
+      placed.push_back({uploaded_.back().view(), p.pose, p.opacity, p.clip});
+    }
+  }
+  std::vector<PlacedScene> placed;
+
+ private:
+  std::vector<typename B::SceneOn> uploaded_;
+};
+
+/// Largest difference of colours where no decision is close.
+double colour_error(const Frame& frame, const ReferencePlanes& expected, const PlaneBounds& bounds) {
+  double worst = 0;
+  for (std::size_t i = 0; i < frame.pixels(); ++i) {
+    if (expected.threshold_margin[i] <= bounds.threshold || expected.occluder_margin[i] < bounds.occluder)
+      continue;
+    for (std::size_t c = 3 * i; c < 3 * i + 3; ++c) {
+      const double error = std::abs(double(frame.colour[c]) - expected.colour[c]);
+      worst = error >= worst ? error : error < worst ? worst : INFINITY;
+    }
+  }
+  return worst;
+}
+
+/// Rounding alone reaches half of it.
+template <class B>
+constexpr double slack = on_host<B> ? 1 : 4;
+template <class B>
+PlaneBounds usual_bounds(double times = 1) {
+  const double loose = slack<B> * times;
+  return {.sum = 1.5e-5 * loose,
+          .mean = 6e-5 * loose,
+          .threshold = 1e-4 * times,
+          .pick = 1e-5 * times,
+          .picked = 3e-5 * times,  // of splats that the ray grazes
+          .least = 1,
+          .occluder = 1e-5 * times};
+}
+
+/// Checks all planes of a frame of the list.
+template <class R>
+void check_frame(R& renderer, const List& list, const Camera& camera, const Conventions& conventions,
+                 const PlaneBounds& bounds, double close = 0.02, double least_alpha = 0.1) {
+  const ListOn on(renderer.backend(), list);
+  const ReferencePlanes expected = reference_of(list, camera, conventions);
+  const Frame frame = renderer.render(on.placed, camera, settings_of_all(channels, conventions));
+  check_planes(frame, expected, bounds, close);
+  CHECK(colour_error(frame, expected, bounds) <= 3 * bounds.sum);
+  double sum = 0;
+  for (const float alpha : frame.alpha) sum += double(alpha);
+  CHECK(sum >= least_alpha * double(frame.pixels()));
+}
+
+Conventions with_depth(Conventions::DepthAt at, Conventions conventions = {}) {
+  conventions.depth_at = at;
+  return conventions;
+}
+constexpr auto both_depths = {Conventions::DepthAt::centre, Conventions::DepthAt::ray};
+
+}  // namespace
+
+SWIFTGS_CONTRACT("placed reference: scales of 1e-3 to 1e3 are those of the reference by every rasterizer") {
+  const List list = list_of_scales(with_features(random_scene(150, 3, 5), channels));
+  const Camera camera = turned_camera(67, 45, 0.2, 0.3);
+  for (const auto at : both_depths) {
+    const ReferencePlanes expected = reference_of(list, camera, with_depth(at));
+    for_each_raster([&]<class Raster>(Raster) {
+      if constexpr (stores_half<Raster>) return;
+      CAPTURE(Raster::name);
+      Renderer<B, EarlySort, Raster, Ellipse> renderer(make_backend<B>());
+      const ListOn on(renderer.backend(), list);
+      const bool split = Raster::name.find("split") != std::string_view::npos;
+      const PlaneBounds bounds = usual_bounds<B>(split ? 2 : 1);
+      const Frame frame = renderer.render(on.placed, camera, settings_of_all(channels, with_depth(at)));
+      check_planes(frame, expected, bounds);
+      CHECK(colour_error(frame, expected, bounds) <= 3 * bounds.sum);
+    });
+  }
+}
+
+SWIFTGS_CONTRACT("placed reference: every lens and preset shows them as the reference does") {
+  Usual<B> renderer(make_backend<B>());
+  const Scene scene = with_features(make_builtin_scene(2'500), channels);  // in chunks
+  const List list = list_of_scales(scene);
+  for (const Camera& camera : cameras_of_lenses())
+    for (const auto at : both_depths) {
+      CAPTURE(name_of(camera.lens.model));
+      CAPTURE(camera.lens.is_distorted());
+      Conventions conventions = with_depth(at);
+      check_frame(renderer, list, camera, conventions, usual_bounds<B>());
+      if (camera.lens.model == LensModel::orthographic || at == Conventions::DepthAt::ray) continue;
+      conventions = Conventions::inria(), conventions.depth = Conventions::Depth::distance;
+      conventions.footprint = Conventions::Footprint::alpha;
+      check_frame(renderer, list, camera, conventions, usual_bounds<B>());
+    }
+}
+
+SWIFTGS_CONTRACT("placed reference: planes and occluders are at the world's depths") {
+  Usual<B> renderer(make_backend<B>());
+  const Scene scene = with_features(make_builtin_scene(2'500), channels);
+  const List list = list_of_scales(scene);
+  const Camera camera = scaled(builtin_camera(), 0.1);
+  std::vector<float> occluder;
+  for (int i = 0; i < camera.width * camera.height; ++i)
+    occluder.push_back(i % 7 == 0 ? std::numeric_limits<float>::infinity()
+                                  : 4.5f + 2.5f * std::sin(0.05f * float(i)));
+  const auto depths = to_backend(renderer.backend(), occluder);
+  const ListOn on(renderer.backend(), list);
+  for (const auto at : both_depths)
+    for (const auto depth : {Conventions::Depth::z, Conventions::Depth::distance}) {
+      Conventions conventions = with_depth(at);
+      conventions.depth = depth, conventions.near_plane = 4, conventions.far_plane = 8;
+      const ReferencePlanes expected = reference_of(list, camera, conventions, occluder);
+      PlanesOn<B> planes(renderer.backend(), camera.width, camera.height, all_planes(channels), 0);
+      FrameView frame = planes.view();
+      frame.occluder = {depths.data(), std::ptrdiff_t(sizeof(float)) * camera.width};
+      const View view = make_view(camera, conventions, frame);
+      renderer.render_into(on.placed, Span<const View>{&view, 1});
+      const Frame found = planes.on_host(renderer.backend());
+      check_planes(found, expected, usual_bounds<B>(), 0.05);
+      CHECK(colour_error(found, expected, usual_bounds<B>()) <= 3 * usual_bounds<B>().sum);
+      CHECK(std::count_if(found.alpha.begin(), found.alpha.end(), [](float a) { return a > 0; }) > 1000);
+    }
+}
+
+SWIFTGS_CONTRACT("placed reference: rotations may be as far from one as is accepted") {
+  Usual<B> renderer(make_backend<B>());
+  List list = list_of_scales(with_features(random_scene(150, 3, 6), channels));
+  for (Placed& placed : list) {
+    dmat3& rotation = placed.pose.rotation;
+    rotation[0] *= 1 + 4e-7, rotation[1] -= 5e-7 * rotation[2];
+    CHECK_NOTHROW(validate(placed.pose));
+  }
+  for (const auto at : both_depths)
+    check_frame(renderer, list, turned_camera(80, 60, 0.2, 0.3), with_depth(at), usual_bounds<B>());
+}
+
+SWIFTGS_CONTRACT("placed reference: millimetres 1e7 from zero are seen by a camera as far") {
+  Usual<B> renderer(make_backend<B>());
+  const dvec3 far(1e7, -2e7, 3e6);
+  const auto scene = [](std::uint64_t seed) {
+    Scene out = with_features(random_scene(200, 2, seed), channels);
+    transform(out, {dmat3(1.0), 1e-3, dvec3(0.0)}, dvec3(0.0));
+    return out;
+  };
+  const List list{moved({scene(3)}, far),
+                  moved(placed_by(scene(4), pose_of(5, 1e-3, dvec3(0, 0, 1e-3))), far),
+                  moved(placed_by(scene(5), pose_of(6, 1e3, dvec3(1e-3, 0, 0)), 0.5f), far)};
+  for (const double angle : {0.0, 0.3})
+    for (const auto at : both_depths) {
+      CAPTURE(angle);
+      Conventions conventions = with_depth(at);
+      conventions.near_plane = 1e-6f;
+      Camera camera = turned_camera(90, 70, angle);
+      for (int k = 0; k < 3; ++k) camera.translation -= far[k] * camera.rotation[k];
+      // A turned camera's centre is known to some 4e-9, a 1000th of a pixel of what is 4e-4 away.
+      PlaneBounds bounds = usual_bounds<B>(angle == 0 ? 2 : 40);
+      bounds.least = 1e-3;
+      check_frame(renderer, list, camera, conventions, bounds, angle == 0 ? 0.05 : 0.3);
+    }
+}
+
+SWIFTGS_CONTRACT("placed reference: clips decide by the means of needles that they cut") {
+  Usual<B> renderer(make_backend<B>());
+  Scene scene = with_features(random_scene(400, 1, 8), channels);
+  for (std::size_t i = 0; i < scene.size(); i += 2) {
+    scene.scales[i].x *= 8, scene.scales[i].y *= 1e-4f, scene.scales[i].z *= 1e-6f;
+    scene.opacities[i] = std::min(1.0f, scene.opacities[i] * 3);
+  }
+  Clip both = Clip::sphere(vec3(0, 0, 5), 4);
+  both.half_space_count = 2;
+  both.half_spaces[0] = vec4(1, 0.3f, 0, 0.2f), both.half_spaces[1] = vec4(0, 0, -1, 7);
+  const Camera camera = turned_camera(80, 60, 0.1, 0.2);
+  std::size_t cut = 0, shown = 0;
+  for (const Clip& clip :
+       {Clip::box(vec3(-1, -2, 1), vec3(2, 1, 8)), Clip::sphere(vec3(0.5f, 0, 6), 3), both}) {
+    for (const vec3& mean : scene.means) (clip.shows(mean) ? shown : cut) += 1;
+    for (const auto at : both_depths) {
+      List list{{scene, pose_of(7, 1, dvec3(0)), 0.8f, clip}, {scene, {}, 0.2f}};
+      // Turns about the middle of the scene.
+      list[0].pose.translation = dvec3(0, 0, 6) - list[0].pose.rotation * dvec3(0, 0, 6);
+      check_frame(renderer, list, camera, with_depth(at), usual_bounds<B>(2), 0.05, 0.07);
+    }
+  }
+  CHECK(cut > 200);
+  CHECK(shown > 200);
+}
+
+SWIFTGS_CONTRACT("placed reference: opacities make splats fainter before their edges are found") {
+  Usual<B> renderer(make_backend<B>());
+  const Scene scene = with_features(make_builtin_scene(4'000), channels);
+  const Camera camera = scaled(builtin_camera(), 0.1);
+  for (const bool antialiased : {false, true})
+    for (const float opacity : {1.0f, 0.3f, 0.05f}) {
+      CAPTURE(opacity);
+      Conventions conventions;
+      conventions.antialiased = antialiased;
+      const Placed faint = placed_by(scene, pose_of(8, 2, dvec3(1, 2, 3)), opacity);
+      check_frame(renderer, {faint, {scene, {}, 0.02f}, faint}, camera, conventions, usual_bounds<B>());
+    }
+}
+
+SWIFTGS_CONTRACT("placed reference: of equal depths the first scene's is in front") {
+  Usual<B> renderer(make_backend<B>());
+  Scene scene = with_features(random_scene(300, 0, 9), channels), other = scene;
+  for (vec3& colour : other.sh0) colour = vec3(0.5f) - colour;
+  const Similarity pose = pose_of(9, 5, dvec3(1, 2, 3));
+  const Placed first = placed_by(scene, pose), second = placed_by(other, pose, 0.9f);
+  const Camera camera = turned_camera(80, 60, 0.1, 0.2);
+  for (const List& list : {List{first, second, first}, List{second, first}})
+    check_frame(renderer, list, camera, {}, usual_bounds<B>());
+}
+
+SWIFTGS_CONTRACT("placed reference: each view shows its own under the numbers of the frame") {
+  Usual<B> renderer(make_backend<B>());
+  const List list = list_of_scales(with_features(random_scene(200, 1, 10), channels));
+  const ListOn on(renderer.backend(), list);
+  const ShownScenes shown[] = {{0, 3}, {3, 3}, {4, 1}, {2, 1}, {5, 1}, {}};
+  std::vector<PlanesOn<B>> memory;
+  std::vector<View> views;
+  memory.reserve(std::size(shown));
+  for (const ShownScenes& shows : shown) {
+    const Camera camera = turned_camera(60 + 7 * int(views.size()), 50, 0.05 * double(views.size()), 0.2);
+    const auto at = views.size() % 2 == 0 ? Conventions::DepthAt::ray : Conventions::DepthAt::centre;
+    memory.emplace_back(renderer.backend(), camera.width, camera.height, all_planes(channels), 0);
+    views.push_back(make_view(camera, with_depth(at), memory.back().view()));
+    views.back().shows = shows;
+  }
+  renderer.render_into(on.placed, Span<const View>{views.data(), views.size()});
+  for (std::size_t v = 0; v < views.size(); ++v) {
+    CAPTURE(v);
+    const std::size_t end = std::min(list.size(), std::size_t(shown[v].first) + shown[v].count);
+    const List own(list.begin() + shown[v].first, list.begin() + std::ptrdiff_t(end));
+    const Camera camera = turned_camera(60 + 7 * int(v), 50, 0.05 * double(v), 0.2);
+    const auto at = v % 2 == 0 ? Conventions::DepthAt::ray : Conventions::DepthAt::centre;
+    ReferencePlanes expected = reference_of(own, camera, with_depth(at));
+    std::uint32_t before = 0;
+    for (std::size_t i = 0; i < shown[v].first; ++i) before += std::uint32_t(list[i].scene.size());
+    for (auto* ids : {&expected.id, &expected.median_id})
+      for (std::uint32_t& id : *ids)
+        if (id != no_gaussian) id += before;
+    const Frame found = memory[v].on_host(renderer.backend());
+    check_planes(found, expected, usual_bounds<B>());
+    CHECK(colour_error(found, expected, usual_bounds<B>()) <= 3 * usual_bounds<B>().sum);
+  }
+}

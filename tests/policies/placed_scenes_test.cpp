@@ -1,0 +1,421 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Frames of several placed scenes, against frames of one scene that holds the same Gaussians.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/edit.hpp>
+
+#include "policies/hooked.hpp"
+#include "policies/planes.hpp"
+#include "policies/views.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+constexpr int channels = 5;
+
+Scene scene_of_all(std::size_t count, std::uint64_t seed) {
+  return with_features(random_scene(count, 3, seed), channels);
+}
+
+/// A rotation about no axis of the world.
+dmat3 some_rotation() { return matrix_of(unit(DQuaternion{0.8, 0.3, -0.4, 0.2})); }
+
+Similarity moved(double scale = 1, dvec3 to = dvec3(0.3, -0.2, 0.7)) { return {some_rotation(), scale, to}; }
+
+/// A scene of `scene`'s Gaussians from `first` on, in pieces that begin at no chunk.
+std::vector<PlacedScene> pieces(const SceneView& scene, std::size_t each) {
+  std::vector<PlacedScene> out;
+  for (std::size_t first = 0; first < scene.size(); first += each)
+    out.push_back({range_of(scene, first, std::min(each, scene.size() - first))});
+  return out;
+}
+
+/// Peak signal to noise ratio of `found`, of values to about 1. @units{dB}
+double psnr_of(const std::vector<float>& found, const std::vector<float>& wanted) {
+  double sum = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) sum += std::pow(double(found[i]) - double(wanted[i]), 2);
+  return -10 * std::log10(sum / double(found.size()) + 1e-30);
+}
+
+SceneView without_gaussians() {
+  SceneView scene;
+  scene.feature_channels = channels;
+  return scene;
+}
+
+/// Same planes but for the numbers of Gaussians.
+bool same_but_ids(Frame a, Frame b) {
+  a.id.clear(), a.median_id.clear(), b.id.clear(), b.median_id.clear();
+  return same_planes(a, b);
+}
+
+}  // namespace
+
+SWIFTGS_CONTRACT("placed scenes: a scene in pieces has the bits of the whole in all planes") {
+  Usual<B> renderer(test::make_backend<B>());
+  Usual<B, AdaptiveSort> adaptive(test::make_backend<B>());
+  for (const int degree : {3, 2, 1, 0}) {
+    const bool chunks = degree == 0;
+    const Scene scene =
+        with_features(chunks ? make_builtin_scene(20'000) : random_scene(20'000, degree, 7), channels);
+    const auto uploaded = backend.upload(scene);
+    CHECK(uploaded.view().chunks.empty() != chunks);
+    const Camera camera = turned_camera(150, 90, 0.2, 0.4);
+    const RenderSettings settings = settings_of_all(channels);
+    const Frame whole = renderer.render(uploaded, camera, settings);
+    const Statistics taken = renderer.statistics();
+    REQUIRE(taken.visible > 1000);
+    for (const std::size_t each : {20'000, 6'000, 1'024, 300}) {
+      CAPTURE(each);
+      std::vector<PlacedScene> placed = pieces(uploaded.view(), each);
+      CHECK(same_planes(renderer.render(placed, camera, settings), whole));
+      CHECK(renderer.statistics().visible == taken.visible);
+      CHECK(renderer.statistics().gaussians == scene.size());
+      CHECK(same_planes(adaptive.render(placed, camera, settings), whole));
+      placed.insert(placed.begin() + 1, {range_of(uploaded.view(), 5, 0)});
+      placed.push_back({without_gaussians()});
+      CHECK(same_planes(renderer.render(placed, camera, settings), whole));
+    }
+  }
+}
+
+SWIFTGS_CONTRACT("placed scenes: one that is moved is drawn as its transformed copy") {
+  Usual<B> renderer(test::make_backend<B>());
+  const Scene still = scene_of_all(800, 1), scene = scene_of_all(500, 2);
+  for (const double scale : {1e-3, 0.7, 1.0, 1e3})
+    for (const bool along_ray : {false, true}) {
+      CAPTURE(scale);
+      Similarity pose = moved(scale);
+      Scene inner = scene;  // so that it is about as large where it is placed
+      transform(inner, {dmat3(1.0), 1 / scale, dvec3(0.0)});
+      Scene copy = inner;
+      transform(copy, pose);
+      Scene both = still;
+      append(both, copy);
+      const auto a = backend.upload(still), b = backend.upload(inner), c = backend.upload(both);
+      RenderSettings settings = settings_of_all(channels);
+      if (along_ray) settings.conventions.depth_at = Conventions::DepthAt::ray;
+      const Camera camera = turned_camera(150, 90, 0.1, 0.2);
+      const Frame expected = renderer.render(c, camera, settings);
+      const Frame found =
+          renderer.render(std::vector<PlacedScene>{{a.view()}, {b.view(), pose}}, camera, settings);
+      CHECK(psnr_of(found.colour, expected.colour) >= 100);
+      CHECK(psnr_of(found.normal, expected.normal) >= 90);
+      CHECK(psnr_of(found.depth, expected.depth) >= 90);
+      CHECK(psnr_of(found.features, expected.features) >= 90);
+      std::size_t other = 0;
+      for (std::size_t i = 0; i < found.id.size(); ++i) other += found.id[i] != expected.id[i];
+      CHECK(other <= found.id.size() / 1000);
+    }
+}
+
+SWIFTGS_CONTRACT("placed scenes: a scene and its camera far from zero have the bits of those at zero") {
+  Usual<B> renderer(test::make_backend<B>());
+  Scene scene = scene_of_all(700, 3);
+  transform(scene, {dmat3(1.0), 1e-3, dvec3(0.0)});  // millimetres
+  const auto uploaded = backend.upload(scene);
+  const dvec3 far(1e7, -2e7, 3e6);
+  const RenderSettings settings = settings_of_all(channels);
+  RenderSettings close = settings;
+  close.conventions.near_plane = 1e-6f;
+  for (const double angle : {0.0, 0.3}) {
+    Camera camera = turned_camera(90, 70, angle), there = camera;
+    camera.translation = there.translation = dvec3(0);
+    for (int k = 0; k < 3; ++k) there.translation -= far[k] * there.rotation[k];
+    const Frame expected = renderer.render(uploaded, camera, close);
+    const Frame found = renderer.render(
+        std::vector<PlacedScene>{{uploaded.view(), {.translation = far}}, {without_gaussians()}}, there,
+        close);
+    if (angle == 0)
+      CHECK(same_planes(found, expected));
+    else  // the camera's centre is rounded to 2e-9, a 500,000th of a splat
+      CHECK(psnr_of(found.colour, expected.colour) >= 90);
+  }
+}
+
+SWIFTGS_CONTRACT("placed scenes: each view shows its own, and the order of others changes nothing") {
+  Usual<B> renderer(test::make_backend<B>());
+  std::vector<Scene> scenes;
+  std::vector<typename B::SceneOn> uploaded;
+  for (int i = 0; i < 4; ++i) {
+    scenes.push_back(scene_of_all(200 + 150 * std::size_t(i), 10 + std::uint64_t(i)));
+    uploaded.push_back(backend.upload(scenes.back()));
+  }
+  const std::vector<Similarity> poses{{}, moved(0.6), moved(1.5), moved(1, dvec3(-0.5, 0, 1))};
+  const ShownScenes worlds[] = {{0, 2}, {2, 1}, {1, 3}, {3, 0}, {}};
+  const auto frames_of = [&](const std::vector<std::size_t>& order, const std::vector<ShownScenes>& shown) {
+    std::vector<PlacedScene> placed;
+    for (const std::size_t i : order) placed.push_back({uploaded[i].view(), poses[i]});
+    std::vector<PlanesOn<B>> memory;
+    std::vector<View> views;
+    std::vector<Frame> frames;
+    memory.reserve(shown.size());
+    for (std::size_t v = 0; v < shown.size(); ++v) {
+      const Camera camera = turned_camera(60 + 7 * int(v), 50, 0.1 * double(v));
+      memory.emplace_back(renderer.backend(), camera.width, camera.height, all_planes(channels), 0);
+      views.push_back(make_view(camera, {}, memory[v].view(), vec3(0.2f, 0.4f, 0.1f)));
+      views.back().shows = shown[v];
+    }
+    renderer.render_into(placed, Span<const View>{views.data(), views.size()});
+    for (auto& on : memory) frames.push_back(on.on_host(renderer.backend()));
+    return frames;
+  };
+  const std::vector<ShownScenes> all(std::begin(worlds), std::end(worlds));
+  const std::vector<Frame> frames = frames_of({0, 1, 2, 3}, all);
+  for (std::size_t v = 0; v < all.size(); ++v) {
+    CAPTURE(v);
+    // The same view alone, of a frame that has no more scenes.
+    std::vector<PlacedScene> own;
+    for (std::size_t i = 0; i < 4; ++i)
+      if (i >= all[v].first && i - all[v].first < all[v].count) own.push_back({uploaded[i].view(), poses[i]});
+    if (own.empty()) own.push_back({without_gaussians()});
+    RenderSettings settings = settings_of_all(channels);
+    settings.background = vec3(0.2f, 0.4f, 0.1f);
+    const Frame expected =
+        renderer.render(own, turned_camera(60 + 7 * int(v), 50, 0.1 * double(v)), settings);
+    CHECK(same_but_ids(frames[v], expected));
+  }
+  // Worlds that share no scene, in another order.
+  const std::vector<Frame> one = frames_of({0, 1, 2, 3}, {{0, 2}, {2, 2}});
+  const std::vector<Frame> other = frames_of({2, 3, 0, 1}, {{2, 2}, {0, 2}});
+  for (std::size_t v = 0; v < 2; ++v) CHECK(same_but_ids(one[v], other[v]));
+}
+
+SWIFTGS_CONTRACT("placed scenes: clips and opacities are those of scenes that were cut and made fainter") {
+  Usual<B> renderer(test::make_backend<B>());
+  const Scene scene = scene_of_all(1500, 4);
+  const auto uploaded = backend.upload(scene);
+  const Camera camera = turned_camera(150, 90, 0.1);
+  const RenderSettings settings = settings_of_all(channels);
+  Clip both = Clip::sphere(vec3(0, 0, 5), 4);
+  both.half_space_count = 1, both.half_spaces[0] = vec4(1, 0.3f, 0, 0.2f);
+  for (const Clip& clip : {Clip::box(vec3(-1, -2, 1), vec3(2, 1, 8)), Clip::sphere(vec3(0.5f, 0, 6), 3), both,
+                           Clip::sphere(vec3(0), 0)}) {
+    const Scene cut = subset(scene, select(scene, [&](std::size_t i) { return clip.shows(scene.means[i]); }));
+    CHECK(cut.size() < 1200);
+    CHECK(same_but_ids(
+        renderer.render(std::vector<PlacedScene>{{uploaded.view(), {}, 1, clip}}, camera, settings),
+        renderer.render(backend.upload(cut), camera, settings)));
+  }
+  Scene faint = scene;
+  for (float& opacity : faint.opacities) opacity *= 0.3f;
+  CHECK(same_planes(renderer.render(std::vector<PlacedScene>{{uploaded.view(), {}, 0.3f}}, camera, settings),
+                    renderer.render(backend.upload(faint), camera, settings)));
+  std::vector<PlacedScene> cleared(1);
+  cleared.clear();
+  for (const std::vector<PlacedScene>& scenes : {std::vector<PlacedScene>(), cleared}) {
+    RenderSettings colour_alone;
+    colour_alone.background = vec3(0.5f);
+    CHECK(renderer.render(scenes, camera, colour_alone).colour[0] == 0.5f);
+    CHECK(renderer.statistics().visible == 0);
+    CHECK(renderer.visible_by_scene().empty());
+  }
+  const Clip huge = Clip::box(vec3(-1e38f), vec3(1e38f));
+  CHECK(
+      same_planes(renderer.render(std::vector<PlacedScene>{{uploaded.view(), {}, 1, huge}}, camera, settings),
+                  renderer.render(uploaded, camera, settings)));
+  const Frame none = renderer.render(std::vector<PlacedScene>{{uploaded.view(), {}, 0}}, camera, settings);
+  CHECK(renderer.statistics().visible == 0);
+  CHECK(none.alpha[0] == 0);
+}
+
+SWIFTGS_CONTRACT("placed scenes: recorded frames follow them where they go, and take no memory") {
+  Hooked<B> memory;
+  Usual<B> renderer(memory.backend(2)), other(test::make_backend<B>());
+  const auto still = backend.upload(scene_of_all(900, 5)), part = backend.upload(scene_of_all(300, 6));
+  const auto at = [&](int i) {
+    return std::vector<PlacedScene>{
+        {still.view()},
+        {part.view(), moved(1, dvec3(0.1 * i, 0.2, 0.5)), i % 3 == 2 ? 0.5f : 1},
+        {part.view(), moved(0.5), 1, i % 2 == 1 ? Clip::sphere(vec3(0), 5) : Clip()}};
+  };
+  const Camera camera = turned_camera(90, 70, 0.1);
+  PlanesOn<B> on(renderer.backend(), camera.width, camera.height, all_planes(channels), 0);
+  const View view = make_view(camera, {}, on.view());
+  Report<B> report;
+  renderer.reserve(at(0), {&view, 1}, {2000, 40'000});
+  renderer.record(report.data());
+  renderer.pick(0, 0);  // takes its own memory
+  const std::size_t calls = memory.calls();
+  for (int i = 0; i < 6; ++i) {
+    if (i != 0) renderer.set_scenes(at(i));
+    renderer.record(report.data());
+    CHECK(report.get(renderer.backend()).overflowed == 0);
+    const Frame wanted = other.render(at(i), camera, settings_of_all(channels));
+    CHECK(same_planes(on.on_host(renderer.backend()), wanted));
+    CHECK(renderer.pick(45, 35).gaussian == other.pick(45, 35).gaussian);
+  }
+  CHECK(memory.calls() == calls);
+  // What others write to the placed scenes' memory.
+  if constexpr (!on_host<B>) {
+    const std::vector<PlacedScene> good = at(1);
+    renderer.set_scenes(good);
+    const auto record_with = [&](std::size_t which, const PlacedScene& changed) {
+      const std::size_t begin = offsetof(PlacedScene, world_from_scene),
+                        end = offsetof(PlacedScene, first_gaussian);
+      const auto* bytes = reinterpret_cast<const unsigned char*>(&changed);
+      CopyToBackend<B>::copy(Span<const unsigned char>{bytes + begin, end - begin},
+                             reinterpret_cast<unsigned char*>(renderer.recorded_scenes() + which) + begin);
+      renderer.record(report.data());
+      CHECK(report.get(renderer.backend()).overflowed == 0);
+      return on.on_host(renderer.backend());
+    };
+    std::vector<PlacedScene> wanted = good;
+    wanted[1].world_from_scene = moved(0.8);
+    CHECK(same_planes(record_with(1, wanted[1]), other.render(wanted, camera, settings_of_all(channels))));
+    CHECK(renderer.refused_scenes().empty());
+    wanted[1].opacity = 0;  // draws nothing, as one that is refused
+    const Frame without = other.render(wanted, camera, settings_of_all(channels));
+    for (int kind = 0; kind < 6; ++kind) {
+      CAPTURE(kind);
+      PlacedScene bad = good[1];
+      if (kind == 0) bad.world_from_scene.rotation[1][2] = std::nan("");
+      if (kind == 1) bad.world_from_scene.rotation[0] *= 2;
+      if (kind == 2) bad.world_from_scene.scale = -1;
+      if (kind == 3) bad.world_from_scene.translation.y = INFINITY;
+      if (kind == 4) bad.opacity = std::nanf("");
+      if (kind == 5) bad.clip.half_space_count = 1 << 20;
+      CHECK(same_planes(record_with(1, bad), without));
+      CHECK(renderer.refused_scenes() == std::vector<std::size_t>{1});
+    }
+    CHECK(same_planes(record_with(1, good[1]), other.render(good, camera, settings_of_all(channels))));
+    CHECK(renderer.refused_scenes().empty());
+  } else {
+    renderer.recorded_scenes()[1].world_from_scene.scale = std::nan("");
+    CHECK_THROWS_WITH_AS(renderer.record(report.data()), "placed scene: expected a finite scale above 0",
+                         std::invalid_argument);
+    renderer.set_scenes(at(0));
+  }
+  // Through the pose of a scene that stands by itself, and on.
+  std::vector<PlacedScene> one{{part.view(), moved(0.9)}};
+  renderer.reserve(one, {&view, 1}, {2000, 40'000});
+  for (const Similarity& pose : {Similarity(), moved(0.7)}) {
+    one[0].world_from_scene = pose;
+    renderer.set_scenes(one);
+    renderer.record(report.data());
+    CHECK(report.get(renderer.backend()).overflowed == 0);
+    CHECK(same_planes(on.on_host(renderer.backend()), other.render(one, camera, settings_of_all(channels))));
+  }
+  const auto bare = backend.upload(random_scene(300, 0, 1));
+  CHECK_THROWS_AS(renderer.set_scenes(std::vector<PlacedScene>{{bare.view(), moved(0.9)}}),
+                  std::invalid_argument);
+  View of_none = view;
+  of_none.shows = {0, 0};
+  CHECK_THROWS_AS(renderer.set_views({&of_none, 1}), std::invalid_argument);
+  renderer.reserve(at(0), {&view, 1}, {2000, 40'000});
+  std::vector<PlacedScene> fewer = at(0), larger = at(0);
+  fewer.pop_back(), larger[1].scene = still.view();
+  CHECK_THROWS_WITH_AS(renderer.set_scenes(fewer),
+                       "set_scenes: the number of placed scenes is 2, expected 3 as reserved",
+                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(renderer.set_scenes(larger),
+                       "set_scenes: placed scene 1 has 900 Gaussians, expected 300 as reserved",
+                       std::invalid_argument);
+}
+
+SWIFTGS_CONTRACT("placed scenes: ten thousand frames of scenes that come and go and move keep their bits") {
+  Usual<B> renderer(test::make_backend<B>());
+  std::vector<typename B::SceneOn> uploaded;
+  for (std::size_t i = 0; i < 5; ++i)
+    uploaded.push_back(backend.upload(random_scene(20 + 30 * i, 1, 20 + i)));
+  const Camera camera = forward_camera(40, 30);
+  RenderSettings settings;
+  settings.outputs.id = true;
+  constexpr int cycle = 50, frames = 10'000;
+  std::vector<Frame> first;
+  std::size_t memory = 0, different = 0;
+  Frame frame;
+  for (int i = 0; i < frames; ++i) {
+    const int k = i % cycle;
+    std::vector<PlacedScene> placed;
+    for (int scene = 0; scene < 5; ++scene)
+      if ((k + scene) % 3 != 0)
+        placed.push_back(
+            {uploaded[std::size_t((scene + k) % 5)].view(), moved(1, dvec3(0.02 * k, 0.1 * scene, 1))});
+    renderer.render(placed, camera, settings, frame);
+    if (i < cycle)
+      first.push_back(frame), memory = renderer.memory().total();
+    else
+      different += !same_planes(frame, first[std::size_t(k)]);
+  }
+  CHECK(different == 0);
+  CHECK(renderer.memory().total() == memory);
+  CHECK_FALSE(same_planes(first[0], first[1]));
+}
+
+SWIFTGS_CONTRACT("placed scenes: a Gaussian's number tells its scene, and splats are counted by scene") {
+  Usual<B> renderer(test::make_backend<B>());
+  CHECK_THROWS_AS(renderer.visible_by_scene(), std::logic_error);
+  const auto a = backend.upload(random_scene(400, 0, 1)), b = backend.upload(random_scene(300, 0, 2));
+  const std::vector<PlacedScene> placed{{a.view()},
+                                        {b.view(), moved(0.5)},
+                                        {SceneView()},
+                                        {b.view(), {.translation = dvec3(0, 0, -1000)}},
+                                        {a.view(), {}, 0.5f}};
+  const std::pair<std::uint32_t, std::pair<std::size_t, std::size_t>> numbers[] = {
+      {0, {0, 0}},   {399, {0, 399}}, {400, {1, 0}},   {699, {1, 299}},
+      {700, {3, 0}}, {1000, {4, 0}},  {1399, {4, 399}}};
+  for (const auto& [number, expected] : numbers) {
+    const PlacedIndex index = placed_index(placed, number);
+    CHECK(index.scene == expected.first);
+    CHECK(index.gaussian == expected.second);
+  }
+  CHECK_THROWS_WITH_AS(placed_index(placed, 1400),
+                       "placed_index: the Gaussian is 1400, expected less than 1400", std::invalid_argument);
+  CHECK_THROWS_AS(placed_index(placed, no_gaussian), std::invalid_argument);
+
+  const Camera camera = turned_camera(90, 60, 0.1);
+  std::vector<std::size_t> expected;
+  for (const PlacedScene& one : placed) {
+    renderer.render(std::vector<PlacedScene>{one}, camera);
+    expected.push_back(renderer.statistics().visible);
+  }
+  CHECK(expected[0] > 100);
+  CHECK(expected[1] > 30);
+  renderer.render(placed, camera);
+  CHECK(renderer.visible_by_scene() == expected);
+}
+
+TEST_CASE("placed scenes: what cannot be placed is refused") {
+  Usual<Serial> renderer;
+  const auto uploaded = renderer.backend().upload(random_scene(10, 0, 1));
+  const Camera camera = forward_camera(20, 20);
+  const auto render = [&](PlacedScene placed) {
+    placed.scene = uploaded.view();
+    renderer.render(std::vector<PlacedScene>{placed}, camera);
+  };
+  CHECK_NOTHROW(render({}));
+  const double nan = std::nan("");
+  CHECK_THROWS_WITH_AS(render({.world_from_scene = {.scale = 0}}),
+                       "placed scene: expected a finite scale above 0", std::invalid_argument);
+  CHECK_THROWS_WITH_AS(render({.world_from_scene = {.translation = dvec3(0, nan, 0)}}),
+                       "placed scene: expected a finite translation", std::invalid_argument);
+  CHECK_THROWS_WITH_AS(render({.world_from_scene = {.rotation = dmat3(-1.0)}}),
+                       "placed scene: expected a rotation, not a mirror", std::invalid_argument);
+  CHECK_THROWS_WITH_AS(render({.opacity = 1.5f}), "render: expected an opacity of 0 to 1 of a placed scene",
+                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(render({.clip = Clip::sphere(vec3(0), -1)}),
+                       "clip: expected a sphere with a radius of 0 or more", std::invalid_argument);
+  Clip clip;
+  clip.half_space_count = 7;
+  CHECK_THROWS_WITH_AS(render({.clip = clip}), "clip: expected 0 to 6 half-spaces", std::invalid_argument);
+  View view = make_view(camera, {}, {.width = 20, .height = 20});
+  view.shows = {1, 1};
+  CHECK_THROWS_WITH_AS(
+      renderer.render_into(uploaded, Span<const View>{&view, 1}),
+      "render: a view shows 1 placed scenes from number 1 on, expected some of the frame's 1",
+      std::invalid_argument);
+  CHECK_THROWS_AS(range_of(uploaded.view(), 5, 6), std::invalid_argument);
+}

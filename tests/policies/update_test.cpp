@@ -1,0 +1,456 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Uploaded scenes that change in place, against fresh uploads of the same Gaussians.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/any_renderer.hpp>
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/edit.hpp>
+
+#include "policies/hooked.hpp"
+#include "policies/planes.hpp"
+#include "policies/views.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+constexpr int channels = 5, degree = 2;
+constexpr std::size_t count = 1000;
+
+/// A scene with chunks or without.
+Scene scene_with(bool chunks) {
+  Scene scene = chunks ? with_degree(order_spatially(make_builtin_scene(count)), degree)
+                       : random_scene(count, degree, 3);
+  return with_features(std::move(scene), channels);
+}
+
+/// Other Gaussians, of the same degree and features, elsewhere.
+Scene other_scene(std::size_t size = count) {
+  return with_features(random_scene(size, degree, 8), channels, 2);
+}
+
+/// Arrays of a scene in memory of a backend.
+template <class B>
+struct ArraysOn {
+  template <class T>
+  using Buffer = typename B::template Buffer<T>;
+
+  ArraysOn(const B& backend, const Scene& scene)
+      : means(to_backend(backend, scene.means)),
+        scales(to_backend(backend, scene.scales)),
+        sh0(to_backend(backend, scene.sh0)),
+        rotations(to_backend(backend, scene.rotations)),
+        opacities(to_backend(backend, scene.opacities)),
+        sh_rest(to_backend(backend, scene.sh_rest)),
+        features(to_backend(backend, scene.features)),
+        all{.count = scene.size(), .sh_degree = scene.sh_degree, .feature_channels = scene.feature_channels} {
+    for_each_array([](const char*, std::size_t, FloatArray& array,
+                      const auto& buffer) { array = {reinterpret_cast<const float*>(buffer.data())}; },
+                   all, *this);
+  }
+
+  Buffer<vec3> means, scales, sh0;
+  Buffer<Quaternion> rotations;
+  Buffer<float> opacities, sh_rest, features;
+  SceneArrays all;
+};
+
+/// Each array, in the order of `for_each_array`, as a bit.
+constexpr unsigned every_array = 0x7f, means_alone = 1, means_and_rotations = 5;
+
+/// `arrays` without those whose bit is not in `which`.
+SceneArrays some_of(SceneArrays arrays, unsigned which) {
+  unsigned bit = 1;
+  for_each_array(
+      [&](const char*, std::size_t, FloatArray& array) {
+        if (!(which & bit)) array = {};
+        bit *= 2;
+      },
+      arrays);
+  return arrays;
+}
+
+/// Writes arrays of `from` into `scene`, from Gaussian `first` on.
+void replace(Scene& scene, std::size_t first, const Scene& from, unsigned which = every_array) {
+  unsigned bit = 1;
+  for_each_array(
+      [&](const char*, std::size_t each, auto& to, const auto& values) {
+        if (which & bit) std::copy(values.begin(), values.end(), to.begin() + std::ptrdiff_t(first * each));
+        bit *= 2;
+      },
+      scene, from);
+}
+
+/// An uploaded scene has exactly the numbers of `scene`, and bounds of chunks that are those of its
+/// Gaussians.
+template <class B>
+void check_numbers(const B& backend, const SceneView& found, const Scene& scene) {
+  CHECK(same_bits(to_host(backend, found.means), scene.means));
+  CHECK(same_bits(to_host(backend, found.scales), scene.scales));
+  CHECK(same_bits(to_host(backend, found.rotations), scene.rotations));
+  CHECK(same_bits(to_host(backend, found.opacities), scene.opacities));
+  CHECK(same_bits(to_host(backend, found.sh0), scene.sh0));
+  CHECK(same_bits(to_host(backend, found.features), scene.features));
+  CHECK(found.sh_degree == scene.sh_degree);
+  const std::vector<float> rest = to_host(backend, found.sh_rest);
+  const std::size_t each = 3 * std::size_t(sh_rest_count(scene.sh_degree)),
+                    stride = std::size_t(found.sh_stride);
+  std::size_t wrong = rest.size() != scene.size() * stride;
+  for (std::size_t i = 0; i < rest.size(); ++i)
+    wrong += rest[i] != (i % stride < each ? scene.sh_rest[i / stride * each + i % stride] : 0);
+  CHECK(wrong == 0);
+
+  const std::vector<ChunkBounds> chunks = to_host(backend, found.chunks);
+  const SceneView host = view(scene);
+  for (std::size_t c = 0; c < chunks.size(); ++c) {
+    CAPTURE(c);
+    const ChunkBounds expected = swiftgs::detail::bounds_of_chunk(host, c);
+    CHECK(chunks[c].low == expected.low);
+    CHECK(chunks[c].high == expected.high);
+    CHECK(chunks[c].opacity == expected.opacity);
+    if (on_host<B>)
+      CHECK(chunks[c].size == expected.size);
+    else  // sums of squares may be fused
+      CHECK(double(chunks[c].size) == doctest::Approx(double(expected.size)).epsilon(1e-6));
+  }
+}
+
+Camera camera_of_all() { return turned_camera(120, 80, 0.1, 0.2); }
+
+/// Shows a part of the scene, so that chunks are skipped.
+Camera camera_of_few() { return forward_camera(90, 60, 400); }
+
+}  // namespace
+
+SWIFTGS_CONTRACT("update: any range has the bits of a fresh upload") {
+  Usual<B> renderer(test::make_backend<B>());
+  const Scene other = other_scene();
+  for (const bool chunks : {false, true}) {
+    CAPTURE(chunks);
+    Scene expected = scene_with(chunks);
+    auto scene = backend.upload(expected);
+    REQUIRE(scene.view().chunks.empty() != chunks);
+    // Later ones begin with what earlier ones left.
+    for (const std::size_t first : {0, 1, 127, 128, 300, 999, 1000})
+      for (const std::size_t size : {0, 1, 2, 127, 128, 129, 400, 1000}) {
+        if (first + size > count) continue;
+        CAPTURE(first);
+        CAPTURE(size);
+        const Scene part = subset(other, select(other, [&](std::size_t i) {
+                                    return i >= (7 * first) % (count - size + 1) &&
+                                           i < (7 * first) % (count - size + 1) + size;
+                                  }));
+        REQUIRE(part.size() == size);
+        const ArraysOn<B> arrays(backend, part);
+        backend.update(scene, first, arrays.all);
+        replace(expected, first, part);
+        check_numbers(backend, scene.view(), expected);
+        CHECK(scene.view().chunks.empty() != chunks);
+        if (size != 129 && size != 1000) continue;
+        const auto fresh = backend.upload(expected);
+        for (const Camera& camera : {camera_of_all(), camera_of_few()})
+          CHECK(same_planes(renderer.render(scene, camera, settings_of_all(channels)),
+                            renderer.render(fresh, camera, settings_of_all(channels))));
+      }
+  }
+}
+
+SWIFTGS_CONTRACT("update: arrays that are null stay") {
+  Usual<B> renderer(test::make_backend<B>());
+  const std::size_t first = 200;
+  const Scene part = other_scene(301);
+  const ArraysOn<B> arrays(backend, part);
+  for (const bool chunks : {false, true}) {
+    const Scene before = scene_with(chunks);
+    for (unsigned which : {1u, 2u, 4u, 8u, 16u, 32u, 64u, means_and_rotations, 0u}) {
+      CAPTURE(which);
+      auto scene = backend.upload(before);
+      SceneArrays some = some_of(arrays.all, which);
+      if (which == means_alone || which == means_and_rotations) some.sh_degree = 0, some.feature_channels = 0;
+      backend.update(scene, first, some);
+      Scene expected = before;
+      replace(expected, first, part, which);
+      check_numbers(backend, scene.view(), expected);
+      const auto fresh = backend.upload(expected);
+      const RenderSettings settings = settings_of_all(channels);
+      const Frame frame = renderer.render(scene, camera_of_all(), settings);
+      CHECK(same_planes(frame, renderer.render(fresh, camera_of_all(), settings)));
+      CHECK(same_planes(frame, renderer.render(backend.upload(before), camera_of_all(), settings)) ==
+            (which == 0));
+      CHECK(same_planes(renderer.render(scene, camera_of_few(), settings),
+                        renderer.render(fresh, camera_of_few(), settings)));
+    }
+  }
+}
+
+SWIFTGS_CONTRACT("update: numbers of training and rows of any stride become those of an upload") {
+  // Rows of a part of a table, as training has them.
+  constexpr std::size_t row = 3 + 3 + 4 + 1 + 3 + 24 + channels + 2, rest = 14;
+  std::vector<float> table(row * count);
+  Random random(5);
+  for (float& value : table) value = random.f(-1.5, 1.5);
+  const auto rows = to_backend(backend, table);
+  const auto arrays_of = [&](const float* at, std::size_t size) {
+    const auto column = [&](std::size_t i) {
+      return FloatArray{at + i, std::ptrdiff_t(row * sizeof(float))};
+    };
+    return SceneArrays{.count = size,
+                       .means = column(0),
+                       .scales = column(3),
+                       .rotations = column(6),
+                       .opacities = column(10),
+                       .sh0 = column(11),
+                       .sh_rest = column(rest),
+                       .sh_degree = degree,
+                       .features = column(rest + 24),
+                       .feature_channels = channels,
+                       .log_scales = true,
+                       .logit_opacities = true,
+                       .any_rotations = true,
+                       .plain_colours = true};
+  };
+  std::optional<typename B::SceneOn> none;
+  const auto fresh = backend.upload(arrays_of(rows.data(), count), none);
+  const std::size_t first = 77, size = 500;
+  std::vector<float> changed = table;
+  for (std::size_t i = row * first; i < row * (first + size); ++i) changed[i] *= -0.7f;
+  const auto of_changed = to_backend(backend, changed);
+  auto scene = backend.upload(arrays_of(of_changed.data(), count), none);
+  CHECK_FALSE(same_bits(to_host(backend, scene.view().scales), to_host(backend, fresh.view().scales)));
+  backend.update(scene, first, arrays_of(rows.data() + row * first, size));
+  for_each_array(
+      [&](const char* name, std::size_t, const auto& found, const auto& expected) {
+        CAPTURE(name);
+        CHECK(same_bits(to_host(backend, found), to_host(backend, expected)));
+      },
+      scene.view(), fresh.view());
+}
+
+SWIFTGS_CONTRACT("update: copies are one scene and the caller's own stays as it is") {
+  const Scene before = scene_with(true), part = other_scene(300);
+  const ArraysOn<B> arrays(backend, part);
+  Scene expected = before;
+  replace(expected, 400, part);
+  const auto shared = std::make_shared<const Scene>(before);
+  auto scene = backend.upload(shared);
+  const auto other_upload = backend.upload(shared);
+  auto copy = scene;
+  const std::uint64_t identity = scene.view().identity;
+  backend.update(copy, 400, arrays.all);
+  check_numbers(backend, scene.view(), expected);
+  check_numbers(backend, copy.view(), expected);
+  check_numbers(backend, other_upload.view(), before);
+  CHECK(same_bits(shared->means, before.means));
+  CHECK(scene.view().identity == identity);
+
+  // From now on arrays stay where they are, as they do where no caller has the scene.
+  auto own = backend.upload(before);
+  const SceneView first_view = scene.view(), own_view = own.view();
+  replace(expected, 0, part);
+  backend.update(scene, 0, arrays.all);
+  check_numbers(backend, first_view, expected);
+  backend.update(own, 400, arrays.all), backend.update(own, 0, arrays.all);
+  check_numbers(backend, own_view, expected);
+}
+
+SWIFTGS_CONTRACT("update: recorded frames show it and no memory is taken") {
+  Hooked<B> memory;
+  Usual<B> renderer(memory.backend(2)), other(test::make_backend<B>());
+  const B& on = renderer.backend();
+  const Scene part = other_scene(300);
+  const ArraysOn<B> arrays(on, part);
+  const RenderSettings settings = settings_of_all(channels);
+  const Camera camera = camera_of_all();
+  for (const bool alone : {true, false}) {
+    CAPTURE(alone);
+    Scene expected = scene_with(true);
+    auto scene = on.upload(expected);
+    const auto still = on.upload(other_scene(500));
+    const auto placed = [&](const SceneView& view) {
+      return alone ? std::vector<PlacedScene>{{view}}
+                   : std::vector<PlacedScene>{{still.view()}, {view, {.translation = dvec3(0.2, 0.1, 0.3)}}};
+    };
+    PlanesOn<B> planes(on, camera.width, camera.height, all_planes(channels), 0);
+    const View view = make_view(camera, {}, planes.view());
+    Report<B> report;
+    renderer.reserve(placed(scene.view()), {&view, 1}, {4000, 100'000});
+    const SceneView before = scene.view();
+    const auto record = [&] {
+      if (alone)
+        renderer.record(before, report.data());
+      else
+        renderer.record(report.data());
+      CHECK(report.get(on).overflowed == 0);
+      return planes.on_host(on);
+    };
+    Frame last = record();
+    const std::size_t calls = memory.calls();
+    for (const std::size_t first : {0, 650, 321}) {
+      on.update(scene, first, arrays.all);
+      replace(expected, first, part);
+      const Frame found = record();
+      CHECK_FALSE(same_planes(found, last));
+      CHECK(same_planes(found,
+                        other.render(placed(other.backend().upload(expected).view()), camera, settings)));
+      last = found;
+    }
+    CHECK(memory.calls() == calls);
+  }
+}
+
+SWIFTGS_CONTRACT("update: numbers that are not finite are refused on hosts and not drawn on devices") {
+  Usual<B> renderer(test::make_backend<B>());
+  const RenderSettings settings = settings_of_all(channels);
+  const float values[] = {std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
+                          std::nanf("")};
+  const Scene before = scene_with(true);
+  auto scene = backend.upload(before);
+  for (const float value : values)
+    for (unsigned array = 0; array < 7; ++array) {
+      CAPTURE(value);
+      CAPTURE(array);
+      // Gaussian 6 of the part, in the middle of a chunk that others keep visible.
+      Scene part = other_scene(20);
+      unsigned number = 0;
+      for_each_array(
+          [&](const char*, std::size_t each, auto& of) {
+            if (number++ == array) reinterpret_cast<float*>(of.data() + 6 * each)[0] = value;
+          },
+          part);
+      const ArraysOn<B> arrays(backend, part);
+      if (on_host<B>) {
+        const char* const names[] = {"means", "scales",  "rotations", "opacities",
+                                     "sh0",   "sh_rest", "features"};
+        const std::string message = "scene: " + std::string(names[array]) + " of Gaussian 506 is ";
+        CHECK_THROWS_WITH_AS(backend.update(scene, 500, arrays.all), doctest::Contains(message.c_str()),
+                             std::invalid_argument);
+        CHECK_THROWS_AS(backend.update(scene, 500, some_of(arrays.all, 1u << array)), std::invalid_argument);
+        check_numbers(backend, scene.view(), before);
+        CHECK_NOTHROW(backend.update(scene, 500, some_of(arrays.all, 0)));
+        continue;
+      }
+      auto changed = backend.upload(before);
+      backend.update(changed, 500, arrays.all);
+      SceneView without_chunks = changed.view();
+      without_chunks.chunks = {};
+      for (const Camera& camera : {camera_of_all(), camera_of_few()})
+        CHECK(same_planes(renderer.render(changed, camera, settings),
+                          renderer.render(without_chunks, camera, settings)));
+      // What is not finite leaves with the next update.
+      const ArraysOn<B> good(backend, before);
+      backend.update(changed, 0, good.all);
+      check_numbers(backend, changed.view(), before);
+    }
+}
+
+SWIFTGS_CONTRACT("update: what does not fit the scene is refused") {
+  const Scene before = scene_with(true);
+  auto scene = backend.upload(before);
+  const ArraysOn<B> arrays(backend, other_scene());
+  const auto refused = [&](std::size_t first, const SceneArrays& with, const char* message) {
+    CHECK_THROWS_WITH_AS(backend.update(scene, first, with), message, std::invalid_argument);
+  };
+  refused(1, arrays.all, "update: 1000 Gaussians from number 1 on, expected some of the scene's 1000");
+  SceneArrays some = arrays.all;
+  some.count = 3;
+  refused(998, some, "update: 3 Gaussians from number 998 on, expected some of the scene's 1000");
+  const std::size_t most = std::numeric_limits<std::size_t>::max();
+  refused(most, some,
+          "update: 3 Gaussians from number 18446744073709551615 on, expected some of the scene's 1000");
+  some.sh_degree = 1;
+  refused(0, some, "update: sh_degree is 1, expected 2 as in the scene");
+  some.sh_degree = 4;
+  refused(0, some, "scene: sh_degree is 4, expected 0 to 3");
+  some.sh_degree = degree, some.feature_channels = 4;
+  refused(0, some, "update: feature_channels is 4, expected 5 as in the scene");
+  some.feature_channels = channels, some.means.stride = 8;
+  refused(0, some,
+          "scene: means: stride is 8 bytes, expected 0 or a multiple of 4 from 12 to 3074457345618258602");
+  some.means = {reinterpret_cast<const float*>(reinterpret_cast<const char*>(arrays.all.means.data) + 1)};
+  refused(0, some, "scene: means: expected an address that is a multiple of 4");
+  check_numbers(backend, scene.view(), before);
+  some = {};
+  CHECK_NOTHROW(backend.update(scene, count, some));
+  auto empty = backend.upload(Scene());
+  CHECK_NOTHROW(backend.update(empty, 0, some));
+}
+
+SWIFTGS_CONTRACT("update: renderers by name show it with all that share the scene") {
+  const std::string name = std::string(B::name) + "/early/per-pixel/ellipse";
+  const auto first = make_renderer(name), second = make_renderer(name), fresh = make_renderer(name);
+  const auto shared = std::make_shared<const Scene>(scene_with(true));
+  Scene still = *shared, moved = other_scene(600);
+  const Scene part = other_scene(300);
+  const ArraysOn<B> arrays(backend, part);
+  CHECK_THROWS_WITH_AS(first->update_scene(0, 0, arrays.all),
+                       "update_scene: the scene is number 0, expected less than 0", std::invalid_argument);
+  first->set_scene(shared);
+  REQUIRE(first->add_scene(std::make_shared<const Scene>(moved)) == 1);
+  const Placement placed[] = {{1, {.translation = dvec3(0.1, 0.2, 0)}}, {0}, {1, {.scale = 0.5}}};
+  first->place({placed, 3});
+  REQUIRE(second->share_scene(*first));
+
+  const Camera camera = camera_of_all();
+  PlanesOn<B> planes(backend, camera.width, camera.height, all_planes(channels), 0);
+  const View view = make_view(camera, {}, planes.view());
+  Report<B> report;
+  second->reserve({&view, 1}, {6000, 200'000});
+  const auto check = [&] {
+    fresh->set_scene(std::make_shared<const Scene>(still));
+    fresh->add_scene(std::make_shared<const Scene>(moved));
+    fresh->place({placed, 3});
+    Frame expected, frame;
+    fresh->render(camera, settings_of_all(channels), expected);
+    for (AnyRenderer* const renderer : {first.get(), second.get()}) {
+      renderer->render(camera, settings_of_all(channels), frame);
+      CHECK(same_planes(frame, expected));
+    }
+    second->record(report.data());
+    second->wait();
+    CHECK(report.get(backend).overflowed == 0);
+    CHECK(same_planes(planes.on_host(backend), expected));
+  };
+  check();
+  first->update_scene(1, 50, some_of(arrays.all, means_and_rotations));
+  replace(moved, 50, part, means_and_rotations);
+  first->wait();
+  check();
+  first->update_scene(0, 700, arrays.all);
+  replace(still, 700, part);
+  first->wait();
+  check();
+  second->update_scene(1, 300, arrays.all);
+  replace(moved, 300, part);
+  second->wait();
+  check();
+  CHECK(same_bits(shared->means, scene_with(true).means));
+  CHECK_THROWS_WITH_AS(first->update_scene(2, 0, arrays.all),
+                       "update_scene: the scene is number 2, expected less than 2", std::invalid_argument);
+  CHECK_THROWS_AS(first->update_scene(1, 301, arrays.all), std::invalid_argument);
+}
+
+TEST_CASE_TEMPLATE("update: hosts draw bands that were zero before", B, Serial, Cpu) {
+  B backend = test::make_backend<B>();
+  Scene before = random_scene(count, 3, 4);
+  std::fill(before.sh_rest.begin(), before.sh_rest.end(), 0.0f);
+  auto scene = backend.upload(before);
+  CHECK(scene.view().sh_degree == 0);
+  const Scene part = random_scene(10, 3, 9);
+  const ArraysOn<B> arrays(backend, part);
+  backend.update(scene, 990, arrays.all);
+  Scene expected = before;
+  replace(expected, 990, part);
+  check_numbers(backend, scene.view(), expected);
+}

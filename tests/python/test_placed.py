@@ -1,0 +1,205 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Placed scenes: several scenes in one frame."""
+import gc
+
+import numpy as np
+import pytest
+
+import swiftgs
+from conftest import HEIGHT, WIDTH, decibels
+from swiftgs import Clip, NOTHING, Placement
+
+
+def part_of(scene, chosen):
+    """Some of a scene's Gaussians."""
+    return swiftgs.Scene.from_arrays(*(getattr(scene, name)[chosen] for name in (
+        "means", "scales", "rotations", "opacities", "sh0", "sh_rest")), any_rotations=False)
+
+
+def pose(scale=1.0, translation=(0, 0, 0), angle=0.0):
+    """A turn about y, a scale and a translation."""
+    matrix = np.eye(4)
+    matrix[0, 0], matrix[0, 2] = np.cos(angle), np.sin(angle)
+    matrix[2, 0], matrix[2, 2] = -np.sin(angle), np.cos(angle)
+    matrix[:3, :3] *= scale
+    matrix[:3, 3] = translation
+    return matrix
+
+
+@pytest.fixture
+def parts(scene):
+    """Three parts of the scene, of different sizes."""
+    return [part_of(scene, slice(0, 1000)), part_of(scene, slice(1000, 1620)), part_of(scene, slice(1620, None))]
+
+
+@pytest.fixture
+def placing(parts):
+    """A renderer with these parts."""
+    renderer = swiftgs.Renderer("cpu")
+    assert [renderer.add_scene(part) for part in parts] == [0, 1, 2]
+    return renderer
+
+
+def test_parts_of_a_scene_are_the_scene(placing, renderer, camera):
+    wanted = renderer.render(camera, id=True, depth=True)
+    for placements in (None, [Placement(0), Placement(1), Placement(2)],
+                       [Placement(k, np.eye(4), 1.0, Clip(radius=np.inf)) for k in range(3)]):
+        if placements:
+            placing.place(placements)
+        found = placing.render(camera, id=True, depth=True)
+        for plane in ("colour", "id", "depth"):
+            assert np.array_equal(getattr(found, plane), getattr(wanted, plane))
+    assert placing.statistics.gaussians == 2000
+    assert repr(placing).endswith(", 2,000 Gaussians in 3 placed scenes>")
+    placing.set_scene(swiftgs.Scene.builtin(2000))
+    assert np.array_equal(placing.render(camera).colour, wanted.colour)
+    assert repr(placing).endswith(", 2,000 Gaussians>")
+
+
+def test_numbers_of_a_frame_tell_placements_and_indices(placing, scene, camera):
+    frame = placing.render(camera, id=True)
+    placement, index = placing.placed_scene_of(frame.id)
+    assert placement.shape == index.shape == (HEIGHT, WIDTH) and set(np.unique(placement)) == {0, 1, 2}
+    firsts = np.array([0, 1000, 1620])
+    assert np.array_equal(firsts[placement] + index, frame.id)
+
+    # Of another order, with a scene that is there twice and one that is not.
+    placing.place([Placement(2), Placement(0), Placement(0, pose(translation=(0.5, 0, 0)))])
+    placement, index = placing.placed_scene_of([0, 379, 380, 1379, 1380, 2379, NOTHING])
+    assert placement.tolist() == [0, 0, 1, 1, 2, 2, -1] and index.tolist() == [0, 379, 0, 999, 0, 999, -1]
+    shown = placing.render(camera, id=True).id
+    picked = placing.pick(WIDTH // 2, HEIGHT // 2).gaussian
+    assert picked == shown[HEIGHT // 2, WIDTH // 2] and placing.placed_scene_of(picked)[0] in (0, 1, 2)
+    other = swiftgs.Renderer("cpu")
+    other.share_scene(placing)
+    assert other.placed_scene_of(2379)[0] == 2
+    arrays = {name: getattr(scene, name) for name in ("means", "scales", "rotations", "opacities", "sh0", "sh_rest")}
+    other.set_gaussians(**arrays)
+    assert other.placed_scene_of(1999)[1] == 1999 and placing.placed_scene_of(2379)[0] == 2
+
+    for numbers, error, message in [(2380, ValueError, "numbers have 2380, expected less than 2380 or NOTHING"),
+                                    ([3, -1], ValueError, "numbers have -1, expected"),
+                                    ([0.5], TypeError, "numbers are of type float64, expected whole numbers")]:
+        with pytest.raises(error, match=message):
+            placing.placed_scene_of(numbers)
+    with pytest.raises(ValueError, match="numbers have 0, expected less than 0"):
+        swiftgs.Renderer("cpu").placed_scene_of(0)
+
+
+def test_matrices_move_scenes_as_they_move_points(renderer, camera, scene):
+    def moved(matrix):
+        """By arrays. Harmonics do not turn, so that turns are those of scenes without any."""
+        linear = matrix[:3, :3]
+        scale = np.cbrt(np.linalg.det(linear))
+        w, y = np.sqrt((1 + linear[0, 0] / scale) / 2), np.sqrt((1 - linear[0, 0] / scale) / 2)
+        a, b, c, d = scene.rotations.astype(np.float64).T
+        turned = np.stack([w * a - y * c, w * b + y * d, w * c + y * a, w * d - y * b], axis=1)
+        return swiftgs.Scene.from_arrays(scene.means @ linear.T.astype(np.float32) + matrix[:3, 3].astype(np.float32),
+                                         np.float32(scale) * scene.scales, turned.astype(np.float32), scene.opacities,
+                                         scene.sh0)
+
+    renderer.set_scene(part := swiftgs.Scene.from_arrays(scene.means, scene.scales, scene.rotations, scene.opacities,
+                                                         scene.sh0))
+    still = renderer.render(camera).colour
+    for matrix in (pose(translation=(0.3, -0.2, 0.5)), pose(1.5), pose(0.7, (0.2, 0, 0.1), 0.4)):
+        renderer.set_scene(moved(matrix))
+        wanted = renderer.render(camera).colour
+        renderer.set_scene(part)
+        for given in (matrix, matrix.astype(np.float32), matrix.tolist()):
+            renderer.place([Placement(world_from_scene=given)])
+            found = renderer.render(camera).colour
+            assert decibels(found, wanted) > 60 and decibels(found, still) < 40
+
+
+def test_scenes_far_away_are_placed_by_their_origins(scene, camera, expected):
+    origin = np.array([4e6, -3e6, 5e6])
+    far = swiftgs.Scene.from_arrays(scene.means, scene.scales, scene.rotations, scene.opacities, scene.sh0,
+                                    scene.sh_rest, any_rotations=False, origin=origin)
+    renderer = swiftgs.Renderer("cpu", scene=far)
+    renderer.place([Placement(world_from_scene=pose(translation=far.origin))])
+    world = camera.relative_to(-origin)
+    assert decibels(renderer.render(world).colour, expected.colour) > 80
+
+
+def test_clips_and_opacities_choose_what_shows(renderer, scene, camera, expected):
+    means, low, high = scene.means, np.array([-0.6, -1, -1.5]), np.array([0.4, 0.5, 0.3])
+    for clip, chosen in [
+            (Clip.box(low, high), ((means >= low) & (means <= high)).all(axis=1)),
+            (Clip.sphere((0, 0.2, -0.5), 0.8), ((means - [0, 0.2, -0.5]) ** 2).sum(axis=1) <= 0.8 ** 2),
+            (Clip([[1, 0.5, 0, 0.1], [0, 0, -1, 0]], (0, 0, 0), 3),
+             (means @ [1, 0.5, 0] + 0.1 >= 0) & (means[:, 2] <= 0) & ((means ** 2).sum(axis=1) <= 9))]:
+        assert 50 < chosen.sum() < 1950
+        renderer.place([Placement(clip=clip)])
+        found = renderer.render(camera).colour
+        wanted = swiftgs.Renderer("cpu", scene=part_of(scene, chosen)).render(camera).colour
+        assert np.array_equal(found, wanted) and not np.array_equal(found, expected.colour)
+    renderer.place([Placement(opacity=0.25)])
+    faint = renderer.render(camera, alpha=True).alpha
+    assert 0.1 < faint.mean() < expected.alpha.mean() - 0.05
+    renderer.place([Placement(opacity=0)])
+    assert renderer.render(camera, alpha=True).alpha.max() == 0
+
+
+def test_images_show_ranges_of_placed_scenes(placing, parts, camera):
+    wanted = []
+    for some in ([0], [1, 2], [0, 1, 2]):
+        renderer = swiftgs.Renderer("cpu")
+        for number in some:
+            renderer.add_scene(parts[number])
+        wanted.append(renderer.render(camera).colour)
+    frame = placing.render([camera] * 3, shows=[range(0, 1), range(1, 3), None])
+    assert frame.shows == [range(0, 1), range(1, 3), None]
+    for found, image in zip(frame.colour, wanted):
+        assert np.array_equal(found, image)
+    frame.shows = range(1, 3)
+    placing.render([camera] * 3, out=frame)
+    assert all(np.array_equal(found, wanted[1]) for found in frame.colour)
+    frame.shows = None
+    assert frame.shows == [None] * 3
+    for shows, message in [(range(1, 1), "shows has range.1, 1., expected None or a range of one placed scene or more"),
+                           (range(0, 4, 2), "shows has range.0, 4, 2."), (range(-1, 1), "shows has range.-1, 1."),
+                           ([range(1)] * 2, "shows has 2 ranges, expected one, or 3, one an image"),
+                           ([1, 2, 3], "shows has 1, expected None or a range")]:
+        with pytest.raises(ValueError, match=message):
+            frame.shows = shows
+    with pytest.raises(swiftgs.InvalidArgument, match="a view shows 3 placed scenes from number 1 on, expected some of "
+                                                      "the frame's 3"):
+        placing.render(camera, shows=range(1, 4))
+
+
+def test_what_cannot_be_placed_is_refused_and_changes_nothing(placing, renderer, camera):
+    wanted = renderer.render(camera).colour
+    shear, mirror, row = pose(), np.diag([1.0, 1, -1, 1]), pose()
+    shear[0, 1], row[3, 0] = 0.5, 1
+    for wrong, error, message in [
+            ([], swiftgs.InvalidArgument, "place: expected one placement or more"),
+            ([pose()], TypeError, "placement 0 is of type ndarray, expected swiftgs.Placement"),
+            ([Placement(3)], swiftgs.InvalidArgument, "place: the scene is number 3, expected less than 3"),
+            ([Placement(-1)], ValueError, "scene is number -1, expected 0 or more"),
+            ([Placement(world_from_scene=np.eye(3))], ValueError, r"world_from_scene has the shape \(3, 3\), expected"),
+            ([Placement(world_from_scene="here")], TypeError, "world_from_scene is 'here', expected numbers"),
+            ([Placement(world_from_scene=pose(np.nan))], ValueError, "expected finite numbers"),
+            ([Placement(world_from_scene=row)], ValueError, r"has the last row \[1.0, 0.0, 0.0, 1.0\], expected"),
+            ([Placement(world_from_scene=shear)], ValueError, "stretches scenes by 0.78.* to 1.28.*, expected"),
+            ([Placement(world_from_scene=pose(0))], ValueError, "stretches scenes by 0 to 0, expected a"),
+            ([Placement(world_from_scene=mirror)], ValueError, "world_from_scene mirrors scenes, expected"),
+            ([Placement(opacity=1.1)], ValueError, "opacity is 1.1, expected 0 to 1"),
+            ([Placement(opacity=float("nan"))], ValueError, "opacity is nan, expected 0 to 1"),
+            ([Placement(clip=(1, 2))], TypeError, "clip is of type tuple, expected swiftgs.Clip"),
+            ([Placement(clip=Clip(np.ones((7, 4))))], ValueError, "half_spaces are 7, expected 6 at most"),
+            ([Placement(clip=Clip([[1, 2, 3]]))], ValueError, r"half_spaces has the shape \(1, 3\), expected \(1, 4\)"),
+            ([Placement(clip=Clip.sphere((0, 0), 1))], ValueError, r"centre has the shape \(2,\), expected \(3,\)"),
+            ([Placement(clip=Clip.sphere((0, 0, 0), 0))], ValueError, "radius is 0, expected more than 0")]:
+        with pytest.raises(error, match=message):
+            placing.place(wrong)
+    with pytest.raises(TypeError, match="scene is of type str, expected swiftgs.Scene"):
+        placing.add_scene("a.ply")
+    assert np.array_equal(placing.render(camera).colour, wanted)
+
+
+def test_renderers_keep_the_scenes_that_they_place(placing, parts, renderer, camera):
+    for part in parts:
+        part.close()
+    parts.clear()
+    gc.collect()
+    assert np.array_equal(placing.render(camera).colour, renderer.render(camera).colour)
