@@ -77,7 +77,7 @@ class Bench {
  public:
   using R = Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
 
-  /// A scene, the same in 100 pieces that stand or move, and two parts of which one moves.
+  /// A scene as one, in 100 pieces that stand, in 100 that move, and in two parts of which one moves.
   Json pieces(const bench::Input& input) {
     const Scene scene = order_spatially(input.load());
     const auto whole = backend().upload(scene);

@@ -32,7 +32,7 @@ Clip to_clip(const swiftgs_placement& from) {
   return clip;
 }
 
-/// Zeros of `from` are the defaults. 1 - (1 - opacity) is the opacity again: floats have fewer bits.
+/// Zeros of `from` are the defaults. A float opacity of 2^-29 or more comes back with its bits.
 Placement to_placement(const swiftgs_placement& from) {
   if (!(from.transparency >= 0 && from.transparency <= 1))
     throw std::invalid_argument("swiftgs_placement: transparency is " + std::to_string(from.transparency) +

@@ -36,7 +36,7 @@ void expect_members(const JsonEntry& entry, const std::vector<std::string>& know
       entry.fail("the members " + listed(known) + ", found '" + listed({key}) + "'");
 }
 
-/// Runs `check`, and puts the place in the file before what it complains of.
+/// Runs `check`. What it throws is thrown again with the place in the file.
 template <class Check>
 void checked(const JsonEntry& entry, const Check& check) {
   try {

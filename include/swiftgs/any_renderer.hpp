@@ -95,7 +95,7 @@ class SWIFTGS_API AnyRenderer {
   virtual void reserve(Span<const View> views, Capacity capacity = {}) = 0;
   virtual void set_views(Span<const View> views) = 0;
   virtual void record(FrameReport* report) = 0;
-  /// Recorded work that runs again shows what was placed since, as `Renderer::set_scenes`.
+  /// Has recorded work show, when it runs again, what is placed now. Throws as `Renderer::set_scenes`.
   virtual void set_recorded_scenes() = 0;
 
   /// Returns when all work submitted so far is done.

@@ -346,8 +346,8 @@ class BoundRenderer {
   /// complete when it returns. A panorama shows a Gaussian with one in each of its parts. Brings 4 bytes a
   /// splat to the host. Throws `std::logic_error` if there is no such frame.
   std::vector<std::size_t> visible_by_scene() const {
-    std::vector<std::uint32_t> numbers(std::size_t(report_.visible));
     if (last_ != LastFrame::drawn) throw std::logic_error("visible_by_scene: expected a frame before");
+    std::vector<std::uint32_t> numbers(std::size_t(report_.visible));
     backend().download(splats().view().gaussians.first(numbers.size()), numbers.data());
     std::vector<std::size_t> visible(drawn_scenes_.size());
     const SeveralScenes scenes{drawn_scenes_.each().data, std::uint32_t(drawn_scenes_.size())};

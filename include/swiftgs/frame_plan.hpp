@@ -61,8 +61,8 @@ inline void check_shown(const PlacedScenes& scenes, const View& view) {
 ///                                                              placed scenes ---+--> FramePlan --> stages
 ///                                                                      limits --+
 ///
-/// Whoever makes one has checked its input: `Views` its views and tiles, this constructor the scene. Stages
-/// trust it.
+/// Whoever makes one has checked its input: `Views` its views and tiles, this constructor the placed scenes.
+/// Stages trust it.
 struct FramePlan {
   Views views;
   PlacedScenes scenes;

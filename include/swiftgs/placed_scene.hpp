@@ -39,7 +39,7 @@ struct PlacedScene {
   // The library sets what follows.
   std::uint32_t first_gaussian = 0;  ///< Gaussians of the placed scenes before it
   std::uint32_t first_chunk = 0;     ///< chunks of these
-  /// 1 where a frame on a device did not draw it, because what was written to its memory is not valid.
+  /// 1: a device did not draw it, since its pose, opacity or clip is not valid. Others may have written them.
   mutable std::uint32_t refused = 0;
 
   SWIFTGS_HD std::size_t size() const { return scene.size(); }
@@ -118,10 +118,10 @@ SWIFTGS_HD inline double eye_focal(const ViewConstants& camera, const Similarity
   return camera.lens.model == LensModel::orthographic ? of_camera * world_from_scene.scale : of_camera;
 }
 
-/// The camera in the space of a placed scene, where it sees the scene's own numbers as the world's camera
-/// sees the placed ones: a camera's image stays when both it and what it sees are moved and scaled, but for
-/// the distances of parallel rays. Harmonics turn with the scene, since directions are the scene's own.
-/// Depths are those of the world.
+/// The camera in the space of a placed scene. An image stays as it is when the camera and what it sees are
+/// moved and scaled together, so the eye sees the scene's own numbers as the camera sees the placed ones.
+/// Only parallel rays need other focal lengths. Harmonics turn with the scene: directions are in its own
+/// space. Depths are those of the world.
 SWIFTGS_HD inline ViewConstants eye(const ViewConstants& camera, const PlacedScene& placed) {
   ViewConstants out = camera;
   out.opacity = placed.opacity;

@@ -15,9 +15,9 @@
 
 namespace swiftgs::cli {
 
-/// The scenes of one frame, of which `names` are scenes or lists of them: files of lists lie where the list
-/// does. Reads lists alone. Throws `std::invalid_argument` for several names unless `place` says that one
-/// frame shows all.
+/// The scenes of one frame. `names` are files of scenes, or lists, whose paths are relative to the list.
+/// Reads lists alone. Throws `std::invalid_argument` for several names unless `place` says that one frame
+/// shows all.
 std::vector<ListedScene> scenes_of(const std::vector<std::string>& names, bool place);
 
 /// Scenes of one frame to draw. The world's zero is where the first one's means have theirs.

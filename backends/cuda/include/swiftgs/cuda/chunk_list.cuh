@@ -58,7 +58,7 @@ __device__ PlacedChunk placed_chunk(const SeveralScenes& scenes, const View& vie
   return {&placed, chunk};
 }
 
-/// Whether what is in a placed scene's memory can be drawn. Its first chunk notes it.
+/// Whether a placed scene is valid, as its memory has it now. The block of its first chunk notes the answer.
 __device__ inline bool can_be_drawn(const PlacedScene& placed, std::uint32_t chunk) {
   const bool valid = placed.is_valid();
   if (chunk == 0) placed.refused = valid ? 0 : 1;
