@@ -2,11 +2,15 @@
 """`swiftgs.rasterization` beside gsplat's own, in one run on one GPU: times, and decibels between both.
 
     python3 benchmarks/beside_gsplat.py builtin:200000 captures/fox --json results.json
+    python3 benchmarks/beside_gsplat.py worlds --json worlds.json
 
 It needs PyTorch with CUDA, the package swiftgs, and gsplat as `build_rivals.py` builds it or installed. Both take the
 same tensors on the device, under `no_grad`, and take turns in a random order. A time is that of one call from an idle
 device until it is idle again, the median of many. `swiftgs, scene kept` draws a scene that was set before into the same
 memory. Pinholes are drawn in frames of 1, 4 and 16 views, gsplat's other camera models in frames of 4.
+
+`worlds` is a batch of scenes: one call draws each for its own cameras. `worlds:64,20000,16,128`, what it is without
+numbers, are 64 scenes of 20,000 Gaussians with 16 views each of 128x128 pixels.
 """
 import argparse
 import json
@@ -55,9 +59,45 @@ class Case:
 
     def tensors(self, cameras):
         """The same on the device."""
-        import torch  # pylint: disable=import-outside-toplevel
-        return {name: value if isinstance(value, int) else torch.tensor(value, device="cuda")
-                for name, value in self.arrays(cameras).items()}
+        return on_device(self.arrays(cameras))
+
+
+class Worlds:
+    """The built-in scene in other sizes, each with as many cameras around it. Colours have no harmonics: with them
+    batches end the process in gsplat 1.6.0."""
+
+    def __init__(self, name):
+        numbers = name.partition(":")[2] or "64,20000,16,128"
+        try:
+            self.count, self.gaussians, self.views, self.side = found = [int(number) for number in numbers.split(",")]
+            if min(found) < 1:
+                raise ValueError
+        except ValueError:
+            raise SystemExit(f"'{name}': expected worlds, or worlds:WORLDS,GAUSSIANS,VIEWS,PIXELS, such as "
+                             "worlds:64,20000,16,128") from None
+
+    def arrays(self):
+        """Arguments of `rasterization`, by name, in arrays of NumPy with the worlds' dimension first."""
+        import numpy as np  # pylint: disable=import-outside-toplevel
+        import swiftgs  # pylint: disable=import-outside-toplevel
+        scene, sizes = swiftgs.Scene.builtin(self.gaussians), 1 + 0.01 * np.arange(self.count).reshape(-1, 1, 1)
+        angles = 2 * np.pi * np.arange(self.views) / self.views
+        cameras = [swiftgs.Camera.look_at((4.4 * np.sin(angle), -1.5, -4.4 * np.cos(angle)), (0, -0.5, 0),
+                                          width=self.side, height=self.side, vertical_fov=0.8) for angle in angles]
+        found = {"means": sizes * scene.means, "scales": sizes * scene.scales}
+        same = {"quats": scene.rotations, "opacities": scene.opacities,
+                "colors": 0.5 + 0.2820948 * scene.sh0, "viewmats": [camera.viewmat for camera in cameras],
+                "Ks": [camera.K for camera in cameras]}
+        found.update({name: np.stack(self.count * [array]) for name, array in same.items()})
+        return {name: array.astype(np.float32) for name, array in found.items()} | {
+            "width": self.side, "height": self.side}
+
+
+def on_device(arrays):
+    """The same arguments in tensors."""
+    import torch  # pylint: disable=import-outside-toplevel
+    return {name: value if isinstance(value, int) else torch.tensor(value, device="cuda")
+            for name, value in arrays.items()}
 
 
 def alone(calls, rounds):
@@ -101,6 +141,17 @@ def through(arguments, model):
     return dict(arguments, camera_model=model)
 
 
+def calls_of(arguments, viewmats, matrices):
+    """What is timed, by name, with the cameras' matrices on the host too."""
+    import gsplat  # pylint: disable=import-outside-toplevel
+    import swiftgs  # pylint: disable=import-outside-toplevel
+    on_host = dict(arguments, viewmats=viewmats, Ks=matrices)
+    return {"swiftgs": lambda: swiftgs.rasterization(**arguments),
+            "swiftgs, matrices on the host": lambda: swiftgs.rasterization(**on_host),
+            "gsplat": lambda: gsplat.rasterization(**arguments),
+            "gsplat, not packed": lambda: gsplat.rasterization(**arguments, packed=False)}
+
+
 def row(case, model, views, rounds):
     import gsplat  # pylint: disable=import-outside-toplevel
     import torch  # pylint: disable=import-outside-toplevel
@@ -108,11 +159,7 @@ def row(case, model, views, rounds):
     from conftest import decibels  # pylint: disable=import-outside-toplevel
     cameras = [case.cameras[i % len(case.cameras)] for i in range(views)]
     arguments = through(case.tensors(cameras), model)
-    on_host = dict(arguments, viewmats=arguments["viewmats"].cpu().numpy(), Ks=arguments["Ks"].cpu().numpy())
-    calls = {"swiftgs": lambda: swiftgs.rasterization(**arguments),
-             "swiftgs, matrices on the host": lambda: swiftgs.rasterization(**on_host),
-             "gsplat": lambda: gsplat.rasterization(**arguments),
-             "gsplat, not packed": lambda: gsplat.rasterization(**arguments, packed=False)}
+    calls = calls_of(arguments, arguments["viewmats"].cpu().numpy(), arguments["Ks"].cpu().numpy())
     if model == "pinhole":
         renderer, (width, height) = swiftgs.Renderer("cuda", scene=case.scene), case.size
         frame = swiftgs.Frame(torch.empty(views, height, width, 3, device="cuda"),
@@ -124,23 +171,64 @@ def row(case, model, views, rounds):
             "between_db": [float(decibels(a.cpu(), b.cpu())) for a, b in pairs]}
 
 
+def row_of_worlds(worlds, rounds):
+    import gsplat  # pylint: disable=import-outside-toplevel
+    import swiftgs  # pylint: disable=import-outside-toplevel
+    from conftest import decibels  # pylint: disable=import-outside-toplevel
+    arrays = worlds.arrays()
+    arguments = on_device(arrays)
+    ours, theirs = swiftgs.rasterization(**arguments)[0], gsplat.rasterization(**arguments, packed=False)[0]
+    shape = (worlds.count, worlds.views, worlds.side, worlds.side, 3)
+    if tuple(theirs.shape) != shape:
+        raise SystemExit(f"gsplat {gsplat.__version__} drew {tuple(theirs.shape)}, expected {shape}: a batch of scenes")
+    some = sorted({k * (worlds.count * worlds.views - 1) // 15 for k in range(16)})  # of other worlds, other views
+    between = [float(decibels(ours[where].tolist(), theirs[where].tolist()))
+               for where in (divmod(image, worlds.views) for image in some)]
+    calls = calls_of(arguments, arrays["viewmats"], arrays["Ks"])
+    del calls["gsplat"]  # slower, packed, than the other
+    return {"worlds": worlds.count, "gaussians": worlds.gaussians, "views": worlds.views,
+            "size": [worlds.side, worlds.side],
+            "ms": alone(calls, rounds), "between_db": between}
+
+
+def check_packages():
+    """Ends with one line where something is missing."""
+    try:
+        import torch  # pylint: disable=import-outside-toplevel
+        import swiftgs  # noqa: F401 pylint: disable=import-outside-toplevel,unused-import
+        import gsplat  # noqa: F401 pylint: disable=import-outside-toplevel,unused-import
+    except ImportError as error:
+        raise SystemExit(f"beside_gsplat: {error}; expected PyTorch, swiftgs, and gsplat as build_rivals.py builds it "
+                         "or installed") from None
+    if not torch.cuda.is_available():
+        raise SystemExit(f"beside_gsplat: PyTorch {torch.__version__} sees no GPU, expected one")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("scenes", nargs="+", help="builtin, builtin:N, or folders of captures")
+    parser.add_argument("scenes", nargs="+", help="builtin, builtin:N, folders of captures, or worlds")
     parser.add_argument("--scale", type=float, default=1, help="factor of the images' sides")
     parser.add_argument("--rounds", type=int, default=30)
     parser.add_argument("--json", type=pathlib.Path, required=True)
     arguments = parser.parse_args()
+    check_packages()
     import torch  # pylint: disable=import-outside-toplevel
     random.seed(1)
     found = {"format": "swiftgs-beside-gsplat", **describe(command_of(sys.argv[1:])), "rows": []}
+
+    def keep(section, measured):
+        found.setdefault(section, []).append(measured)
+        print(json.dumps(measured), flush=True)
+        arguments.json.write_text(json.dumps(found, indent=1) + "\n")
+
     with torch.no_grad():
         for name in arguments.scenes:
+            if name.partition(":")[0] == "worlds":
+                keep("worlds", row_of_worlds(Worlds(name), arguments.rounds))
+                continue
             case = Case(name, arguments.scale)
             for model, views in FRAMES:
-                found["rows"].append(row(case, model, views, arguments.rounds))
-                print(json.dumps(found["rows"][-1]), flush=True)
-                arguments.json.write_text(json.dumps(found, indent=1) + "\n")
+                keep("rows", row(case, model, views, arguments.rounds))
 
 
 if __name__ == "__main__":

@@ -46,9 +46,9 @@ struct Gaussians {
             .rotations = send(from.rotations, stream),
             .opacities = send(from.opacities, stream),
             .sh0 = send(from.sh0, stream),
-            .sh_rest = send(from.sh_rest, stream),
-            .sh_degree = from.sh_degree,
-            .sh_stride = 3 * sh_rest_count(from.sh_degree)};
+            .sh_rest = {send(from.sh_rest, stream).data, from.size(),
+                        sizeof(vec3) * std::size_t(sh_rest_count(from.sh_degree))},
+            .sh_degree = from.sh_degree};
   }
 
   SceneView view;

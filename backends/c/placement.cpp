@@ -47,7 +47,30 @@ Placement to_placement(const swiftgs_placement& from) {
   for (int axis = 0; axis < 3; ++axis) pose.translation[axis] = from.translation[axis];
   to.opacity = float(1 - from.transparency);
   to.clip = to_clip(from);
+  to.first = std::size_t(from.first);
+  if (from.count != 0) to.count = std::size_t(from.count);
   return to;
+}
+
+static_assert(sizeof(dmat3) == 9 * sizeof(double) && sizeof(dvec3) == 3 * sizeof(double));
+
+/// Addresses alone: the memory may be a device's.
+swiftgs_recorded_scenes to_struct(Span<PlacedScene> scenes) {
+  PlacedScene& first = *scenes.data;
+  return {.size = 0,
+          .reserved = 0,
+          .count = scenes.size,
+          .stride = sizeof(PlacedScene),
+          .rotation = &first.world_from_scene.rotation[0].x,
+          .scale = &first.world_from_scene.scale,
+          .translation = &first.world_from_scene.translation.x,
+          .opacity = &first.opacity};
+}
+
+void require_count(const char* call, std::size_t count, std::size_t scenes) {
+  if (count != scenes)
+    throw std::invalid_argument(std::string(call) + ": count is " + std::to_string(count) + ", expected " +
+                                std::to_string(scenes) + ", the placed scenes of the frame");
 }
 
 }  // namespace
@@ -79,6 +102,37 @@ swiftgs_status swiftgs_renderer_place(swiftgs_renderer* renderer, const swiftgs_
 
 swiftgs_status swiftgs_renderer_set_recorded_scenes(swiftgs_renderer* renderer) {
   return guarded([&] { of(renderer)->set_recorded_scenes(); });
+}
+
+swiftgs_status swiftgs_renderer_recorded_scenes(swiftgs_renderer* renderer, swiftgs_recorded_scenes* scenes) {
+  return guarded([&] {
+    const Turn any = of(renderer);
+    check_struct(scenes, "swiftgs_recorded_scenes");
+    write_struct(scenes, to_struct(any->recorded_scenes()), "swiftgs_recorded_scenes");
+  });
+}
+
+swiftgs_status swiftgs_renderer_refused_scenes(swiftgs_renderer* renderer, std::uint8_t* refused,
+                                               std::size_t count) {
+  return guarded([&] {
+    const Turn any = of(renderer);
+    require_pointer(refused, "refused");
+    require_count("refused_scenes", count, any->recorded_scenes().size);
+    const std::vector<std::size_t> found = any->refused_scenes();
+    std::fill_n(refused, count, std::uint8_t(0));
+    for (const std::size_t scene : found) refused[scene] = 1;
+  });
+}
+
+swiftgs_status swiftgs_renderer_visible_by_scene(const swiftgs_renderer* renderer, std::uint64_t* visible,
+                                                 std::size_t count) {
+  return guarded([&] {
+    const Turn any = of(renderer);
+    require_pointer(visible, "visible");
+    const std::vector<std::size_t> found = any->visible_by_scene();
+    require_count("visible_by_scene", count, found.size());
+    std::copy(found.begin(), found.end(), visible);
+  });
 }
 
 }  // extern "C"

@@ -395,25 +395,28 @@ void ProjectChunk(const ViewConstants& v, const PlacedScene& placed, std::size_t
                   VisibleSplats& out) {
   const SceneView& scene = placed.scene;
   const std::uint32_t first = placed.first_gaussian;
+  const bool as_they_lie = scene.means.is_dense() && scene.scales.is_dense() && scene.rotations.is_dense() &&
+                           scene.opacities.is_dense() && !scene.any_rotations;
   std::size_t i = begin;
-  for (; i + lanes <= end; i += lanes)
+  for (; as_they_lie && i + lanes <= end; i += lanes)
     ProjectGroup<through_lens>(v, placed.clip,
                                {&scene.means[i], &scene.scales[i], &scene.rotations[i], &scene.opacities[i]},
                                first + std::uint32_t(i), out);
-  if (i == end) return;
 
-  // The scene's arrays end with it: copy the rest to where a whole group can be read. Lanes beyond are
-  // transparent.
-  vec3 means[lanes], scales[lanes];
-  Quaternion rotations[lanes];
-  float opacities[lanes] = {};
-  for (std::size_t k = 0; k < lanes; ++k) means[k] = scales[k] = vec3(0);
-  for (std::size_t k = 0; k < end - i; ++k) {
-    means[k] = scene.means[i + k], scales[k] = scene.scales[i + k];
-    rotations[k] = scene.rotations[i + k], opacities[k] = scene.opacities[i + k];
+  // The scene's arrays end with it, and others have gaps: copy these to where a whole group can be read.
+  // Lanes beyond the end are transparent.
+  for (; i < end; i += lanes) {
+    vec3 means[lanes], scales[lanes];
+    Quaternion rotations[lanes];
+    float opacities[lanes] = {};
+    for (std::size_t k = 0; k < lanes; ++k) means[k] = scales[k] = vec3(0);
+    for (std::size_t k = 0; k < std::min(lanes, end - i); ++k) {
+      const Gaussian g = gaussian(scene, i + k);
+      means[k] = g.mean, scales[k] = g.scale, rotations[k] = g.rotation, opacities[k] = g.opacity;
+    }
+    ProjectGroup<through_lens>(v, placed.clip, {means, scales, rotations, opacities},
+                               first + std::uint32_t(i), out);
   }
-  ProjectGroup<through_lens>(v, placed.clip, {means, scales, rotations, opacities}, first + std::uint32_t(i),
-                             out);
 }
 
 /// Projects the Gaussians of chunks [begin, end) of the frame, and returns how many are visible.

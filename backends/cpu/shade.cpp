@@ -77,7 +77,7 @@ bool ShadeRange(const ViewConstants& v, const SceneView& scene, std::uint32_t fi
   const F32 d;
   bool some_hidden = false;
   const int degree = scene.sh_degree, coefficients = sh_rest_count(degree);
-  const std::size_t stride = std::size_t(scene.sh_stride), row = 3 * std::size_t(coefficients);
+  const std::size_t row = 3 * std::size_t(coefficients);
   // 64 and 128 take as long: memory has no more to give.
   constexpr std::size_t ahead = 24;  // splats between asking for harmonics and using them
   alignas(64) float basis[sh_rest_count(max_sh_degree)][lanes];
@@ -103,11 +103,12 @@ bool ShadeRange(const ViewConstants& v, const SceneView& scene, std::uint32_t fi
       if (first + k + ahead < count) {
         const std::size_t next = ids[first + k + ahead] - first_id;
         hwy::Prefetch(&scene.sh0[next]);
-        for (std::size_t i = 0; i < row; i += 16) hwy::Prefetch(&scene.sh_rest[next * stride + i]);
-        if (row > 0) hwy::Prefetch(&scene.sh_rest[next * stride + row - 1]);
+        const float* const next_rest = scene.sh_rest.at(next);
+        for (std::size_t i = 0; i < row; i += 16) hwy::Prefetch(next_rest + i);
+        if (row > 0) hwy::Prefetch(next_rest + row - 1);
       }
-      const vec3 sh0 = scene.sh0[id];
-      const float* HWY_RESTRICT rest = scene.sh_rest.data + id * stride;
+      const vec3 sh0 = sh0_of(scene, id);
+      const float* HWY_RESTRICT rest = scene.sh_rest.at(id);
       float rgb[4];
       hn::StoreU(SumBands(rest, basis, k, coefficients), F32x4(), rgb);
       const auto channel = [&](int c) { return 0.5f + float(sh::c0) * sh0[c] + rgb[c]; };

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include <swiftgs/chunks.hpp>
@@ -30,22 +31,12 @@ DeviceScene Cuda::upload(const SceneArrays& from, std::optional<DeviceScene>& re
     use_memory_of(*this, *to);
   }
   const std::size_t n = from.count, stride = sh_rest_stride(from.sh_degree);
+  const std::size_t channels = std::size_t(from.feature_channels);
   to->means.reset(n), to->scales.reset(n), to->rotations.reset(n), to->opacities.reset(n);
   to->sh0.reset(n), to->sh_rest.reset(n * stride);
-  to->features.reset(n * std::size_t(from.feature_channels));
+  to->features.reset(n * channels);
   copy_arrays(*this, from, SceneCapacity::of(*to, 0, int(stride), from.feature_channels));
-  const DeviceScene::Arrays& copied = *to;
-  const SceneView view{.means = copied.means.span(),
-                       .scales = copied.scales.span(),
-                       .rotations = copied.rotations.span(),
-                       .opacities = copied.opacities.span(),
-                       .sh0 = copied.sh0.span(),
-                       .sh_rest = copied.sh_rest.span(),
-                       .sh_degree = from.sh_degree,
-                       .sh_stride = int(stride),
-                       .features = copied.features.span(),
-                       .feature_channels = from.feature_channels,
-                       .identity = new_scene_identity()};
+  const SceneView view = to->view(n, from.sh_degree, from.feature_channels);
   return DeviceScene(std::move(to), view);
 }
 
@@ -75,9 +66,11 @@ __global__ void __launch_bounds__(bound_threads)
 
 void Cuda::update(DeviceScene& scene, std::size_t first, const SceneArrays& from) const {
   const SceneView view = scene.view();
+  if (!scene.arrays()) throw std::invalid_argument(update_of_borrowed);
   validate_update(view, first, from);
-  DeviceScene::Arrays& to = scene.arrays();
-  copy_arrays(*this, from, SceneCapacity::of(to, first, view.sh_stride, view.feature_channels));
+  DeviceScene::Arrays& to = *scene.arrays();
+  copy_arrays(*this, from,
+              SceneCapacity::of(to, first, int(view.sh_rest.stride / sizeof(float)), view.feature_channels));
   const ChunkRange chunks = view.chunks.empty() ? ChunkRange{} : chunks_to_bound(first, from);
   if (chunks.size() == 0) return;
   launch_early(*this, "bound_chunks", kernels::bound_chunks, blocks_for(chunks.size(), kernels::bound_warps),

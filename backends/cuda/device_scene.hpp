@@ -14,6 +14,9 @@ struct DeviceScene::Arrays {
   DeviceBuffer<float> opacities, sh_rest, features;
   DeviceBuffer<ChunkBounds> chunks;  ///< empty for arrays of the device, whose order nobody looks at
 
+  /// Of `count` Gaussians; without chunks.
+  SceneView view(std::size_t count, int sh_degree, int feature_channels) const;
+
   static auto buffers(auto& self) {
     return std::tie(self.means, self.scales, self.sh0, self.rotations, self.opacities, self.sh_rest,
                     self.features, self.chunks);
@@ -23,5 +26,21 @@ struct DeviceScene::Arrays {
 /// Floats a Gaussian in `sh_rest` for bands up to `degree`: a multiple of 16 bytes, which kernels copy by,
 /// and of a colour.
 inline std::size_t sh_rest_stride(int degree) { return (3 * std::size_t(sh_rest_count(degree)) + 3) / 4 * 4; }
+
+inline SceneView DeviceScene::Arrays::view(std::size_t count, int sh_degree, int feature_channels) const {
+  const auto rows = [count](const DeviceBuffer<float>& of, std::size_t each) {
+    return each == 0 ? StridedSpan<const float>() : StridedSpan(of.data(), count, each * sizeof(float));
+  };
+  return {.means = means.span(),
+          .scales = scales.span(),
+          .rotations = rotations.span(),
+          .opacities = opacities.span(),
+          .sh0 = sh0.span(),
+          .sh_rest = rows(sh_rest, sh_rest_stride(sh_degree)),
+          .sh_degree = sh_degree,
+          .features = rows(features, std::size_t(feature_channels)),
+          .feature_channels = feature_channels,
+          .identity = new_scene_identity()};
+}
 
 }  // namespace swiftgs

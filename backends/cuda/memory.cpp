@@ -32,14 +32,13 @@ void DeviceMemory::release(void* memory) { cudaFree(memory); }
 
 namespace {
 
-/// Copies a host array in the order of `stream` and views the copy.
+/// Copies a host array in the order of `stream`.
 template <class T>
-Span<const T> copy(Span<const T> from, DeviceBuffer<T>& to, cudaStream_t stream) {
-  if (from.size == 0) return {};
-  to.reset_exactly(from.size);
-  check_cuda(cudaMemcpyAsync(to.data(), from.data, from.size * sizeof(T), cudaMemcpyHostToDevice, stream),
+void copy(const std::vector<T>& from, DeviceBuffer<T>& to, cudaStream_t stream) {
+  if (from.empty()) return;
+  to.reset_exactly(from.size());
+  check_cuda(cudaMemcpyAsync(to.data(), from.data(), from.size() * sizeof(T), cudaMemcpyHostToDevice, stream),
              "cudaMemcpyAsync to the device");
-  return std::as_const(to).span();
 }
 
 }  // namespace
@@ -55,22 +54,14 @@ DeviceScene Cuda::upload(const Scene& scene) const {
   const std::size_t stride = sh_rest_stride(host.sh_degree);
   std::vector<float> rest(stride * scene.size());
   for (std::size_t i = 0; i < scene.size() && used != 0; ++i)
-    std::copy_n(host.sh_rest.data + i * std::size_t(host.sh_stride), used, rest.data() + i * stride);
+    std::copy_n(host.sh_rest.at(i), used, rest.data() + i * stride);
   const std::vector<ChunkBounds> chunks = chunk_bounds(host);
-  const auto to_device = [&](auto from, auto& to) { return copy(from, to, stream()); };
-  const SceneView device{
-      .means = to_device(host.means, arrays->means),
-      .scales = to_device(host.scales, arrays->scales),
-      .rotations = to_device(host.rotations, arrays->rotations),
-      .opacities = to_device(host.opacities, arrays->opacities),
-      .sh0 = to_device(host.sh0, arrays->sh0),
-      .sh_rest = to_device(Span<const float>{rest.data(), rest.size()}, arrays->sh_rest),
-      .chunks = to_device(Span<const ChunkBounds>{chunks.data(), chunks.size()}, arrays->chunks),
-      .sh_degree = host.sh_degree,
-      .sh_stride = int(stride),
-      .features = to_device(host.features, arrays->features),
-      .feature_channels = host.feature_channels,
-      .identity = new_scene_identity()};
+  copy(scene.means, arrays->means, stream()), copy(scene.scales, arrays->scales, stream());
+  copy(scene.rotations, arrays->rotations, stream()), copy(scene.opacities, arrays->opacities, stream());
+  copy(scene.sh0, arrays->sh0, stream()), copy(rest, arrays->sh_rest, stream());
+  copy(scene.features, arrays->features, stream()), copy(chunks, arrays->chunks, stream());
+  SceneView device = arrays->view(scene.size(), host.sh_degree, host.feature_channels);
+  device.chunks = std::as_const(arrays->chunks).span();
   // Copies read memory of the caller, and other streams may read the scene at once.
   check_cuda(cudaStreamSynchronize(stream()), "cudaStreamSynchronize");
   return DeviceScene(arrays, device);

@@ -5,13 +5,13 @@
 
 namespace swiftgs::kernels {
 
-/// Quadruples of floats that hold the SH coefficients of a Gaussian.
-SWIFTGS_HD constexpr unsigned rest_words(int degree) {
-  return (3u * unsigned(sh_rest_count(degree)) + 3) / 4;
+/// Quadruples of floats that hold the SH coefficients of a Gaussian and `lead` floats before them.
+SWIFTGS_HD constexpr unsigned rest_words(int degree, unsigned lead = 0) {
+  return (lead + 3u * unsigned(sh_rest_count(degree)) + 3) / 4;
 }
 
 /// How many quadruples those of two Gaussians lie apart in shared memory: an odd number, so that lanes that
 /// read a quadruple each have no bank conflicts.
-SWIFTGS_HD constexpr unsigned rest_pitch(int degree) { return rest_words(degree) | 1; }
+SWIFTGS_HD constexpr unsigned rest_pitch(int degree) { return rest_words(degree, 3) | 1; }
 
 }  // namespace swiftgs::kernels

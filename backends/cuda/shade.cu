@@ -27,18 +27,20 @@ inline constexpr unsigned shade_threads = 128, shade_warps = shade_threads / war
 inline constexpr int shade_blocks = 3;
 
 /// Copies the SH coefficients of the warp's Gaussians, `Word` by `Word`: lanes read neighbouring words, where
-/// a lane a Gaussian would touch 32 lines with each load. All copies are under way at once.
+/// a lane a Gaussian would touch 32 lines with each load. All copies are under way at once. The first word
+/// begins `lead` floats before the coefficients; of the last one `beyond` floats are not read.
 template <class Word>
 __device__ void stage_rest(const SceneView& scene, std::uint32_t id, unsigned gaussians, unsigned words,
-                           unsigned pitch, Word* rest) {
+                           unsigned lead, unsigned beyond, unsigned pitch, Word* rest) {
   constexpr unsigned floats = sizeof(Word) / sizeof(float);
   unsigned gaussian = lane_index() / words, word = lane_index() % words;
   const unsigned gaussian_step = warp_size / words, word_step = warp_size % words;
   while (__any_sync(whole_warp, gaussian < gaussians)) {
     const std::uint32_t theirs = __shfl_sync(whole_warp, id, int(gaussian % warp_size));
-    const float* from =
-        scene.sh_rest.data + std::size_t(theirs) * std::size_t(scene.sh_stride) + word * floats;
-    if (gaussian < gaussians) __pipeline_memcpy_async(rest + gaussian * pitch + word, from, sizeof(Word));
+    const float* from = scene.sh_rest.at(theirs) + int(word * floats - lead);
+    if (gaussian < gaussians)
+      __pipeline_memcpy_async(rest + gaussian * pitch + word, from, sizeof(Word),
+                              word + 1 == words ? beyond * sizeof(float) : 0);
     gaussian += gaussian_step, word += word_step;
     if (word >= words) word -= words, ++gaussian;
   }
@@ -47,51 +49,66 @@ __device__ void stage_rest(const SceneView& scene, std::uint32_t id, unsigned ga
   __syncwarp();
 }
 
-/// Copies the SH coefficients of the warp's Gaussians by quadruples where they are aligned, as those of
-/// `Cuda::upload` are.
-__device__ inline void stage_rest(const SceneView& scene, std::uint32_t id, unsigned gaussians,
-                                  float4* rest) {
-  const unsigned words = rest_words(scene.sh_degree), pitch = rest_pitch(scene.sh_degree);
-  const std::size_t stride = std::size_t(scene.sh_stride);
-  if (stride % 4 == 0 && stride >= 4 * words && scene.sh_rest.size >= scene.size() * stride &&
-      reinterpret_cast<std::uintptr_t>(scene.sh_rest.data) % sizeof(float4) == 0)
-    stage_rest<float4>(scene, id, gaussians, words, pitch, rest);
-  else
-    stage_rest<float>(scene, id, gaussians, 3 * unsigned(sh_rest_count(scene.sh_degree)), 4 * pitch,
-                      reinterpret_cast<float*>(rest));
+/// Floats between a multiple of 16 bytes and the coefficients of any Gaussian: 0 as `Cuda::upload` stores
+/// them, 3 where band 0 lies with the others. Others are copied one by one, without a lead.
+struct RestLead {
+  bool by_quadruples = false;
+  unsigned floats = 0;
+
+  __device__ explicit RestLead(const SceneView& scene) {
+    const auto begin = unsigned(reinterpret_cast<std::uintptr_t>(scene.sh_rest.data) % sizeof(float4));
+    by_quadruples = scene.sh_rest.stride % sizeof(float4) == 0 && (begin == 0 || begin == sizeof(vec3));
+    if (by_quadruples) floats = begin / unsigned(sizeof(float));
+  }
+};
+
+/// Copies the SH coefficients of the warp's Gaussians by quadruples where they can be.
+__device__ inline void stage_rest(const SceneView& scene, const RestLead& lead, std::uint32_t id,
+                                  unsigned gaussians, float4* rest) {
+  const unsigned count = 3 * unsigned(sh_rest_count(scene.sh_degree)), pitch = rest_pitch(scene.sh_degree);
+  if (lead.by_quadruples) {
+    const unsigned words = (lead.floats + count + 3) / 4;
+    stage_rest<float4>(scene, id, gaussians, words, lead.floats, 4 * words - lead.floats - count, pitch,
+                       rest);
+  } else {
+    stage_rest<float>(scene, id, gaussians, count, 0, 0, 4 * pitch, reinterpret_cast<float*>(rest));
+  }
 }
 
-/// `sh_colour` with a degree that the compiler knows, so that coefficients and basis stay in registers.
-template <int degree>
+/// `sh_colour` with a degree and a lead that the compiler knows, so that coefficients and basis stay in
+/// registers.
+template <int degree, unsigned lead>
 __device__ vec3 colour_of(vec3 sh0, const float4* words, vec3 direction) {
   if constexpr (degree == 0) {
     return sh_colour(0, sh0, nullptr, direction);
   } else {
-    float rest[4 * rest_words(degree)];
+    constexpr unsigned count = rest_words(degree, lead);
+    float rest[4 * count];
 #pragma unroll
-    for (unsigned k = 0; k < rest_words(degree); ++k) {
+    for (unsigned k = 0; k < count; ++k) {
       const float4 word = words[k];
       rest[4 * k] = word.x, rest[4 * k + 1] = word.y, rest[4 * k + 2] = word.z, rest[4 * k + 3] = word.w;
     }
-    return sh_colour(degree, sh0, rest, direction);
+    return sh_colour(degree, sh0, rest + lead, direction);
   }
 }
-__device__ inline vec3 colour_of(int degree, vec3 sh0, const float4* rest, vec3 direction) {
+template <unsigned lead>
+__device__ vec3 colour_of(int degree, vec3 sh0, const float4* rest, vec3 direction) {
   switch (degree) {
     case 0:
-      return colour_of<0>(sh0, rest, direction);
+      return colour_of<0, lead>(sh0, rest, direction);
     case 1:
-      return colour_of<1>(sh0, rest, direction);
+      return colour_of<1, lead>(sh0, rest, direction);
     case 2:
-      return colour_of<2>(sh0, rest, direction);
+      return colour_of<2, lead>(sh0, rest, direction);
     default:
-      return colour_of<3>(sh0, rest, direction);
+      return colour_of<3, lead>(sh0, rest, direction);
   }
 }
 
 /// Copies the SH coefficients of one Gaussian.
 __device__ inline void copy_rest(const SceneView& scene, std::uint32_t i, float4* to) {
-  const float* from = scene.sh_rest.data + std::size_t(i) * std::size_t(scene.sh_stride);
+  const float* from = scene.sh_rest.at(i);
   for (int k = 0; k < 3 * sh_rest_count(scene.sh_degree); ++k) reinterpret_cast<float*>(to)[k] = from[k];
 }
 
@@ -125,15 +142,17 @@ __global__ void __launch_bounds__(shade_threads)
     // Splats follow the order of the placed scenes, so nearly all warps have those of one. In others each
     // lane copies its own coefficients: all colours are summed by the same instructions.
     const bool of_one = Scenes::only || of_one_scene(&scene);
+    const RestLead lead(scene);
     const unsigned pitch = rest_pitch(of_one ? scene.sh_degree : max_sh_degree);
     float4* const own = rest + lane_index() * pitch;
     if (of_one && scene.sh_degree > 0)
-      stage_rest(scene, i, unsigned(min(splats - first, std::size_t(warp_size))), rest);
+      stage_rest(scene, lead, i, unsigned(min(splats - first, std::size_t(warp_size))), rest);
     else if (!of_one)
       copy_rest(scene, i, own);
     if (shades) {
-      const vec3 rgb =
-          colour_of(scene.sh_degree, scene.sh0[i], own, view_direction(seen.camera, scene.means[i]));
+      const vec3 sh0 = sh0_of(scene, i), direction = view_direction(seen.camera, scene.means[i]);
+      const vec3 rgb = of_one && lead.floats != 0 ? colour_of<3>(scene.sh_degree, sh0, own, direction)
+                                                  : colour_of<0>(scene.sh_degree, sh0, own, direction);
       SplatColour colour = splat_colour(rgb, all.depths[at]);
       if (is_hidden(colour)) colour = large_splat_colour(seen.camera, scene, i, all.depths[at]);
       colours[at] = colour;

@@ -145,19 +145,6 @@ bool looks_like_gltf(std::string_view text) {
          (holds("\"asset\"") && (holds("\"buffers\"") || holds("\"accessors\"") || holds("\"meshes\"")));
 }
 
-std::uint64_t whole_number(const JsonEntry& entry, const char* key, std::optional<std::uint64_t> otherwise) {
-  if (otherwise && !entry.has(key)) return *otherwise;
-  const json& value = entry.member(key);
-  // Some languages write all numbers with a fraction.
-  constexpr double limit = 9007199254740992.0;
-  if (value.is_number_float() && value.get<double>() >= 0 && value.get<double>() <= limit &&
-      value.get<double>() == double(std::uint64_t(value.get<double>())))
-    return std::uint64_t(value.get<double>());
-  if (!value.is_number_unsigned())
-    entry.fail(std::string("'") + key + "' to be a whole number of at least 0");
-  return value.get<std::uint64_t>();
-}
-
 std::string shown(const json& value) {
   constexpr std::size_t most = 60;
   std::string text = value.dump(-1, ' ', true);

@@ -75,10 +75,6 @@ class GltfDocument {
 /// Whether a file is a GLB, or JSON that a glTF alone has. A SOG folder's, too, may have a member "asset".
 bool looks_like_gltf(std::string_view text);
 
-/// The member `key` of `entry`, a whole number of at least 0, or `otherwise` if it is absent.
-std::uint64_t whole_number(const JsonEntry& entry, const char* key,
-                           std::optional<std::uint64_t> otherwise = {});
-
 /// A string of the file as JSON writes it, cut where it is long: fit for a message of one line.
 std::string shown(const nlohmann::json& value);
 

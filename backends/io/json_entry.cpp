@@ -116,4 +116,17 @@ dvec3 JsonEntry::to_vector(const json& value, const char* key) const {
   return {to_number(value[0], key), to_number(value[1], key), to_number(value[2], key)};
 }
 
+std::uint64_t whole_number(const JsonEntry& entry, const char* key, std::optional<std::uint64_t> otherwise) {
+  if (otherwise && !entry.has(key)) return *otherwise;
+  const json& value = entry.member(key);
+  // Some languages write all numbers with a fraction.
+  constexpr double limit = 9007199254740992.0;
+  if (value.is_number_float() && value.get<double>() >= 0 && value.get<double>() <= limit &&
+      value.get<double>() == double(std::uint64_t(value.get<double>())))
+    return std::uint64_t(value.get<double>());
+  if (!value.is_number_unsigned())
+    entry.fail(std::string("'") + key + "' to be a whole number of at least 0");
+  return value.get<std::uint64_t>();
+}
+
 }  // namespace swiftgs::io

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -80,5 +81,9 @@ class JsonEntry {
   std::uint64_t offset_;
   const char* what_;
 };
+
+/// The member `key` of `entry`, a whole number of at least 0, or `otherwise` if it is absent.
+std::uint64_t whole_number(const JsonEntry& entry, const char* key,
+                           std::optional<std::uint64_t> otherwise = {});
 
 }  // namespace swiftgs::io

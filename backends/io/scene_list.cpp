@@ -14,6 +14,7 @@
 
 #include <swiftgs/clip.hpp>
 #include <swiftgs/io/scene_list.hpp>
+#include <swiftgs/placing.hpp>
 #include <swiftgs/rotation.hpp>
 
 #include "json_entry.hpp"
@@ -103,7 +104,7 @@ void read_clip(const JsonEntry& clip, ListedScene& scene) {
 }
 
 ListedScene scene_of(const JsonEntry& entry) {
-  expect_members(entry, {"file", "rotation", "scale", "translation", "opacity", "clip"});
+  expect_members(entry, {"file", "rotation", "scale", "translation", "opacity", "first", "count", "clip"});
   ListedScene scene;
   scene.file = entry.string("file");
   if (scene.file.empty()) entry.fail("a name in 'file'");
@@ -111,9 +112,12 @@ ListedScene scene_of(const JsonEntry& entry) {
   if (entry.has("rotation")) pose.rotation = rotation_of(entry);
   if (entry.has("scale")) pose.scale = entry.number("scale");
   if (entry.has("translation")) pose.translation = entry.vector("translation");
-  checked(entry, [&] { validate(pose); });
   if (entry.has("opacity")) scene.opacity = float(entry.number("opacity"));
-  if (!(scene.opacity >= 0 && scene.opacity <= 1)) entry.fail("an opacity of 0 to 1");
+  if (const char* const expected = swiftgs::detail::unmet_of_placing(pose, scene.opacity, {}))
+    entry.fail(expected);
+  scene.first = whole_number(entry, "first", 0);
+  if (entry.has("count")) scene.count = whole_number(entry, "count");
+  if (scene.count == 0) entry.fail("'count' to be 1 or more");
   if (entry.has("clip")) {
     const std::uint64_t offset = offset_of_member(entry.source().text(), entry.offset(), "clip");
     read_clip({entry.source(), entry.member("clip"), offset, "a clip"}, scene);

@@ -4,7 +4,9 @@ from tables.markdown import count, decibel, ms, table
 from tables.results import InputError, check_rows
 
 NAME = "beside-gsplat.json"
+WORLDS_NAME = "beside-gsplat-worlds.json"
 CALLS = ("swiftgs", "swiftgs, matrices on the host", "gsplat", "gsplat, not packed")
+CALLS_OF_WORLDS = tuple(call for call in CALLS if call != "gsplat")  # whose packed way draws no batches
 KEPT = "swiftgs, scene kept"  # of pinholes alone
 
 
@@ -13,11 +15,16 @@ def read(source, machine):
     path = source.path(machine, NAME)
     found = source.json(machine, NAME, "swiftgs-beside-gsplat", rows=list)
     check_rows(path, found["rows"], texts=("scene", "camera_model"), counts=("gaussians", "views"))
-    for n, row in enumerate(found["rows"]):
-        if not isinstance(row.get("ms"), dict) or not isinstance(row.get("between_db"), list) or not row["between_db"]:
-            raise InputError(f"{path}: rows[{n}]: expected an object ms and a list between_db that is not empty")
-        check_rows(path, [row["ms"]], numbers=CALLS, optional=(KEPT,))
+    check_calls(path, "rows", found["rows"], CALLS)
     return found
+
+
+def check_calls(path, section, rows, calls):
+    """InputError unless each row has the times of these calls and decibels."""
+    for n, row in enumerate(rows):
+        if not isinstance(row.get("ms"), dict) or not isinstance(row.get("between_db"), list) or not row["between_db"]:
+            raise InputError(f"{path}: {section}[{n}]: expected an object ms and a list between_db that is not empty")
+        check_rows(path, [row["ms"]], numbers=calls, optional=(KEPT,))
 
 
 def beside_gsplat(source, machine, *scenes):
@@ -36,4 +43,24 @@ def beside_gsplat(source, machine, *scenes):
                   "between both, dB"], rows, words=2)
 
 
-TABLES = {"beside-gsplat": beside_gsplat}
+def beside_gsplat_of_worlds(source, machine):
+    """Times of a call that draws a batch of scenes, and images a second of each library's fastest call."""
+    path = source.path(machine, WORLDS_NAME)
+    found, rows = source.json(machine, WORLDS_NAME, "swiftgs-beside-gsplat", worlds=list)["worlds"], []
+    check_rows(path, found, counts=("worlds", "gaussians", "views"))
+    check_calls(path, "worlds", found, CALLS_OF_WORLDS)
+    for row in found:
+        if min(row["ms"].values()) <= 0 or not isinstance(row.get("size"), list):
+            raise InputError(f"{path}: worlds: expected times above 0 and a list size")
+        fastest = (min(row["ms"][call] for call in CALLS_OF_WORLDS if call.startswith(name))
+                   for name in ("swiftgs", "gsplat"))
+        rows.append([f"{count(row['worlds'])} of {count(row['gaussians'])}",
+                     f"{count(row['views'])} of {'x'.join(map(str, row['size']))}",
+                     *(ms(row["ms"][call]) for call in CALLS_OF_WORLDS),
+                     *(count(row["worlds"] * row["views"] / time * 1e3) for time in fastest),
+                     decibel(min(row["between_db"]))])
+    return table(["worlds, Gaussians of each", "views of each", *(f"{call}, ms" for call in CALLS_OF_WORLDS),
+                  "swiftgs, images/s", "gsplat, images/s", "between both, dB"], rows, words=2)
+
+
+TABLES = {"beside-gsplat": beside_gsplat, "beside-gsplat-worlds": beside_gsplat_of_worlds}

@@ -19,8 +19,9 @@ def placed(source, machine):
             raise InputError(f"{path}: scene {row['scene']!r}: expected a first frame of more than 0 ms")
         views = f", {row['views']:,} views" if row["views"] > 1 else ""
         rows.append([f"{row['scene']}{views}", row["frames"], ms(row["ms"]), f"{row['ms'] / base:.2f}"])
-    return (f"{device(results['machine'], backend(machine))}, `{results['rows'][0]['renderer']}`; frames in a row, with "
-            "the copies of poses to the device:\n\n" + table(["scene", "frame", "ms", "over the first"], rows, words=2))
+    copies = ", with the copies of poses to the device" if backend(machine) == "cuda" else ""
+    return (f"{device(results['machine'], backend(machine))}, `{results['rows'][0]['renderer']}`; frames in a row{copies}:"
+            "\n\n" + table(["scene", "frame", "ms", "over the first"], rows, words=2))
 
 
 TABLES = {"placed": placed}

@@ -26,7 +26,7 @@ from tables.frames import OURS  # noqa: E402
 from tables.results import OPTIONAL, STAGES, Duration, InputError, Results  # noqa: E402
 from tables.source import MACHINES, RESULTS, Source, backend, family  # noqa: E402
 
-COPIED = ("*.csv", "ulps.json", "formats.json", "python.json", "beside-gsplat.json", "rivals.json", "planes.json",
+COPIED = ("*.csv", "ulps.json", "formats.json", "python.json", "beside-gsplat*.json", "rivals.json", "planes.json",
           "placed.json")
 ROOT = HERE.parent.parent
 
@@ -461,6 +461,28 @@ class Tables(unittest.TestCase):
         for broken, message in (({"rows": [{**row, "ms": {}}]}, "swiftgs: expected a number"),
                                 ({"rows": [{**row, "between_db": []}]}, "a list between_db that is not empty")):
             synthetic_folder.synthetic.write(folder / "beside-gsplat.json", {**good, **broken})
+            code, text, _, error = self.update(page, results=folder.parent)
+            self.assertEqual((code, text), (2, page))
+            self.assertIn(message, error)
+
+    def test_worlds_beside_gsplat_are_shown_by_times_and_images_of_the_fastest_call(self):
+        folder = self.place / "worlds" / "gpu"
+        folder.mkdir(parents=True)
+        ms = {"swiftgs": 4, "swiftgs, matrices on the host": 3.2, "gsplat, not packed": 16}
+        row = {"worlds": 64, "gaussians": 20_000, "views": 16, "size": [128, 96], "ms": ms, "between_db": [90.2, 88.1]}
+        good = {"format": "swiftgs-beside-gsplat", "version": 1, "rows": [], "worlds": [row]}
+        page = "<!-- table: beside-gsplat-worlds gpu -->\n<!-- end -->\n"
+        synthetic_folder.synthetic.write(folder / "beside-gsplat-worlds.json", good)
+        code, text, _, error = self.update(page, results=folder.parent)
+        self.assertEqual((code, error), (0, ""))
+        self.assertIn("| 64 of 20,000 | 16 of 128x96 | 4.00 | 3.20 | 16.0 | 320,000 | 64,000 | 88.1 |", text)
+        for broken, message in (({"worlds": None}, "worlds: expected an array"),
+                                ({"worlds": [{**row, "ms": {**ms, "gsplat, not packed": None}}]},
+                                 "gsplat, not packed: expected a number"),
+                                ({"worlds": [{**row, "ms": {**ms, "gsplat, not packed": 0}}]}, "expected times above 0"),
+                                ({"worlds": [{**row, "size": 128}]}, "expected times above 0 and a list size"),
+                                ({"worlds": [{**row, "between_db": None}]}, "worlds[0]: expected an object ms and a list")):
+            synthetic_folder.synthetic.write(folder / "beside-gsplat-worlds.json", {**good, **broken})
             code, text, _, error = self.update(page, results=folder.parent)
             self.assertEqual((code, text), (2, page))
             self.assertIn(message, error)

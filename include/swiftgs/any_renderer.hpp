@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -21,12 +22,18 @@
 
 namespace swiftgs {
 
-/// How a frame shows one of a renderer's scenes, as `PlacedScene`.
+/// How a frame shows one of a renderer's scenes, or a range of its Gaussians, as `PlacedScene`.
 struct Placement {
+  static constexpr std::size_t all = std::size_t(-1);
+
   std::size_t scene = 0;  ///< number of the scene, as `add_scene` returns it
   Similarity world_from_scene{};
   float opacity = 1;
   Clip clip{};
+  /// Number of the first Gaussian that shows. Views skip chunks of the range if it is a multiple of
+  /// `chunk_size`; others are drawn too, and take longer.
+  std::size_t first = 0;
+  std::size_t count = all;  ///< Gaussians that show; `all` from `first` on
 };
 
 /// A renderer whose policies are chosen at run time.
@@ -52,6 +59,11 @@ class SWIFTGS_API AnyRenderer {
   /// renderer has no scene, and a host renderer keeps the last one.
   virtual void set_scene(const SceneArrays& arrays) = 0;
 
+  /// As above, of arrays that frames read where they lie, and that the backend reaches: nothing is copied,
+  /// and numbers are not checked. They stay where they are until another scene is set and frames are
+  /// finished, and may change between frames. Throws as `view(SceneArrays)`.
+  virtual void borrow_scene(const SceneArrays& arrays) = 0;
+
   /// Uploads one more scene, and returns its number: 0, 1 and so on. Frames show it too, where it stands by
   /// itself, until the next `place`. Throws as `set_scene`.
   virtual std::size_t add_scene(std::shared_ptr<const Scene> scene) = 0;
@@ -64,8 +76,9 @@ class SWIFTGS_API AnyRenderer {
   /// nothing, for an unknown scene, and as `validate_update`.
   virtual void update_scene(std::size_t scene, std::size_t first, const SceneArrays& arrays) = 0;
 
-  /// Sets the placed scenes that frames show: any of the renderer's scenes, any number of times. Throws
-  /// `std::invalid_argument` for no placement, an unknown scene, and as `validate` of a placed scene.
+  /// Sets the placed scenes that frames show: any of the renderer's scenes, any number of times, each whole
+  /// or in part. Throws `std::invalid_argument`, and changes nothing, for no placement, an unknown scene, a
+  /// range that the scene does not have, and as `validate` of a placed scene.
   virtual void place(Span<const Placement> placements) = 0;
 
   /// Shares the scenes that `other` has uploaded, without other copies, and their placements. Returns false,
@@ -97,6 +110,12 @@ class SWIFTGS_API AnyRenderer {
   virtual void record(FrameReport* report) = 0;
   /// Has recorded work show, when it runs again, what is placed now. Throws as `Renderer::set_scenes`.
   virtual void set_recorded_scenes() = 0;
+  /// As `Renderer::recorded_scenes`: a placed scene a placement. Frames show what is written there until the
+  /// next `set_recorded_scenes`. Throws `std::logic_error` unless placed scenes were reserved: one
+  /// scene where it stands by itself is drawn as a scene alone.
+  virtual Span<PlacedScene> recorded_scenes() = 0;
+  /// As `Renderer::refused_scenes`.
+  virtual std::vector<std::size_t> refused_scenes() const = 0;
 
   /// Returns when all work submitted so far is done.
   virtual void wait() = 0;
@@ -110,6 +129,8 @@ class SWIFTGS_API AnyRenderer {
 
   /// As `Renderer::statistics`.
   virtual Statistics statistics() const = 0;
+  /// As `Renderer::visible_by_scene`: a number a placement.
+  virtual std::vector<std::size_t> visible_by_scene() const = 0;
 
   /// As `Renderer::memory`.
   virtual StageMemory memory() const = 0;
@@ -152,11 +173,15 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
   std::string_view name() const override { return name_; }
   void set_scene(std::shared_ptr<const Scene> scene) override {
     scene_.emplace(renderer_.backend().upload(std::move(scene)));
-    more_.clear(), placed_ = {}, recorded_.reset();
+    show_alone();
   }
   void set_scene(const SceneArrays& arrays) override {
     scene_.emplace(renderer_.backend().upload(arrays, scene_));
-    more_.clear(), placed_ = {}, recorded_.reset();
+    show_alone();
+  }
+  void borrow_scene(const SceneArrays& arrays) override {
+    scene_.emplace(SceneOn::borrow(view(arrays)));
+    show_alone();
   }
   std::size_t add_scene(std::shared_ptr<const Scene> scene) override {
     if (!scene_) {
@@ -164,8 +189,7 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
       return 0;
     }
     more_.push_back(renderer_.backend().upload(std::move(scene)));
-    if (placed_.each.empty()) placed_.add(0, {scene_->view()});
-    placed_.add(more_.size(), {more_.back().view()});
+    add(placed_, {.scene = more_.size()});
     return more_.size();
   }
   void update_scene(std::size_t scene, std::size_t first, const SceneArrays& arrays) override {
@@ -177,7 +201,8 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
     Placed placed;
     for (const Placement& p : placements) {
       require_known("place", p.scene);
-      placed.add(p.scene, {numbered(p.scene).view(), p.world_from_scene, p.opacity, p.clip});
+      require_range(placed.each.size(), p);
+      add(placed, p);
       validate(placed.each.back());
     }
     placed_ = std::move(placed);
@@ -201,6 +226,7 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
   }
   void reserve(Span<const View> views, Capacity capacity) override {
     const PlacedScenes now = scenes();
+    recorded_.reset();  // for good if this throws
     renderer_.reserve(now, views, capacity);
     recorded_ = placed_, recorded_alone_ = now.is_alone();
   }
@@ -212,17 +238,24 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
                                  "reserve or set_recorded_scenes after other scenes were set");
       return renderer_.record(now.each()[0].scene, report);
     }
-    if constexpr (B::reaches_host_memory) renderer_.set_scenes(current(*recorded_));
+    if constexpr (B::reaches_host_memory) update_views(*recorded_, renderer_.recorded_scenes());
     renderer_.record(report);
   }
   void set_recorded_scenes() override {
     renderer_.set_scenes(scenes());
     recorded_ = placed_;
   }
+  Span<PlacedScene> recorded_scenes() override {
+    if (!recorded_ || recorded_alone_)
+      throw std::logic_error("recorded_scenes: expected reserve of placed scenes before");
+    return {renderer_.recorded_scenes(), recorded_->each.size()};
+  }
+  std::vector<std::size_t> refused_scenes() const override { return renderer_.refused_scenes(); }
   void wait() override { renderer_.backend().wait(); }
   std::vector<PickedPixel> pick(const PickRectangle& rectangle) override { return renderer_.pick(rectangle); }
   StageTimes times() override { return renderer_.times(); }
   Statistics statistics() const override { return renderer_.statistics(); }
+  std::vector<std::size_t> visible_by_scene() const override { return renderer_.visible_by_scene(); }
   StageMemory memory() const override { return renderer_.memory(); }
   void trim() override {
     renderer_.trim();
@@ -245,15 +278,21 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
  private:
   using SceneOn = typename B::SceneOn;
 
-  /// Placed scenes, and the number of the scene of each.
+  /// Placed scenes, and the placement of each.
   struct Placed {
     std::vector<PlacedScene> each;
-    std::vector<std::size_t> numbers;
-
-    void add(std::size_t number, const PlacedScene& placed) {
-      each.push_back(placed), numbers.push_back(number);
-    }
+    std::vector<Placement> placements;
   };
+  void add(Placed& placed, const Placement& p) {
+    placed.each.push_back({view_of(p), p.world_from_scene, p.opacity, p.clip});
+    placed.placements.push_back(p);
+  }
+
+  /// The first scene, where it stands by itself.
+  void show_alone() {
+    more_.clear(), placed_ = {}, recorded_.reset();
+    add(placed_, {});
+  }
 
   void require_known(const char* call, std::size_t scene) const {
     const std::size_t known = scene_ ? 1 + more_.size() : 0;
@@ -261,26 +300,37 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
       throw std::invalid_argument(std::string(call) + ": the scene is number " + std::to_string(scene) +
                                   ", expected less than " + std::to_string(known));
   }
+  void require_range(std::size_t number, const Placement& p) {
+    const std::size_t size = numbered(p.scene).view().size();
+    if (p.first <= size && (p.count == Placement::all || p.count <= size - p.first)) return;
+    throw std::invalid_argument("place: placement " + std::to_string(number) + " shows " +
+                                (p.count == Placement::all ? std::string("all") : std::to_string(p.count)) +
+                                " Gaussians from number " + std::to_string(p.first) +
+                                " on, expected some of the " + std::to_string(size) + " of scene " +
+                                std::to_string(p.scene));
+  }
   SceneOn& numbered(std::size_t scene) { return scene == 0 ? *scene_ : more_[scene - 1]; }
+  SceneView view_of(const Placement& p) {
+    const SceneView whole = numbered(p.scene).view();
+    return range_of(whole, p.first, std::min(p.count, whole.size() - p.first));
+  }
 
   PlacedScenes scenes() {
     if (!scene_) throw std::logic_error("render: expected a scene before the first frame");
-    return current(placed_);
+    update_views(placed_, placed_.each.data());
+    return placed_.each;
   }
-  /// `placed` with the views that its scenes have now: a host's first update of a scene moves it.
-  PlacedScenes current(Placed& placed) {
-    if (placed.each.empty()) return *scene_;
-    for (std::size_t i = 0; i < placed.each.size(); ++i)
-      placed.each[i].scene = numbered(placed.numbers[i]).view();
-    return placed.each;
+  /// Gives `each` of `placed` the view that its scene has now: a host's first update of a scene moves it.
+  void update_views(const Placed& placed, PlacedScene* each) {
+    for (std::size_t i = 0; i < placed.each.size(); ++i) each[i].scene = view_of(placed.placements[i]);
   }
 
   std::string name_;
   BoundRenderer<B> renderer_;
-  AdaptiveSort* adaptive_;            ///< in `renderer_`
-  std::optional<SceneOn> scene_{};    ///< copies share the memory
-  std::vector<SceneOn> more_{};       ///< after it
-  Placed placed_{};                   ///< empty: `scene_` alone
+  AdaptiveSort* adaptive_;          ///< in `renderer_`
+  std::optional<SceneOn> scene_{};  ///< copies share the memory
+  std::vector<SceneOn> more_{};     ///< after it
+  Placed placed_{};
   std::optional<Placed> recorded_{};  ///< of `reserve` or `set_recorded_scenes`, while those are uploaded
   bool recorded_alone_ = false;       ///< whether `reserve` was for a scene alone
 };

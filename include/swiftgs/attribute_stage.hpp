@@ -38,7 +38,7 @@ struct SplatAttributes {
                                splats.depths[i], most_attribute(view.rules.alpha_max));
     // Both are among the first attributes of a frame.
     if (first == 0 && view.frame.normal.data) of.normal = splat_normal(seen.camera, seen.scene, seen.i);
-    const float* features = seen.scene.features.data + seen.i * std::size_t(seen.scene.feature_channels);
+    const float* features = seen.scene.features.at(seen.i);
     for (unsigned r = 0; r < rows; ++r) to[r * splats.size() + i] = row(view, r, i, of, features);
   }
 

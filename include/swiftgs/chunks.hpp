@@ -50,7 +50,7 @@ SWIFTGS_HD inline void add_gaussian(ChunkBounds& bounds, const SceneView& scene,
   const vec3 scale = scene.scales[i];  // its sign is squared away
   float largest = 0;
   for (int k = 0; k < 3; ++k) largest = std::fabs(scale[k]) > largest ? std::fabs(scale[k]) : largest;
-  const double size = double(largest) * most_lengthened(scene.rotations[i]);
+  const double size = double(largest) * (scene.any_rotations ? 1 : most_lengthened(scene.rotations[i]));
   add_bounds(bounds,
              {scene.means[i], std::nextafter(float(size), INFINITY), scene.means[i], scene.opacities[i]});
 }

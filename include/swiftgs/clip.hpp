@@ -2,9 +2,6 @@
 #pragma once
 
 #include <cmath>
-#include <cstddef>
-#include <stdexcept>
-#include <string>
 
 #include <swiftgs/edit/finite.hpp>
 #include <swiftgs/math.hpp>
@@ -37,13 +34,15 @@ struct Clip {
     return clip;
   }
 
-  /// As `validate` has it.
-  SWIFTGS_HD bool is_valid() const {
-    bool valid = half_space_count >= 0 && half_space_count <= max_half_spaces && radius >= 0;
-    for (int i = 0; i < half_space_count && i < max_half_spaces; ++i)
-      for (int k = 0; k < 4; ++k) valid = valid && std::fabs(half_spaces[i][k]) < INFINITY;
-    for (int k = 0; k < 3; ++k) valid = valid && std::fabs(centre[k]) < INFINITY;
-    return valid;
+  /// Null if it is valid; else what was expected.
+  SWIFTGS_HD const char* unmet() const {
+    static_assert(max_half_spaces == 6);
+    if (half_space_count < 0 || half_space_count > max_half_spaces) return "a clip of 0 to 6 half-spaces";
+    for (int i = 0; i < half_space_count; ++i)
+      for (int k = 0; k < 4; ++k)
+        if (!detail::is_finite(half_spaces[i][k])) return "a clip with half-spaces of finite numbers";
+    if (!detail::is_finite(centre)) return "a clip with a finite centre";
+    return radius >= 0 ? nullptr : "a clip with a radius of 0 or more";
   }
   SWIFTGS_HD bool shows_all() const { return half_space_count == 0 && radius == INFINITY; }
 
@@ -59,19 +58,5 @@ struct Clip {
     return inside && dot(from, from) <= radius * radius;
   }
 };
-
-/// Throws `std::invalid_argument` that names the first invalid member.
-inline void validate(const Clip& clip) {
-  const auto require = [](bool holds, const char* expected) {
-    if (!holds) throw std::invalid_argument(std::string("clip: expected ") + expected);
-  };
-  static_assert(Clip::max_half_spaces == 6);
-  require(clip.half_space_count >= 0 && clip.half_space_count <= Clip::max_half_spaces, "0 to 6 half-spaces");
-  for (int i = 0; i < clip.half_space_count; ++i)
-    for (int k = 0; k < 4; ++k)
-      require(detail::is_finite(double(clip.half_spaces[i][k])), "half-spaces of finite numbers");
-  require(detail::is_finite(clip.centre), "a sphere with a finite centre");
-  require(clip.radius >= 0, "a sphere with a radius of 0 or more");
-}
 
 }  // namespace swiftgs

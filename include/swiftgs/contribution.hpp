@@ -15,6 +15,7 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -24,6 +25,7 @@
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/error.hpp>
+#include <swiftgs/placed_scene.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
 #include <swiftgs/sort/early.hpp>
 #include <swiftgs/stages.hpp>
@@ -153,27 +155,30 @@ requires(bool(B::reaches_host_memory)) void add_contributions(B& b, const Contri
   b.for_each(blocks.size(), AddRasterBlockContributions{job, blocks});
 }
 
-/// Sums the weights of a scene's Gaussians over views that are added one by one. It uses exact float terms,
-/// exact bounds, and the conventions' rules of alpha and stop, so the weights are those that
-/// `AxisSharedThreshold<FloatCholesky>` blends with.
+/// Sums the weights of the Gaussians of a scene, or of placed scenes, over views that are added one by one.
+/// It uses exact float terms, exact bounds, and the conventions' rules of alpha and stop, so the weights are
+/// those that `AxisSharedThreshold<FloatCholesky>` blends with.
 ///
-/// The stages are those of a renderer, and so is where memory comes from. It evaluates colours only in scenes
-/// with numbers beyond 1e36, to leave out the Gaussians that frames do not draw because their colour is not
-/// finite.
+/// The stages are those of a renderer, and so is where memory comes from. Frames do not draw Gaussians whose
+/// colour is not finite. To leave these out too, it evaluates the colours of placed scenes, and those of a
+/// scene with numbers beyond 1e36.
 template <BackendPolicy B>
 class Contributions {
  public:
   /// Uploads `scene` to `backend`. Throws as `upload` does, and `CapacityError` beyond 2^32 - 1 Gaussians.
   explicit Contributions(std::shared_ptr<const Scene> scene, B backend = B())
-      : stages_(std::move(backend), BoundsStages<B>::template of<Ellipse>(),
-                std::make_unique<SortStageOf<B, EarlySort, Ellipse>>()),
-        scene_(stages_.backend().upload(scene)),
-        colours_may_overflow_(colours_may_overflow(*scene)) {
-    use_memory_of(stages_.backend(), sums_, views_);
-    const std::size_t n = scene_.view().size(), most = std::numeric_limits<std::uint32_t>::max();
-    if (n > most) throw CapacityError("Gaussians", n, most);
-    sums_.reset(n);
-    stages_.backend().for_each(n, ClearSums{sums_.data()});
+      : Contributions(std::move(backend)) {
+    own_.emplace(stages_.backend().upload(scene));
+    colours_may_overflow_ = colours_may_overflow(*scene);
+    begin(*own_);
+  }
+
+  /// Sums of placed scenes: uploaded ones, which outlive this. They stay as they are placed now, and
+  /// Gaussians are numbered over all of them, see `placed_index`. Throws `std::invalid_argument` as
+  /// `validate` does of each, and `CapacityError` beyond 2^32 - 1 Gaussians.
+  explicit Contributions(const PlacedScenes& scenes, B backend = B()) : Contributions(std::move(backend)) {
+    for (const PlacedScene& placed : scenes.each()) validate(placed);
+    begin(scenes);
   }
 
   /// Adds the weights in one view. Throws `std::invalid_argument` for an invalid camera or conventions, and
@@ -186,7 +191,7 @@ class Contributions {
       throw CapacityError("pixels of all views", pixels, max_contribution_pixels);
 
     check_ready(stages_.backend());
-    const FramePlan plan(store_views(stages_.backend(), parts_.of({&view, 1}), views_), scene_.view());
+    const FramePlan plan(store_views(stages_.backend(), parts_.of({&view, 1}), views_), scenes_);
     const bool shaded = colours_may_overflow_ || centre_is_extreme(view.camera);
     const auto add = [&](const RasterJob& job) { add_contributions(stages_.backend(), {job, sums_.data()}); };
     stages_.run(plan, shaded, add, [](std::size_t) {});
@@ -205,14 +210,31 @@ class Contributions {
   std::size_t visible() const { return stages_.splats().count; }
 
  private:
+  explicit Contributions(B backend)
+      : stages_(std::move(backend), BoundsStages<B>::template of<Ellipse>(),
+                std::make_unique<SortStageOf<B, EarlySort, Ellipse>>()) {
+    use_memory_of(stages_.backend(), sums_, views_, scene_storage_);
+  }
+
+  /// Sets all sums to 0.
+  void begin(const PlacedScenes& scenes) {
+    scenes_ = store_scenes(stages_.backend(), scenes, {}, scene_storage_);
+    const std::size_t n = scenes_.gaussians(), most = std::numeric_limits<std::uint32_t>::max();
+    if (n > most) throw CapacityError("Gaussians", n, most);
+    sums_.reset(n);
+    stages_.backend().for_each(n, ClearSums{sums_.data()});
+  }
+
   static bool centre_is_extreme(const ViewConstants& camera) {
     const double* centre = camera.centre;
     return detail::is_extreme(centre[0]) || detail::is_extreme(centre[1]) || detail::is_extreme(centre[2]);
   }
 
   Stages<B> stages_;
-  typename B::SceneOn scene_;
-  bool colours_may_overflow_;
+  std::optional<typename B::SceneOn> own_;  ///< of the first constructor
+  SceneStorage<B> scene_storage_;
+  PlacedScenes scenes_;               ///< `own_`, or in `scene_storage_`
+  bool colours_may_overflow_ = true;  ///< unknown of placed scenes, so assumed
   PanoramaParts parts_;
   ViewStorage<B> views_;
   typename B::template Buffer<std::uint64_t> sums_;

@@ -50,6 +50,14 @@ class HostScene {
     return HostScene(backend, std::move(scene));
   }
 
+  /// Arrays of the caller, which outlive all frames of it and may change between them. Numbers are not
+  /// checked.
+  static HostScene borrow(const SceneView& view) {
+    HostScene scene;
+    scene.arrays_->view = view, scene.arrays_->borrowed = true;
+    return scene;
+  }
+
   /// Replaces Gaussians from number `first` on by those of `arrays`, whose null arrays stay as they are. All
   /// copies change too; no frame of the scene may be under way. The caller's scene never changes: the first
   /// update of a shared one copies it, and only then the arrays of `view` move and views of before end with
@@ -59,6 +67,7 @@ class HostScene {
   /// Throws `std::invalid_argument`, and changes nothing, as `validate_update` and `validate_numbers` do.
   template <class B>
   void update(const B& backend, std::size_t first, const SceneArrays& arrays) {
+    if (arrays_->borrowed) throw std::invalid_argument(update_of_borrowed);
     validate_update(arrays_->scene(), first, arrays);
     require_finite(backend, first, arrays);
     if (arrays.count == 0) return;
@@ -66,7 +75,8 @@ class HostScene {
     Scene& scene = arrays_->own;
     SceneView& view = arrays_->view;
     const std::size_t end = first + arrays.count;
-    copy_arrays(backend, arrays, SceneCapacity::of(scene, first, view.sh_stride, view.feature_channels));
+    copy_arrays(backend, arrays,
+                SceneCapacity::of(scene, first, 3 * sh_rest_count(scene.sh_degree), scene.feature_channels));
     if (arrays.sh_rest.data) view.sh_degree = std::max(view.sh_degree, used_sh_degree(scene, first, end));
     if (view.chunks.empty()) return;
     const ChunkRange chunks = chunks_to_bound(first, arrays);
@@ -80,6 +90,7 @@ class HostScene {
 
  private:
   struct Arrays {
+    bool borrowed = false;                   ///< `view` is all there is
     std::shared_ptr<const Scene> of_caller;  ///< null: `own` is the scene
     Scene own;
     std::vector<ChunkBounds> chunks;
@@ -87,6 +98,8 @@ class HostScene {
 
     const Scene& scene() const { return of_caller ? *of_caller : own; }
   };
+
+  HostScene() : arrays_(std::make_shared<Arrays>()) {}
 
   template <class B>
   void look_at(const B& backend) {
@@ -101,10 +114,9 @@ class HostScene {
   void make_own() {
     arrays_->own = *arrays_->of_caller;
     arrays_->of_caller.reset();
-    const auto move = [](const char*, std::size_t, auto& span, const auto& array) {
-      span = {array.data(), array.size()};
-    };
-    for_each_array(move, arrays_->view, arrays_->own);
+    for_each_array(
+        [](const char*, std::size_t, const auto& values, auto& rows) { rows.data = values.data(); },
+        arrays_->own, arrays_->view);
   }
 
   template <class B>

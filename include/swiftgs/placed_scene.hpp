@@ -18,6 +18,7 @@
 #include <swiftgs/clip.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/math.hpp>
+#include <swiftgs/placing.hpp>
 #include <swiftgs/project.hpp>
 #include <swiftgs/render_input.hpp>
 #include <swiftgs/scene.hpp>
@@ -47,9 +48,7 @@ struct PlacedScene {
     return std::uint32_t((scene.size() + chunk_size - 1) / chunk_size);
   }
   /// Whether a frame can draw it.
-  SWIFTGS_HD bool is_valid() const {
-    return world_from_scene.is_valid() && opacity >= 0 && opacity <= 1 && clip.is_valid();
-  }
+  SWIFTGS_HD bool is_valid() const { return !detail::unmet_of_placing(world_from_scene, opacity, clip); }
   /// Whether a frame shows it as it shows the scene alone.
   SWIFTGS_HD bool is_plain() const {
     return world_from_scene.is_identity() && opacity == 1 && clip.shows_all();
@@ -59,10 +58,7 @@ struct PlacedScene {
 /// Throws `std::invalid_argument` where nothing can be rendered of `placed`. Reads no Gaussian.
 inline void validate(const PlacedScene& placed) {
   validate(placed.scene);
-  validate(placed.world_from_scene, "placed scene");
-  detail::require_for_render(placed.opacity >= 0 && placed.opacity <= 1,
-                             "an opacity of 0 to 1 of a placed scene");
-  validate(placed.clip);
+  detail::validate_placing(placed.world_from_scene, placed.opacity, placed.clip);
 }
 
 /// Gaussians [first, first + count) of `scene`. Where `first` is no
@@ -76,16 +72,7 @@ inline SceneView range_of(const SceneView& scene, std::size_t first, std::size_t
   SceneView range = scene;
   if (count != scene.size() && scene.identity != 0)
     range.identity = scene.identity * 0x9e3779b97f4a7c15 + first * 0xff51afd7ed558ccd + count;
-  const std::size_t stride = std::size_t(scene.sh_stride), channels = std::size_t(scene.feature_channels);
-  const auto cut = [&](auto& array, std::size_t each) {
-    if (array.size != 0) array = {array.data + first * each, count * each};
-  };
-  cut(range.means, 1), cut(range.scales, 1), cut(range.rotations, 1), cut(range.opacities, 1);
-  cut(range.sh0, 1), cut(range.features, channels);
-  if (range.sh_rest.size != 0) {
-    const std::size_t begin = std::min(first * stride, scene.sh_rest.size);
-    range.sh_rest = {scene.sh_rest.data + begin, std::min(count * stride, scene.sh_rest.size - begin)};
-  }
+  for_each_array([&](const char*, std::size_t, auto& array) { array = array.part(first, count); }, range);
   const std::size_t chunks = (count + chunk_size - 1) / chunk_size;
   if (range.chunks.size != 0)
     range.chunks = first % chunk_size == 0

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <type_traits>
 
+#include <swiftgs/activation.hpp>
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/lens/point.hpp>
 #include <swiftgs/math.hpp>
@@ -21,8 +22,16 @@ struct Gaussian {
   Quaternion rotation;
   float opacity;
 };
+/// `loaded` sees it as it is stored.
+template <class Loaded>
+SWIFTGS_HD Gaussian gaussian(const SceneView& scene, std::size_t i, const Loaded& loaded) {
+  Gaussian g{scene.means[i], scene.scales[i], scene.rotations[i], scene.opacities[i]};
+  loaded(g);
+  if (scene.any_rotations) g.rotation = normalised(g.rotation);
+  return g;
+}
 SWIFTGS_HD inline Gaussian gaussian(const SceneView& scene, std::size_t i) {
-  return {scene.means[i], scene.scales[i], scene.rotations[i], scene.opacities[i]};
+  return gaussian(scene, i, [](Gaussian&) {});
 }
 
 /// A splat without its colour.

@@ -106,26 +106,25 @@ inline void validate(const View& view) {
 inline void validate(const SceneView& scene) {
   const std::size_t n = scene.size();
   detail::require_for_render(n <= std::numeric_limits<std::uint32_t>::max(), "fewer than 2^32 Gaussians");
-  detail::require_for_render(n == 0 || (scene.means.data && scene.scales.data && scene.rotations.data &&
-                                        scene.opacities.data && scene.sh0.data),
-                             "the arrays of the scene");
-  detail::require_for_render(
-      scene.scales.size == n && scene.rotations.size == n && scene.opacities.size == n && scene.sh0.size == n,
-      "arrays of one length in the scene");
   detail::require_for_render(
       scene.chunks.empty() || (scene.chunks.data && scene.chunks.size == (n + chunk_size - 1) / chunk_size),
       "no chunks in the scene, or one for every 128 Gaussians");
   detail::require_for_render(scene.sh_degree >= 0 && scene.sh_degree <= max_sh_degree,
                              "an SH degree of 0 to 3");
-  const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
-  detail::require_for_render(n == 0 || rest == 0 ||
-                                 (scene.sh_stride >= int(rest) &&
-                                  scene.sh_rest.size >= (n - 1) * std::size_t(scene.sh_stride) + rest),
-                             "SH coefficients of the view's degree for every Gaussian");
-  detail::require_for_render(scene.feature_channels >= 0 && scene.feature_channels <= max_feature_channels &&
-                                 scene.features.size == n * std::size_t(scene.feature_channels) &&
-                                 (scene.features.data || scene.features.empty()),
-                             "features of every Gaussian, or none");
+  detail::require_for_render(scene.feature_channels >= 0 && scene.feature_channels <= max_feature_channels,
+                             "0 or more features a Gaussian");
+  for_each_array(
+      [n](const char* name, std::size_t each, const auto& array) {
+        const std::size_t bytes = each * sizeof(*array.data);
+        if (n == 0 || bytes == 0) return;
+        if (!array.data || array.size != n || array.stride < bytes || array.stride % sizeof(float) != 0)
+          throw std::invalid_argument("render: " + std::string(name) +
+                                      " of the scene: " + std::to_string(array.data ? array.size : 0) +
+                                      " values, " + std::to_string(array.stride) + " bytes apart; expected " +
+                                      std::to_string(n) + " values, " + std::to_string(bytes) +
+                                      " bytes or more apart, in multiples of 4");
+      },
+      scene);
 }
 
 /// Throws `std::invalid_argument` where a frame asks for features that `scene` does not have.

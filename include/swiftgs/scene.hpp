@@ -83,20 +83,21 @@ struct ChunkRange {
 /// a number that is NaN or infinite is not drawn.
 /// `sh_degree` may be lower than what is stored: bands above it are never loaded.
 struct SceneView {
-  Span<const vec3> means;
-  Span<const vec3> scales;
-  Span<const Quaternion> rotations;
-  Span<const float> opacities;
-  Span<const vec3> sh0;
-  Span<const float> sh_rest;
+  StridedSpan<const vec3> means{};
+  StridedSpan<const vec3> scales{};
+  StridedSpan<const Quaternion> rotations{};
+  StridedSpan<const float> opacities{};
+  StridedSpan<const vec3> sh0{};
+  StridedSpan<const float> sh_rest{};  ///< points to the first coefficient of each Gaussian; the rest follow
   /// Must match the arrays whenever a frame is drawn. Empty: no chunk is skipped.
   /// @shape{ceil(N / chunk_size)}
   Span<const ChunkBounds> chunks{};
   int sh_degree = 0;  ///< bands to evaluate
-  int sh_stride = 0;  ///< floats a Gaussian in `sh_rest`
-  /// @shape{N, feature_channels} A feature that is not finite counts as 0.
-  Span<const float> features{};
+  /// Points to the first feature of each Gaussian; the rest follow. One that is not finite counts as 0.
+  StridedSpan<const float> features{};
   int feature_channels = 0;
+  bool any_rotations = false;  ///< quaternions of any length, drawn as `normalised` makes them
+  bool plain_colours = false;  ///< `sh0` holds colours, drawn as `sh0_of` makes coefficients of them
 
   /// Renderers reuse what they learnt from frames of the same identity: which sort and which tiles are
   /// quicker, nothing that changes a bit. Every upload has its own, shared by its copies, and an update keeps
@@ -136,7 +137,7 @@ void for_each_array(const F& f, First&& first, More&&... more) {
 
 namespace detail {
 /// Whether a float is NaN or infinite, by its bits: no compiler flag turns that off.
-inline bool is_not_finite(float value) {
+SWIFTGS_HD inline bool is_not_finite(float value) {
   return (__builtin_bit_cast(std::uint32_t, value) & 0x7f800000u) == 0x7f800000u;
 }
 }  // namespace detail
@@ -256,17 +257,13 @@ inline int used_sh_degree(const Scene& scene) { return used_sh_degree(scene, 0, 
 /// A view of `scene`, which must outlive it. Throws `std::invalid_argument` as `validate` does.
 inline SceneView view(const Scene& scene) {
   validate(scene);
-  const auto span = [](const auto& v) { return Span{v.data(), v.size()}; };
-  return {.means = span(scene.means),
-          .scales = span(scene.scales),
-          .rotations = span(scene.rotations),
-          .opacities = span(scene.opacities),
-          .sh0 = span(scene.sh0),
-          .sh_rest = span(scene.sh_rest),
-          .sh_degree = used_sh_degree(scene),
-          .sh_stride = 3 * sh_rest_count(scene.sh_degree),
-          .features = span(scene.features),
-          .feature_channels = scene.feature_channels};
+  SceneView out{.sh_degree = used_sh_degree(scene), .feature_channels = scene.feature_channels};
+  for_each_array(
+      [&](const char*, std::size_t each, const auto& values, auto& rows) {
+        if (each != 0) rows = {values.data(), scene.size(), each * sizeof(*values.data())};
+      },
+      scene, out);
+  return out;
 }
 
 }  // namespace swiftgs

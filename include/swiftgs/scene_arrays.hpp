@@ -17,6 +17,7 @@
 #include <swiftgs/count.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/scene.hpp>
+#include <swiftgs/sh.hpp>
 
 namespace swiftgs {
 
@@ -91,6 +92,30 @@ inline void validate(const SceneArrays& arrays) {
   for_each_array(check, arrays);
 }
 
+/// A view of `arrays` where they lie, for frames that read them there. Throws `std::invalid_argument` as
+/// `validate`, and for what frames do not read: logarithms, logits, strides of 4 GiB and more.
+inline SceneView view(const SceneArrays& arrays) {
+  validate(arrays);
+  if (arrays.log_scales || arrays.logit_opacities)
+    throw std::invalid_argument(
+        "scene: log_scales or logit_opacities is set, expected neither of arrays that are drawn where they "
+        "lie");
+  SceneView out{.sh_degree = arrays.sh_degree,
+                .feature_channels = arrays.feature_channels,
+                .any_rotations = arrays.any_rotations,
+                .plain_colours = arrays.plain_colours};
+  const auto look = [&]<class T>(const char* name, std::size_t floats, const FloatArray& array,
+                                 StridedSpan<T>& rows) {
+    const std::size_t stride = array.stride != 0 ? std::size_t(array.stride) : floats * sizeof(float);
+    if (stride > std::numeric_limits<std::uint32_t>::max())
+      throw std::invalid_argument("scene: " + std::string(name) + ": stride is " + std::to_string(stride) +
+                                  " bytes, expected less than 2^32");
+    if (arrays.count != 0 && floats != 0) rows = {reinterpret_cast<T*>(array.data), arrays.count, stride};
+  };
+  for_each_array(look, arrays, out);
+  return out;
+}
+
 /// Throws `std::invalid_argument` unless `arrays` may replace Gaussians of `scene`, a `Scene` or `SceneView`,
 /// from number `first` on. Arrays that are null stay: their degree or channels need not be the scene's.
 template <class SceneLike>
@@ -112,6 +137,10 @@ void validate_update(const SceneLike& scene, std::size_t first, const SceneArray
   };
   for_each_array(check, arrays);
 }
+
+/// What updates of scenes that are not the renderer's say.
+inline constexpr const char* update_of_borrowed =
+    "update: the scene's arrays are the caller's, expected a scene that was uploaded: write to the arrays";
 
 /// The chunks whose bounds may change when `arrays` replace Gaussians from number `first` on.
 inline ChunkRange chunks_to_bound(std::size_t first, const SceneArrays& arrays) {

@@ -72,9 +72,20 @@ SWIFTGS_HD inline vec3 large_sh_colour(int degree, vec3 sh0, const float* rest, 
   return colour / smaller;
 }
 
+/// The SH coefficient of band 0 of a Gaussian whose colour is the same from everywhere.
+SWIFTGS_HD inline vec3 sh0_of(vec3 colour) {
+  const auto coefficient = [](float value) { return float((double(value) - 0.5) / sh::c0); };
+  return {coefficient(colour.x), coefficient(colour.y), coefficient(colour.z)};
+}
+
+/// The coefficient of band 0 of Gaussian `i`.
+SWIFTGS_HD inline vec3 sh0_of(const SceneView& scene, std::size_t i) {
+  return scene.plain_colours ? sh0_of(scene.sh0[i]) : scene.sh0[i];
+}
+
 /// Colour of Gaussian `i` seen in the unit direction `d`, before it is cut below at 0.
 SWIFTGS_HD inline vec3 sh_colour(const SceneView& scene, std::size_t i, vec3 d) {
-  return sh_colour(scene.sh_degree, scene.sh0[i], scene.sh_rest.data + i * std::size_t(scene.sh_stride), d);
+  return sh_colour(scene.sh_degree, sh0_of(scene, i), scene.sh_rest.at(i), d);
 }
 
 }  // namespace swiftgs

@@ -18,9 +18,9 @@ namespace swiftgs {
 /// The colour of a splat that a usual sum of floats would hide: hidden only if the colour is not finite.
 SWIFTGS_HD inline SplatColour large_splat_colour(const ViewConstants& camera, const SceneView& scene,
                                                  std::size_t i, float depth) {
-  const float* rest = scene.sh_rest.data + i * std::size_t(scene.sh_stride);
   const vec3 direction = view_direction(camera, scene.means[i]);
-  return splat_colour(large_sh_colour(scene.sh_degree, scene.sh0[i], rest, direction), depth);
+  return splat_colour(large_sh_colour(scene.sh_degree, sh0_of(scene, i), scene.sh_rest.at(i), direction),
+                      depth);
 }
 
 /// Evaluates the colour of splat i: the only place that reads spherical harmonics.

@@ -3,6 +3,8 @@
 
 #include <concepts>
 #include <cstddef>
+#include <cstdint>
+#include <type_traits>
 
 #include <swiftgs/math.hpp>
 
@@ -30,5 +32,35 @@ struct Span {
 
 template <class T>
 Span(T*, std::size_t) -> Span<T>;
+
+/// Fewer than 2^32 values, each `stride` bytes behind the one before it.
+template <class T>
+struct StridedSpan {
+  T* data = nullptr;
+  std::size_t size = 0;
+  std::uint32_t stride = 0;  ///< @units{bytes}
+
+  constexpr StridedSpan() = default;
+  /// A stride of 4 GiB or more becomes one that no renderer takes.
+  SWIFTGS_HD constexpr StridedSpan(T* first, std::size_t count, std::size_t bytes = sizeof(T))
+      : data(first), size(count), stride(bytes >> 32 == 0 ? std::uint32_t(bytes) : ~0u) {}
+  /// Values side by side.
+  template <class U>
+  requires std::same_as<const U, const T> SWIFTGS_HD constexpr StridedSpan(Span<U> values)
+      : StridedSpan(values.data, values.size, values.data ? sizeof(T) : 0) {}
+
+  /// Where value `i` lies, by a product of 32 bits, which is a device's quickest.
+  SWIFTGS_HD T* at(std::size_t i) const {
+    using Byte = std::conditional_t<std::is_const_v<T>, const unsigned char, unsigned char>;
+    return reinterpret_cast<T*>(reinterpret_cast<Byte*>(data) + std::uint64_t(std::uint32_t(i)) * stride);
+  }
+  SWIFTGS_HD T& operator[](std::size_t i) const { return *at(i); }
+  SWIFTGS_HD constexpr bool empty() const { return size == 0; }
+  SWIFTGS_HD constexpr bool is_dense() const { return stride == sizeof(T); }
+  /// `count` values from number `first` on. An empty span stays empty.
+  SWIFTGS_HD StridedSpan part(std::size_t first, std::size_t count) const {
+    return empty() ? *this : StridedSpan(at(first), count, stride);
+  }
+};
 
 }  // namespace swiftgs

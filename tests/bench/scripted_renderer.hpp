@@ -19,6 +19,7 @@ class ScriptedRenderer final : public AnyRenderer {
   std::string_view name() const override { return name_; }
   void set_scene(std::shared_ptr<const Scene>) override {}
   void set_scene(const SceneArrays&) override {}
+  void borrow_scene(const SceneArrays&) override {}
   std::size_t add_scene(std::shared_ptr<const Scene>) override { return 0; }
   void place(Span<const Placement>) override {}
   bool share_scene(const AnyRenderer&) override { return true; }
@@ -34,6 +35,8 @@ class ScriptedRenderer final : public AnyRenderer {
   void set_views(Span<const View>) override {}
   void record(FrameReport*) override {}
   void set_recorded_scenes() override {}
+  Span<PlacedScene> recorded_scenes() override { return {}; }
+  std::vector<std::size_t> refused_scenes() const override { return {}; }
   void wait() override {}
   std::vector<PickedPixel> pick(const PickRectangle&) override { return {}; }
   StageTimes times() override {
@@ -41,6 +44,7 @@ class ScriptedRenderer final : public AnyRenderer {
     return {0.1 * ms, 0.2 * ms, 0.7 * ms, ms};
   }
   Statistics statistics() const override { return {}; }
+  std::vector<std::size_t> visible_by_scene() const override { return {}; }
   StageMemory memory() const override { return {}; }
   void trim() override {}
   std::string device_name() const override { return "a script"; }

@@ -37,6 +37,8 @@ void test_no_device(void) {
   renderer = make_renderer(small_renderer);
   CHECK_ERROR(swiftgs_renderer_set_gaussians(renderer, &one), SWIFTGS_UNAVAILABLE,
               "swiftgs_gaussians: arrays on a device");
+  CHECK_ERROR(swiftgs_renderer_update_scene(renderer, 0, 0, &one), SWIFTGS_UNAVAILABLE,
+              "swiftgs_gaussians: arrays on a device");
   swiftgs_renderer_free(renderer);
 }
 
@@ -103,6 +105,32 @@ static void test_device_arrays(void) {
     CHECK_OK(swiftgs_renderer_render(renderer, &d.frame));
     CHECK(same_floats(d.colour, expected, 3 * pixels));
   }
+  /* Borrowed arrays are drawn as they are now. */
+  CHECK_OK(swiftgs_renderer_borrow_gaussians(renderer, &device));
+  CHECK_OK(swiftgs_renderer_render(renderer, &d.frame));
+  CHECK(!same_floats(d.colour, expected, 3 * pixels));
+  CHECK(cudaMemcpy2D(means, 20, host.means.data, 12, 12, small_count, cudaMemcpyHostToDevice) == cudaSuccess);
+  CHECK_OK(swiftgs_renderer_render(renderer, &d.frame));
+  CHECK(same_floats(d.colour, expected, 3 * pixels));
+  CHECK_INVALID(swiftgs_renderer_borrow_gaussians(renderer, &host), "the arrays lie on the host, expected");
+  CHECK_OK(swiftgs_renderer_set_gaussians(renderer, &device));
+  /* An update goes the same way, and arrays of the host do not. */
+  float* const moved = make_device_memory(20 * small_count);
+  CHECK(cudaMemset(moved, 0, 20 * small_count) == cudaSuccess);
+  swiftgs_gaussians update = {.size = sizeof(update), .count = small_count, .means = {moved, 20}};
+  update.memory = SWIFTGS_DEVICE, update.stream = stream;
+  CHECK_OK(swiftgs_renderer_update_scene(renderer, 0, 0, &update));
+  CHECK_OK(swiftgs_renderer_render(renderer, &d.frame));
+  CHECK(!same_floats(d.colour, expected, 3 * pixels));
+  update.means.data = means;
+  CHECK_OK(swiftgs_renderer_update_scene(renderer, 0, 0, &update));
+  CHECK(cudaMemsetAsync(means, 0xff, 20 * small_count, stream) == cudaSuccess);
+  CHECK_OK(swiftgs_renderer_render(renderer, &d.frame));
+  CHECK(same_floats(d.colour, expected, 3 * pixels));
+  update = host;
+  CHECK_INVALID(swiftgs_renderer_update_scene(renderer, 0, 0, &update),
+                "the arrays lie on the host, expected");
+  cudaFree(moved);
   host.stream = stream; /* arrays of the host are for every renderer */
   CHECK_OK(swiftgs_renderer_set_gaussians(renderer, &host));
   CHECK_OK(swiftgs_renderer_render(renderer, &d.frame));
@@ -224,6 +252,31 @@ void test_device(void) {
   pick_middle(renderer, 0, picked);
   CHECK(memcmp(picked, expected[1], sizeof(picked)) == 0);
   CHECK(same_floats(rgb, fetched_rgb, 3 * pixels));
+
+  /* Poses of placed scenes are written where they lie on the device. */
+  swiftgs_placement both[2] = {{.size = sizeof(both[0]), .count = 900},
+                               {.size = sizeof(both[0]), .first = 900}};
+  CHECK_OK(swiftgs_renderer_place(renderer, both, 2));
+  const swiftgs_capacity capacity = {
+      .size = sizeof(capacity), .splats = small_count, .intersections = 400000};
+  CHECK_OK(swiftgs_renderer_reserve(renderer, &frame, &capacity));
+  swiftgs_recorded_scenes scenes = {.size = sizeof(scenes)};
+  CHECK_OK(swiftgs_renderer_recorded_scenes(renderer, &scenes));
+  CHECK(scenes.count == 2);
+  const double scales[3] = {1, -1, 1};
+  for (int i = 0; i < 3; ++i) {
+    uint8_t refused[2] = {7, 7};
+    copy((char*)scenes.scale + scenes.stride, &scales[i], sizeof(double));
+    CHECK_OK(swiftgs_renderer_record(renderer, report));
+    CHECK_OK(swiftgs_renderer_refused_scenes(renderer, refused, 2));
+    CHECK(refused[0] == 0 && refused[1] == (i == 1));
+    copy(fetched_rgb, device_rgb, bytes);
+    CHECK(same_floats(rgb, fetched_rgb, 3 * pixels) == (i != 1));
+  }
+  uint64_t visible[2] = {0};
+  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+  CHECK_OK(swiftgs_renderer_visible_by_scene(renderer, visible, 2));
+  CHECK(visible[0] > 0 && visible[1] > 0 && visible[0] + visible[1] == read.visible);
 
   /* A renderer on a stream of the program's. */
   cudaStream_t stream = NULL;

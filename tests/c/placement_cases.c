@@ -78,6 +78,23 @@ void test_placed(void) {
   for (int i = 0; i < pixels; ++i)
     CHECK(h.id[i] == (id[i] == SWIFTGS_NOTHING ? id[i] : (id[i] + half) % small_count));
 
+  /* Each tells how many splats it had. */
+  uint64_t visible[2] = {0}, swapped[2] = {0};
+  swiftgs_statistics counts = {.size = sizeof(counts)};
+  CHECK_OK(swiftgs_renderer_visible_by_scene(d->renderer, swapped, 2));
+  CHECK_OK(swiftgs_renderer_statistics(d->renderer, &counts));
+  CHECK(swapped[0] > 100 && swapped[1] > 100 && swapped[0] + swapped[1] == counts.visible);
+  CHECK_INVALID(swiftgs_renderer_visible_by_scene(d->renderer, visible, 1),
+                "visible_by_scene: count is 1, expected 2, the placed scenes of the frame");
+  CHECK_INVALID(swiftgs_renderer_visible_by_scene(NULL, visible, 2), "renderer is NULL");
+  CHECK_INVALID(swiftgs_renderer_visible_by_scene(d->renderer, NULL, 2), "visible is NULL");
+  CHECK_OK(swiftgs_renderer_place(d->renderer, &both[1], 1));
+  CHECK_ERROR(swiftgs_renderer_visible_by_scene(whole, visible, 2), SWIFTGS_INVALID_ARGUMENT,
+              "expected 1, the");
+  CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
+  CHECK_OK(swiftgs_renderer_visible_by_scene(d->renderer, visible, 1));
+  CHECK(visible[0] == swapped[1]);
+
   /* Views show some of them. */
   CHECK_OK(swiftgs_renderer_place(d->renderer, both, 1));
   float* const second = draw_plain(d->renderer, &d->camera);
@@ -92,8 +109,24 @@ void test_placed(void) {
   CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
   CHECK(same_floats(d->colour, second, floats));
 
-  /* What is transparent or clipped does not show. Here that is the first half. */
+  /* Ranges of a scene show alone, and make up the scene. A program of before ranges shows all. */
+  swiftgs_placement ranges[3] = {both[0], both[0], both[0]};
+  ranges[0].count = 100, ranges[1].first = 100, ranges[1].count = 28, ranges[2].first = 128;
   d->view.shown_count = 0;
+  CHECK_OK(swiftgs_renderer_place(d->renderer, ranges, 3));
+  CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
+  CHECK(same_floats(d->colour, second, floats));
+  CHECK_OK(swiftgs_renderer_place(d->renderer, ranges, 2));
+  CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
+  CHECK(!same_floats(d->colour, second, floats));
+  for (int i = 0; i < pixels; ++i) CHECK(h.id[i] == SWIFTGS_NOTHING || h.id[i] < 128);
+  ranges[2].size = offsetof(swiftgs_placement, first);
+  CHECK_OK(swiftgs_renderer_place(d->renderer, &ranges[2], 1));
+  CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
+  CHECK(same_floats(d->colour, second, floats));
+  CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
+
+  /* What is transparent or clipped does not show. Here that is the first half. */
   both[1].transparency = 1;
   for (int i = 0; i < 3; ++i) {
     CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
@@ -120,6 +153,56 @@ void test_placed(void) {
   swiftgs_renderer_free(d->renderer), swiftgs_renderer_free(whole);
 }
 
+void test_update(void) {
+  struct halves h;
+  set_up_halves(&h);
+  struct drawing* const d = &h.d;
+  swiftgs_scene* const scene = make_scene();
+  swiftgs_gaussians whole = {.size = sizeof(whole)};
+  CHECK_OK(swiftgs_scene_get_arrays(scene, &whole));
+  float* const before = draw_plain(d->renderer, &d->camera);
+
+  /* The other half takes the place of the first, in two steps, and then its means alone. */
+  swiftgs_gaussians some = whole;
+  some.count = 300;
+  swiftgs_array* const all[] = {&some.means,     &some.scales, &some.rotations,
+                                &some.opacities, &some.sh0,    &some.sh_rest};
+  for (size_t i = 0; i < 6; ++i) all[i]->data += half * (uint64_t)all[i]->stride / sizeof(float);
+  CHECK_OK(swiftgs_renderer_update_scene(d->renderer, 0, 0, &some));
+  float* const part = draw_plain(d->renderer, &d->camera);
+  CHECK(!same_floats(part, before, floats));
+  for (size_t i = 0; i < 6; ++i) all[i]->data += 300 * (uint64_t)all[i]->stride / sizeof(float);
+  some.count = half - 300;
+  CHECK_OK(swiftgs_renderer_update_scene(d->renderer, 0, 300, &some));
+  swiftgs_renderer* const twice = make_renderer(small_renderer);
+  swiftgs_scene* const second = part_of(scene, half, half);
+  uint64_t number = 0;
+  CHECK_OK(swiftgs_renderer_set_scene(twice, second));
+  CHECK_OK(swiftgs_renderer_add_scene(twice, second, &number));
+  CHECK(same_floats(draw_plain(d->renderer, &d->camera), draw_plain(twice, &d->camera), floats));
+  const swiftgs_gaussians means = {.size = sizeof(means), .count = half, .means = whole.means};
+  CHECK_OK(swiftgs_renderer_update_scene(d->renderer, 0, 0, &means));
+  CHECK_OK(swiftgs_renderer_update_scene(twice, 0, 0, &means));
+  float* const moved = draw_plain(twice, &d->camera);
+  CHECK(same_floats(draw_plain(d->renderer, &d->camera), moved, floats) && !same_floats(moved, part, floats));
+
+  /* What is refused changes nothing. */
+  CHECK_INVALID(swiftgs_renderer_update_scene(NULL, 0, 0, &means), "renderer is NULL");
+  CHECK_INVALID(swiftgs_renderer_update_scene(twice, 0, 0, NULL), "swiftgs_gaussians is NULL");
+  CHECK_INVALID(swiftgs_renderer_update_scene(twice, 2, 0, &means),
+                "update_scene: the scene is number 2, expected less than 2");
+  CHECK_INVALID(swiftgs_renderer_update_scene(twice, 0, 1, &means),
+                "update: 1000 Gaussians from number 1 on, expected some of the scene's 1000");
+  some = whole, some.count = 1, some.sh_degree = 2;
+  CHECK_INVALID(swiftgs_renderer_update_scene(twice, 0, 0, &some), "update: sh_degree is 2, expected 3");
+  const float bad = NAN;
+  const swiftgs_gaussians wrong = {.size = sizeof(wrong), .count = 1, .opacities.data = &bad};
+  CHECK_INVALID(swiftgs_renderer_update_scene(twice, 0, 7, &wrong), "opacities of Gaussian 7 is");
+  CHECK(same_floats(draw_plain(twice, &d->camera), moved, floats));
+  swiftgs_scene_free(scene), swiftgs_scene_free(second);
+  swiftgs_renderer_free(d->renderer), swiftgs_renderer_free(twice);
+}
+
 void test_placed_recorded(void) {
   struct halves h;
   set_up_halves(&h);
@@ -142,6 +225,41 @@ void test_placed_recorded(void) {
   CHECK(!same_floats(recorded, before, floats));
   CHECK(same_floats(recorded, draw_plain(d->renderer, &d->camera), floats));
 
+  /* Where they lie, others may move them: here back to where the second half was. */
+  swiftgs_recorded_scenes scenes = {.size = sizeof(scenes)};
+  CHECK_OK(swiftgs_renderer_recorded_scenes(d->renderer, &scenes));
+  CHECK(scenes.count == 2 && scenes.size == sizeof(scenes));
+  double* const x = (double*)((char*)scenes.translation + scenes.stride);
+  CHECK(x[0] == 0.5 && scenes.translation[0] == 0 && scenes.scale[0] == 1 && scenes.opacity[0] == 1);
+  for (int i = 0; i < 9; ++i) CHECK(scenes.rotation[i] == (i % 4 == 0));
+  x[0] = 0;
+  CHECK_OK(swiftgs_renderer_record(d->renderer, &report));
+  CHECK(same_floats(recorded, before, floats));
+  both[1].translation[0] = 0, both[0].transparency = 0.75;
+  both[1].rotation[1] = 1, both[1].rotation[5] = 1, both[1].rotation[6] = 1, both[1].scale = 0.5;
+  CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
+  float* const turned = draw_plain(d->renderer, &d->camera);
+  CHECK(!same_floats(turned, before, floats));
+  scenes.opacity[0] = 0.25f;
+  double* const rotation = (double*)((char*)scenes.rotation + scenes.stride);
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      rotation[3 * column + row] = both[1].rotation[3 * row + column];
+  *(double*)((char*)scenes.scale + scenes.stride) = 0.5;
+  CHECK_OK(swiftgs_renderer_record(d->renderer, &report));
+  CHECK(same_floats(recorded, turned, floats));
+  uint8_t refused[2] = {7, 7};
+  CHECK_OK(swiftgs_renderer_refused_scenes(d->renderer, refused, 2));
+  CHECK(refused[0] == 0 && refused[1] == 0); /* a host refuses to record */
+  scenes.scale[0] = NAN;
+  CHECK_INVALID(swiftgs_renderer_record(d->renderer, &report),
+                "placed scene: expected a finite scale above 0");
+  CHECK_INVALID(swiftgs_renderer_refused_scenes(d->renderer, refused, 1),
+                "refused_scenes: count is 1, expected 2, the placed scenes of the frame");
+  CHECK_NULLS(swiftgs_renderer_recorded_scenes, d->renderer, "renderer", &scenes, "swiftgs_recorded_scenes");
+  CHECK_INVALID(swiftgs_renderer_refused_scenes(NULL, refused, 2), "renderer is NULL");
+  CHECK_INVALID(swiftgs_renderer_refused_scenes(d->renderer, NULL, 2), "refused is NULL");
+
   CHECK_INVALID(swiftgs_renderer_set_recorded_scenes(NULL), "renderer is NULL");
   CHECK_OK(swiftgs_renderer_place(d->renderer, both, 1));
   CHECK_INVALID(swiftgs_renderer_set_recorded_scenes(d->renderer),
@@ -163,8 +281,8 @@ void test_placed_errors(void) {
   CHECK_INVALID(swiftgs_renderer_place(NULL, &zeros, 1), "renderer is NULL");
   CHECK_INVALID(swiftgs_renderer_place(renderer, NULL, 1), "swiftgs_placement is NULL");
   CHECK_INVALID(swiftgs_renderer_place(renderer, NULL, 0), "place: expected one placement or more");
-  swiftgs_placement wrong[12];
-  for (int i = 0; i < 12; ++i) wrong[i] = zeros;
+  swiftgs_placement wrong[14];
+  for (int i = 0; i < 14; ++i) wrong[i] = zeros;
   wrong[0].scene = 2;
   wrong[1].scale = -1;
   wrong[2].scale = INFINITY;
@@ -177,7 +295,9 @@ void test_placed_errors(void) {
   wrong[9].half_space_count = 1, wrong[9].half_spaces[2] = NAN;
   wrong[10].radius = -1;
   wrong[11].size = 8;
-  const char* const messages[12] = {"place: the scene is number 2, expected less than 2",
+  wrong[12].first = half, wrong[12].count = 1;
+  wrong[13].first = half + 1;
+  const char* const messages[14] = {"place: the scene is number 2, expected less than 2",
                                     "placed scene: expected a finite scale above 0",
                                     "placed scene: expected a finite scale above 0",
                                     "placed scene: expected a finite translation",
@@ -185,11 +305,13 @@ void test_placed_errors(void) {
                                     "placed scene: expected a rotation, not a mirror",
                                     "swiftgs_placement: transparency is 1.5",
                                     "swiftgs_placement: transparency is nan",
-                                    "clip: expected 0 to 6 half-spaces",
-                                    "clip: expected half-spaces of finite numbers",
-                                    "clip: expected a sphere with a radius of 0 or more",
-                                    "swiftgs_placement: size is 8, expected 240"};
-  for (int i = 0; i < 12; ++i) CHECK_INVALID(swiftgs_renderer_place(renderer, &wrong[i], 1), messages[i]);
+                                    "placed scene: expected a clip of 0 to 6 half-spaces",
+                                    "placed scene: expected a clip with half-spaces of finite numbers",
+                                    "placed scene: expected a clip with a radius of 0 or more",
+                                    "swiftgs_placement: size is 8, expected 256",
+                                    "place: placement 0 shows 1 Gaussians from number",
+                                    "placement 0 shows all Gaussians from number"};
+  for (int i = 0; i < 14; ++i) CHECK_INVALID(swiftgs_renderer_place(renderer, &wrong[i], 1), messages[i]);
   const swiftgs_placement two[2] = {zeros, wrong[11]};
   CHECK_INVALID(swiftgs_renderer_place(renderer, two, 2), "swiftgs_placement: size of number 1 is 8");
 

@@ -207,10 +207,22 @@ void test_gaussians(void) {
     CHECK_OK(swiftgs_renderer_set_gaussians(others[i], &arrays));
     CHECK_OK(swiftgs_renderer_render_into(others[i], &d.frame));
     CHECK(same_floats(d.colour, expected, floats));
+    memset(d.colour, 0, sizeof(float) * floats);
+    CHECK_OK(swiftgs_renderer_borrow_gaussians(others[i], &arrays));
+    CHECK_OK(swiftgs_renderer_render_into(others[i], &d.frame));
+    CHECK(same_floats(d.colour, expected, floats));
   }
 
   /* What is refused leaves the scene that was there. */
   CHECK_NULLS(swiftgs_renderer_set_gaussians, renderer, "renderer", &arrays, "swiftgs_gaussians");
+  CHECK_NULLS(swiftgs_renderer_borrow_gaussians, renderer, "renderer", &arrays, "swiftgs_gaussians");
+  arrays.raw = SWIFTGS_LOG_SCALES;
+  CHECK_INVALID(swiftgs_renderer_borrow_gaussians(renderer, &arrays),
+                "scene: log_scales or logit_opacities is set, expected neither");
+  arrays.raw = 0;
+  swiftgs_gaussians moved = {.size = sizeof(moved), .count = 1, .means = arrays.means};
+  CHECK_INVALID(swiftgs_renderer_update_scene(renderer, 0, 0, &moved),
+                "update: the scene's arrays are the caller's, expected a scene that was uploaded");
   arrays.means.stride = 4;
   CHECK_INVALID(swiftgs_renderer_set_gaussians(renderer, &arrays),
                 "scene: means: stride is 4 bytes, expected 0 or a multiple of 4 from 12");

@@ -54,10 +54,13 @@ TEST_CASE("cli placed: parts of a scene in one frame are the scene") {
   write_scene(place / "parts/b.ply", range_of(whole, 2000, 3000));
   place.write("cameras.json", camera_at(dvec3(0, -0.5, -4)));
   place.write("parts/scenes.json", R"([{"file": "../a.ply"}, {"file": "./b.ply"}])");
+  place.write("ranges.json", R"([{"file": "whole.ply", "count": 700}, {"file": "a.ply", "first": 700},
+    {"file": "whole.ply", "first": 2000, "count": 1000}])");
   place.write("parts/one.json", R"(  [{"file": "b.ply"}])");
   const std::vector<float> expected = drawn(place, "whole.ply");
   CHECK(drawn(place, "a.ply parts/b.ply --place") == expected);
   CHECK(drawn(place, "parts/scenes.json") == expected);
+  CHECK(drawn(place, "ranges.json") == expected);
   CHECK(drawn(place, "parts/one.json a.ply --place") == expected);
   CHECK(drawn(place, "a.ply") != expected);
 
@@ -132,6 +135,10 @@ TEST_CASE("cli placed: what cannot be placed is named") {
   fails(place, "render lists/missing.json", {"swiftgs: lists/b.ply: No such file or directory\n"});
   place.write("list.json", R"([{"file": "a.ply", "scale": 0}])");
   fails(place, "render list.json", {"swiftgs: list.json: byte 1: expected a finite scale above 0\n"});
+  place.write("list.json", R"([{"file": "a.ply"}, {"file": "a.ply", "first": 3, "count": 18}])");
+  fails(place, "render list.json",
+        {"swiftgs: place: placement 1 shows 18 Gaussians from number 3 on, expected some of the 20 of scene "
+         "0\n"});
   place.write("list.json", R"([{"file": "builtin:20"}, {"file": "a.ply"}])");
   fails(place, "render list.json --calibration c.json",
         {"swiftgs: --calibration: found 2 scenes, expected the one that it is of\n"});

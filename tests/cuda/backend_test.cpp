@@ -103,11 +103,11 @@ SWIFTGS_DEVICE_CASE("cuda: an uploaded scene is copied without bands that are ze
   // Whether all is there, and for each Gaussian the coefficients of `degree` bands.
   const auto holds = [&](const DeviceScene& uploaded, int degree) {
     const SceneView view = uploaded.view();
-    const std::size_t used = 3 * std::size_t(sh_rest_count(degree)), stride = std::size_t(view.sh_stride);
-    const std::vector<float> rest = to_host(cuda, view.sh_rest);
-    bool same = view.sh_degree == degree && stride >= used && stride < used + 16;
+    const std::size_t used = 3 * std::size_t(sh_rest_count(degree));
+    const std::vector<float> rest = to_host(cuda, view.sh_rest, used);
+    bool same = view.sh_degree == degree && view.sh_rest.stride < (used + 16) * sizeof(float);
     for (std::size_t i = 0; same && i < scene.size(); ++i)
-      same = std::equal(&scene.sh_rest[45 * i], &scene.sh_rest[45 * i] + used, rest.data() + stride * i);
+      same = std::equal(&scene.sh_rest[45 * i], &scene.sh_rest[45 * i] + used, rest.data() + used * i);
     return same && same_bits(to_host(cuda, view.means), scene.means) &&
            same_bits(to_host(cuda, view.scales), scene.scales) &&
            same_bits(to_host(cuda, view.rotations), scene.rotations) &&
@@ -131,7 +131,7 @@ SWIFTGS_DEVICE_CASE("cuda: features are uploaded from either side and with any s
   const Scene scene = with_features(random_scene(700, 1, 3), 5);
   const auto features_of = [&](const DeviceScene& uploaded) {
     CHECK(uploaded.view().feature_channels == 5);
-    return to_host(cuda, uploaded.view().features);
+    return to_host(cuda, uploaded.view().features, 5);
   };
   CHECK(features_of(cuda.upload(scene)) == scene.features);
   const DeviceArrays on_device(scene);

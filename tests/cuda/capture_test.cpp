@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <swiftgs/any_contributions.hpp>
 #include <swiftgs/any_renderer.hpp>
@@ -154,11 +155,14 @@ SWIFTGS_DEVICE_CASE("cuda capture: contributions refuse views and add up as befo
   const Stream stream;
   Contributions<Cuda> contributions(scene, Cuda(stream.get()));
   contributions.add(camera, Conventions::gsplat());
+  const DeviceScene uploaded = Cuda().upload(*scene);
+  const std::vector<PlacedScene> placed{{uploaded.view()}, {uploaded.view()}};
   const Graph graph(stream, [&] {
     refused("a frame", [&] { contributions.add(camera, Conventions::gsplat()); });
     refused("a frame", [&] { contributions.add(forward_camera(900, 600), Conventions::gsplat()); });
     refused("download", [&] { (void)contributions.sums(); });
     refused("upload", [&] { Contributions<Cuda> other(scene, Cuda(stream.get())); });
+    refused("store_scenes", [&] { Contributions<Cuda> other(placed, Cuda(stream.get())); });
   });
   CHECK(graph.nodes() == 0);
   contributions.add(camera, Conventions::gsplat());

@@ -93,9 +93,8 @@ struct DeviceArrays {
             .rotations = rotations.span(),
             .opacities = opacities.span(),
             .sh0 = sh0.span(),
-            .sh_rest = sh_rest.span(),
-            .sh_degree = degree,
-            .sh_stride = 3 * sh_rest_count(degree)};
+            .sh_rest = {sh_rest.data(), means.size(), sizeof(vec3) * std::size_t(sh_rest_count(degree))},
+            .sh_degree = degree};
   }
 
   DeviceBuffer<vec3> means, scales, sh0;

@@ -39,7 +39,7 @@ struct DrawOnDevice {
       copy_to_device(Span<const float>{drawn.occluder.data(), drawn.occluder.size()}, occluder);
       view.occluder = {occluder.data(), std::ptrdiff_t(sizeof(float)) * frame.width};
     }
-    const PlacedScene placed{arrays.view(), drawn.world_from_scene};
+    const PlacedScene placed{arrays.view(), drawn.world_from_scene, 1, drawn.clip};
     renderer.render_into(Span<const PlacedScene>{&placed, 1}, drawn.camera, settings_of(drawn), view);
     for_each_plane([&](std::size_t, const auto& plane,
                        auto& values) { renderer.backend().download(plane.span(), values.data()); },

@@ -222,7 +222,7 @@ SWIFTGS_DEVICE_CASE(
     const DeviceScene uploaded = stage.cuda.upload(scene);
     const std::size_t used = 3 * std::size_t(sh_rest_count(degree));
     for (const std::size_t stride : {used, used + 1, used + 2, used + 3, used + 4, std::size_t(48)})
-      for (const std::size_t begin : {0, 1, 2, 4}) {
+      for (const std::size_t begin : {0, 1, 2, 3, 4}) {
         CAPTURE(degree);
         CAPTURE(stride);
         CAPTURE(begin);
@@ -232,8 +232,7 @@ SWIFTGS_DEVICE_CASE(
           std::copy_n(&scene.sh_rest[used * i], used, &spread[begin + stride * i]);
         const ExactMemory coefficients(spread);
         SceneView on_device = uploaded.view();
-        on_device.sh_rest = {coefficients.data + begin, spread.size() - begin};
-        on_device.sh_stride = int(stride);
+        on_device.sh_rest = {coefficients.data + begin, scene.size(), stride * sizeof(float)};
         const SplatSet expected = project_on_host(view(scene), camera);
         const Match result = match(stage.run(on_device, camera), expected);
         CHECK(result.different == 0);

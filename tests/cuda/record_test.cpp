@@ -2,11 +2,13 @@
 
 // Frames that are recorded into a CUDA graph and run again: the same bits as frames that the host renders.
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <deque>
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include <swiftgs/builtin_scene.hpp>
@@ -317,4 +319,117 @@ SWIFTGS_DEVICE_CASE("cuda record: a graph that runs again shows what its scene w
   copy(part.sh0, expected.sh0, first);
   copy(part.sh_rest, expected.sh_rest, first * 3 * std::size_t(sh_rest_count(part.sh_degree)));
   CHECK(wrong() == 0);
+}
+
+namespace {
+
+/// A movement that differs from `k` to `k`, about no axis of the world.
+Similarity pose_of(int k) {
+  const double angle = 0.3 * k;
+  return {matrix_of(unit(DQuaternion{std::cos(angle), 0.3 * std::sin(angle), -0.4 * std::sin(angle), 0.2})),
+          0.5 + 0.1 * (k % 7), dvec3(0.2 * (k % 5), -0.1 * (k % 9), 0.3)};
+}
+
+/// The built-in scene, and smaller ones that move, fade and are cut.
+struct Moving {
+  DeviceScene still, part;
+
+  std::vector<PlacedScene> at(int k) const {
+    const Clip clips[] = {{}, Clip::sphere(vec3(0), 3), Clip::box(vec3(-2), vec3(3, 1, 2))};
+    return {{still.view(), k % 4 == 3 ? pose_of(k) : Similarity()},
+            {part.view(), pose_of(k), k % 3 == 2 ? 0.4f : 1},
+            {part.view(), pose_of(2 * k + 1), 1, clips[k % 3]}};
+  }
+};
+
+/// A recorded frame of placed scenes as a graph, and what it draws.
+struct PlacedRecording : Recording<> {
+  Moving moving;
+  std::vector<AskedView> asked;
+
+  PlacedRecording(const Scene& still, const Scene& part, std::vector<AskedView> of_views)
+      : Recording(Scene()), moving{cuda.upload(still), cuda.upload(part)}, asked(std::move(of_views)) {
+    reserved.emplace(cuda, asked);
+    const std::size_t most = 2 * still.size() + 4 * part.size();
+    renderer.reserve(moving.at(0), reserved->span(), {most, 20 * most});
+  }
+
+  /// Whether the last run drew `placed` in all views, and reported that.
+  bool drew(const std::vector<PlacedScene>& placed) {
+    PlacedViews<Cuda> expected(cuda, asked);
+    other.render_into(placed, expected.span());
+    return differing(reserved->finish(cuda), expected.finish(cuda)) == 0 && reported();
+  }
+};
+
+}  // namespace
+
+SWIFTGS_DEVICE_CASE("cuda record: a graph draws placed scenes where they are set between launches") {
+  for (const std::size_t views : {1, 2}) {
+    CAPTURE(views);
+    PlacedRecording r(make_builtin_scene(4000), random_scene(700, 2, 11), frame_of(0, views));
+    const Graph graph(r.stream, [&] { r.renderer.record(r.report.data()); });
+    graph.run();
+    CHECK(r.drew(r.moving.at(0)));
+    for (int k = 1; k < 60; ++k) {
+      CAPTURE(k);
+      // Launches do not wait for one another, and the host's memory is gone at once.
+      r.renderer.set_scenes(r.moving.at(k + 7)), graph.run();
+      r.renderer.set_scenes(r.moving.at(k)), graph.run();
+      CHECK(r.drew(r.moving.at(k)));
+    }
+    std::vector<PlacedScene> fewer = r.moving.at(3);
+    fewer.pop_back();
+    CHECK_THROWS_AS(r.renderer.set_scenes(fewer), std::invalid_argument);
+    graph.run();
+    CHECK(r.drew(r.moving.at(59)));
+  }
+}
+
+SWIFTGS_DEVICE_CASE("cuda record: a graph draws the poses that its own work writes, where they are valid") {
+  // With a list of chunks that show, and without one.
+  const std::size_t listed = 20 * chunk_size * std::size_t(Cuda().multiprocessors());
+  for (const std::size_t gaussians : {std::size_t(4000), listed}) {
+    CAPTURE(gaussians);
+    PlacedRecording r(order_spatially(make_builtin_scene(gaussians)), random_scene(700, 2, 11), frame_of(0));
+    if (gaussians == listed) REQUIRE_FALSE(r.moving.still.view().chunks.empty());
+    DeviceBuffer<Similarity> poses;
+    poses.reset(3);
+    const Graph graph(r.stream, [&] {
+      for (std::size_t i = 0; i < 3; ++i)
+        check_cuda(cudaMemcpyAsync(&r.renderer.recorded_scenes()[i].world_from_scene, poses.data() + i,
+                                   sizeof(Similarity), cudaMemcpyDeviceToDevice, r.stream.get()),
+                   "cudaMemcpyAsync");
+      r.renderer.record(r.report.data());
+    });
+    const auto run = [&](const std::vector<PlacedScene>& placed) {
+      std::vector<Similarity> now;
+      for (const PlacedScene& each : placed) now.push_back(each.world_from_scene);
+      CopyToBackend<Cuda>::copy(Span<const Similarity>{now.data(), now.size()}, poses.data());
+      graph.run();
+    };
+    for (int k = 0; k < 12; ++k) {
+      CAPTURE(k);
+      std::vector<PlacedScene> placed = r.moving.at(0);
+      for (std::size_t i = 0; i < 3; ++i) placed[i].world_from_scene = pose_of(3 * k + int(i));
+      run(placed);
+      CHECK(r.drew(placed));
+      CHECK(r.renderer.refused_scenes().empty());
+
+      const std::size_t which = std::size_t(k) % 3;
+      std::vector<PlacedScene> bad = placed, without = placed;
+      Similarity& pose = bad[which].world_from_scene;
+      if (k % 4 == 0) pose.rotation[1][2] = std::nan("");
+      if (k % 4 == 1) pose.rotation = dmat3(0.0);
+      if (k % 4 == 2) pose.scale = -pose.scale;
+      if (k % 4 == 3) pose.translation.x = INFINITY;
+      without[which].opacity = 0;
+      run(bad);
+      CHECK(r.drew(without));
+      CHECK(r.renderer.refused_scenes() == std::vector<std::size_t>{which});
+    }
+    run(r.moving.at(0));
+    CHECK(r.drew(r.moving.at(0)));
+    CHECK(r.renderer.refused_scenes().empty());
+  }
 }

@@ -27,7 +27,8 @@ std::string with_members(const std::string& members) { return "[{\"file\": \"a.p
 const std::string whole = R"([{"file": "room.spz"},
   {"file": "things/chair.ply", "rotation": [0, 0, 3, 0], "scale": 0.5, "translation": [1e7, -2.5, 3],
    "opacity": 0.25, "clip": {"half_spaces": [[1, 2, -3, 4], [0, 0, 1, -1]], "sphere": [1, 2, 3, 4.5]}},
-  {"rotation": [[0, -1, 0], [1, 0, 0], [0, 0, 1]], "clip": {"box": [-1, -2, -3, 4, 5, 6]}, "file": "room.spz"}])";
+  {"rotation": [[0, -1, 0], [1, 0, 0], [0, 0, 1]], "clip": {"box": [-1, -2, -3, 4, 5, 6]}, "file": "room.spz",
+   "first": 256, "count": 3e3}])";
 
 }  // namespace
 
@@ -38,6 +39,8 @@ TEST_CASE("scene list: scenes have what their objects say and the defaults of wh
   CHECK(scenes[0].file == "room.spz");
   CHECK(scenes[0].world_from_scene.is_identity());
   CHECK(scenes[0].opacity == 1);
+  CHECK(scenes[0].first == 0);
+  CHECK_FALSE(scenes[0].count);
   CHECK(scenes[0].half_spaces.empty());
   CHECK_FALSE(scenes[0].sphere);
 
@@ -53,6 +56,8 @@ TEST_CASE("scene list: scenes have what their objects say and the defaults of wh
   CHECK(chair.sphere->radius == 4.5);
 
   const ListedScene& turned = scenes[2];
+  CHECK(turned.first == 256);
+  CHECK(turned.count == 3000);
   CHECK(turned.world_from_scene(dvec3(1, 2, 3)) == dvec3(-2, 1, 3));
   REQUIRE(turned.half_spaces.size() == 6);
   const auto shows = [&](const dvec3& p) {
@@ -84,7 +89,12 @@ TEST_CASE("scene list: what is wrong is named with its place") {
   const auto refuses = [&](const std::string& members, const std::string& message) {
     says(with_members(members), "byte 1: expected " + message);
   };
-  refuses(R"("opacty": 1)", "the members file, rotation, scale, translation, opacity, clip, found 'opacty'");
+  refuses(R"("opacty": 1)",
+          "the members file, rotation, scale, translation, opacity, first, count, clip, found 'opacty'");
+  refuses(R"("first": -1)", "'first' to be a whole number of at least 0");
+  refuses(R"("first": 0.5)", "'first' to be a whole number of at least 0");
+  refuses(R"("count": "all")", "'count' to be a whole number of at least 0");
+  refuses(R"("count": 0)", "'count' to be 1 or more");
   refuses(R"("opacity": 1.5)", "an opacity of 0 to 1");
   refuses(R"("opacity": "no")", "a number in 'opacity'");
   refuses(R"("scale": 0)", "a finite scale above 0");

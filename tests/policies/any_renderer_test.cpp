@@ -263,13 +263,14 @@ struct TwoScenes {
   std::vector<Placement> placements(double aside) const {
     const Similarity pose{matrix_of(unit(DQuaternion{0.8, 0.3, -0.4, 0.2})), 0.6, dvec3(aside, 0.2, 1)};
     return {{.scene = 1, .world_from_scene = pose},
-            {},
-            {.scene = 1, .opacity = 0.5f, .clip = Clip::sphere(vec3(0, 0, 5), 4)}};
+            {.first = 128},
+            {.scene = 1, .opacity = 0.5f, .clip = Clip::sphere(vec3(0, 0, 5), 4), .first = 7, .count = 100}};
   }
   std::vector<PlacedScene> placed(double aside) const {
     std::vector<PlacedScene> out;
     for (const Placement& p : placements(aside))
       out.push_back({uploaded[p.scene].view(), p.world_from_scene, p.opacity, p.clip});
+    out[1].scene = range_of(out[1].scene, 128, 172), out[2].scene = range_of(out[2].scene, 7, 100);
     return out;
   }
 
@@ -334,6 +335,80 @@ SWIFTGS_CONTRACT("any renderer: scenes that are added and placed are drawn and r
   check_drawn_frames(*other, typed, more);
 }
 
+SWIFTGS_CONTRACT("any renderer: recorded frames show the poses that work writes to their memory") {
+  Usual<B> typed(test::make_backend<B>());
+  TwoScenes<B> two(typed.backend());
+  const auto any = make_renderer(typed.name, {.threads = 1});
+  for (const auto& scene : two.given) any->add_scene(scene);
+  any->place(span_of(two.placements(0.3)));
+  CHECK_THROWS_AS(any->visible_by_scene(), std::logic_error);
+  CHECK_THROWS_WITH_AS(any->recorded_scenes(), "recorded_scenes: expected reserve of placed scenes before",
+                       std::logic_error);
+
+  const std::vector<AskedView> asked = different_views();
+  PlacedViews drawn(backend, asked), still(backend, asked), moved(backend, asked);
+  typed.render_into(two.placed(-0.4), moved.span());
+  typed.render_into(two.placed(0.3), still.span());
+  CHECK(differing(still.finish(backend), moved.finish(backend)) > 0);
+  any->render_into(drawn.span());
+  CHECK(any->visible_by_scene() == typed.visible_by_scene());
+  CHECK(any->visible_by_scene().size() == 3);
+
+  typename B::template Buffer<FrameReport> report;
+  report.reset(1);
+  any->reserve(drawn.span(), {4000, 400'000});
+  const auto write = [&](const Similarity& pose) {
+    const Span<PlacedScene> recorded = any->recorded_scenes();
+    REQUIRE(recorded.size == 3);
+    CopyToBackend<B>::copy(Span<const Similarity>{&pose, 1}, &recorded.data[0].world_from_scene);
+  };
+  const auto shows = [&](PlacedViews<B>& expected) {
+    PlacedViews views(backend, asked);  // some are drawn over what they hold
+    any->set_views(views.span());
+    any->record(report.data());
+    any->wait();
+    return differing(views.finish(backend), expected.finish(backend)) == 0;
+  };
+  CHECK(shows(still));
+  write(two.placements(-0.4)[0].world_from_scene);
+  for (int i = 0; i < 2; ++i) CHECK(shows(moved));  // what is written stays
+  CHECK(any->refused_scenes().empty());
+  write({.scale = -1});
+  if constexpr (B::reaches_host_memory) {
+    CHECK_THROWS_WITH_AS(any->record(report.data()), "placed scene: expected a finite scale above 0",
+                         std::invalid_argument);
+  } else {
+    CHECK_FALSE(shows(moved));
+    CHECK(any->refused_scenes() == std::vector<std::size_t>{0});
+  }
+  any->set_recorded_scenes();
+  CHECK(shows(still));
+  CHECK(any->refused_scenes().empty());
+
+  // A reserve that fails leaves nothing to write to.
+  View empty = drawn.views[0];
+  empty.frame.width = 0;
+  CHECK_THROWS_AS(any->reserve({&empty, 1}), std::invalid_argument);
+  CHECK_THROWS_AS(any->recorded_scenes(), std::logic_error);
+  CHECK_THROWS_AS(any->record(report.data()), std::invalid_argument);
+
+  any->set_scene(two.given[0]);
+  any->reserve(drawn.span(), {4000, 400'000});
+  CHECK_THROWS_AS(any->recorded_scenes(), std::logic_error);
+
+  // A scene alone may take the place of one that was placed.
+  const Placement aside{.world_from_scene = {.translation = dvec3(0.25, 0, 0)}};
+  any->place({&aside, 1});
+  any->reserve(drawn.span(), {4000, 400'000});
+  CHECK(any->recorded_scenes().size == 1);
+  any->set_scene(two.given[0]);
+  any->set_recorded_scenes();
+  CHECK(any->recorded_scenes().size == 1);
+  PlacedViews alone(backend, asked);
+  typed.render_into(two.uploaded[0], alone.span());
+  CHECK(shows(alone));
+}
+
 SWIFTGS_CONTRACT("any renderer: what cannot be placed is refused and changes nothing") {
   Usual<B> typed(test::make_backend<B>());
   TwoScenes<B> two(typed.backend());
@@ -353,8 +428,13 @@ SWIFTGS_CONTRACT("any renderer: what cannot be placed is refused and changes not
   };
   refuse({.scene = 2}, "place: the scene is number 2, expected less than 2");
   refuse({.world_from_scene = {.scale = -1}}, "placed scene: expected a finite scale above 0");
-  refuse({.opacity = 2}, "expected an opacity of 0 to 1 of a placed scene");
-  refuse({.clip = Clip::sphere(vec3(0), -1)}, "clip: expected a sphere with a radius of 0 or more");
+  refuse({.opacity = 2}, "placed scene: expected an opacity of 0 to 1");
+  refuse({.first = 1201, .count = 0},
+         "place: placement 1 shows 0 Gaussians from number 1201 on, expected some of");
+  refuse({.scene = 1, .first = 1, .count = std::size_t(-2)}, "expected some of the ");
+  refuse({.first = std::size_t(-1)},
+         "place: placement 1 shows all Gaussians from number 18446744073709551615 on,");
+  refuse({.clip = Clip::sphere(vec3(0), -1)}, "placed scene: expected a clip with a radius of 0 or more");
 
   const std::vector<AskedView> asked = different_views();
   PlacedViews drawn(backend, asked), expected(backend, asked);
@@ -406,19 +486,20 @@ TEST_CASE_TEMPLATE("any renderer: hosts take features of arrays of any stride", 
   scene.emplace(backend.upload(arrays, scene));
   const SceneView view = scene->view();
   REQUIRE(view.feature_channels == channels);
-  REQUIRE(view.features.size == count * channels);
-  std::vector<float> by_floats(view.features.size);
+  REQUIRE(view.features.size == count);
+  std::vector<float> by_floats(count * channels);
   const detail::CopyFloats copy{arrays.features, by_floats.data(), channels};  // as devices copy
-  for (std::size_t i = 0; i < view.features.size; ++i) {
-    REQUIRE(view.features[i] == rows[i / channels * stride + i % channels]);
+  for (std::size_t i = 0; i < by_floats.size(); ++i) {
+    const float feature = view.features.at(i / channels)[i % channels];
+    REQUIRE(feature == rows[i / channels * stride + i % channels]);
     copy(i);
-    REQUIRE(by_floats[i] == view.features[i]);
+    REQUIRE(by_floats[i] == feature);
   }
 
   const auto refused = [&](const char* message) {
     CHECK_THROWS_WITH_AS(scene.emplace(backend.upload(arrays, scene)), doctest::Contains(message),
                          std::invalid_argument);
-    CHECK(scene->view().features[1] == 1);  // the scene of before
+    CHECK(scene->view().features.data[1] == 1);  // the scene of before
   };
   rows[3 * stride + 2] = std::numeric_limits<float>::infinity();
   refused("features of Gaussian 3 is inf, expected");

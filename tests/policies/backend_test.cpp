@@ -98,7 +98,7 @@ SWIFTGS_CASE_ON("backend: an uploaded scene is shared and seen as it is", SWIFTG
   CHECK(view.means.data == scene->means.data());
   CHECK(view.size() == 10);
   CHECK(view.sh_degree == 2);
-  CHECK(view.sh_stride == 24);
+  CHECK(view.sh_rest.stride == 24 * sizeof(float));
 }
 
 SWIFTGS_CONTRACT("backend: an upload refuses a scene that is broken and names the Gaussian") {

@@ -156,7 +156,8 @@ bool hides(Random& random, const ViewConstants& view, Border border, const Gauss
 }  // namespace
 
 TEST_CASE(
-    "chunks: those that show a Gaussian at a border of the view are kept and most a little beyond are hidden") {
+    "chunks: those that show a Gaussian at a border of the view are kept and most a little beyond are "
+    "hidden") {
   for (int kind = 0; kind < int(Kind::kinds); ++kind)
     for (int side = 0; side < int(Border::borders); ++side) {
       CAPTURE(kind);

@@ -1,17 +1,23 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <numbers>
 #include <numeric>
+#include <stdexcept>
 #include <string_view>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
 
 #include <swiftgs/any_contributions.hpp>
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/edit.hpp>
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/pruning.hpp>
 #include <swiftgs/reference.hpp>
@@ -24,20 +30,107 @@ using namespace swiftgs::test;
 
 namespace {
 
+/// A placed scene, on the host. Its `Scene` has no bands above 0.
+struct Placed {
+  Scene scene;
+  Similarity pose{};
+  float opacity = 1;
+  Clip clip{};
+};
+using List = std::vector<Placed>;
+
 /// Weight of each Gaussian in the float64 reference's image, in pixels: in a colour of its own, three of them
 /// a frame.
-std::vector<double> reference_weights(Scene scene, const Camera& camera, const Conventions& conventions) {
+std::vector<double> reference_weights(List list, const Camera& camera, const Conventions& conventions) {
   const float one = float(0.5 / 0.28209479177387814);  // SH coefficient of colour 1; minus that is colour 0
-  std::vector<double> weights(scene.size());
-  for (std::size_t first = 0; first < scene.size(); first += 3) {
-    std::fill(scene.sh0.begin(), scene.sh0.end(), vec3(-one));
-    const int shown = int(std::min<std::size_t>(3, scene.size() - first));
-    for (int c = 0; c < shown; ++c) scene.sh0[first + std::size_t(c)][c] = one;
-    const ReferenceFrame frame = render_reference(scene, camera, conventions);
+  std::vector<ReferenceScene> placed;
+  std::vector<vec3*> colours;  // of all Gaussians
+  for (Placed& p : list) {
+    placed.push_back({p.scene, p.pose, p.opacity, p.clip});
+    for (vec3& colour : p.scene.sh0) colours.push_back(&colour);
+  }
+  std::vector<double> weights(colours.size());
+  for (std::size_t first = 0; first < colours.size(); first += 3) {
+    for (vec3* const colour : colours) *colour = vec3(-one);
+    const int shown = int(std::min<std::size_t>(3, colours.size() - first));
+    for (int c = 0; c < shown; ++c) (*colours[first + std::size_t(c)])[c] = one;
+    const ReferenceFrame frame = render_reference({placed.data(), placed.size()}, camera, conventions);
     for (std::size_t i = 0; i < frame.colour.size(); ++i)
       if (int(i % 3) < shown) weights[first + i % 3] += frame.colour[i];
   }
   return weights;
+}
+
+/// Checks sums of 60 Gaussians at most, in a view of 64x48 pixels, and that they are not few.
+void check_against_reference(const Sums& sums, const std::vector<double>& expected) {
+  REQUIRE(sums.size() == expected.size());
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    CAPTURE(i);
+    // A weight is a product of alphas, 60 at most, each with a few roundings of 2^-24; and a pixel cuts
+    // 2^-31.
+    CHECK(std::abs(weight_of_parts(sums[i]) - expected[i]) <= 60 * 0x1p-22 * expected[i] + 64 * 48 * 0x1p-31);
+    if (expected[i] == 0) CHECK(sums[i] == 0);
+  }
+  CHECK(total(sums) == doctest::Approx(std::accumulate(expected.begin(), expected.end(), 0.0)).epsilon(1e-5));
+  CHECK(total(sums) > 500);
+}
+
+/// A random scene, many deep, so that transmittance matters.
+Scene deep_scene(std::size_t count, std::uint64_t seed) {
+  Scene scene = random_scene(count, 0, seed);
+  for (vec3& scale : scene.scales) scale *= 8.0f;
+  for (float& opacity : scene.opacities) opacity = std::sqrt(opacity);
+  return scene;
+}
+
+/// A movement about no axis of the world.
+Similarity moved(double scale, dvec3 to = dvec3(0.3, -0.2, 0.7)) {
+  return {matrix_of(unit(DQuaternion{0.8, 0.3, -0.4, 0.2})), scale, to};
+}
+
+/// `scene` in a space of its own, from which `pose` brings it back to where it was.
+Placed placed_by(Scene scene, const Similarity& pose, float opacity = 1, const Clip& clip = {}) {
+  transform(scene, inverse(pose), dvec3(0.0));
+  return {std::move(scene), pose, opacity, clip};
+}
+
+/// Scenes of `count` Gaussians each, in spaces of their own, and an empty one.
+List some_placed(const std::function<Scene(std::size_t, std::uint64_t)>& make, std::size_t count) {
+  Placed cut = placed_by(make(count, 24), moved(30, dvec3(1, 2, 3)), 0.7f);
+  cut.clip = Clip::sphere(cut.scene.means[0], 0.2f), cut.clip.half_space_count = 1;
+  cut.clip.half_spaces[0] = vec4(0, 0, -1, cut.scene.means[0].z + 0.1f);
+  return {{make(count, 21), {}, 0.6f},
+          placed_by(make(count, 22), moved(1e-3)),
+          {Scene()},
+          placed_by(make(count, 23), moved(1e3), 0.9f),
+          cut};
+}
+
+/// A list where backend `B` reads it.
+template <class B>
+struct ListOn {
+  std::vector<typename B::SceneOn> uploaded;
+  std::vector<PlacedScene> placed;
+
+  ListOn(const B& backend, const List& list) {
+    for (const Placed& p : list) {
+      uploaded.push_back(backend.upload(p.scene));
+      placed.push_back({uploaded.back().view(), p.pose, p.opacity, p.clip});
+    }
+  }
+};
+
+/// As `sums_of`, of placed scenes.
+template <class B>
+Sums sums_of_placed(const PlacedScenes& placed, const std::vector<Camera>& cameras,
+                    const Conventions& conventions) {
+  Contributions<B> contributions(placed, test::make_backend<B>());
+  for (const Camera& camera : cameras) contributions.add(camera, conventions);
+  return contributions.sums();
+}
+template <class B>
+Sums sums_of_placed(const List& list, const std::vector<Camera>& cameras, const Conventions& conventions) {
+  return sums_of_placed<B>(ListOn<B>(test::make_backend<B>(), list).placed, cameras, conventions);
 }
 
 template <class B>
@@ -46,11 +139,7 @@ using Usual = Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse
 /// Compares with the serial backend. Exponentials differ by 2 units in the last place; and where alpha or
 /// transmittance is at a threshold, a pixel more or less keeps a splat: with a weight of 1/255 at most at
 /// the first, of 0.01 at most at the second, where transmittance was 1e-4 / (1 - 0.99).
-template <class B>
-void check_against_serial(const Scene& scene, const std::vector<Camera>& cameras,
-                          const Conventions& conventions) {
-  const Sums sums = sums_of<B>(scene, cameras, conventions);
-  const Sums expected = sums_of<Serial>(scene, cameras, conventions);
+void check_close_to_serial(const Sums& sums, const Sums& expected) {
   REQUIRE(sums.size() == expected.size());
   std::size_t at_threshold = 0;
   for (std::size_t i = 0; i < sums.size(); ++i) {
@@ -63,6 +152,12 @@ void check_against_serial(const Scene& scene, const std::vector<Camera>& cameras
   CHECK(double(at_threshold) <= 0.02 * double(sums.size()));
   CHECK(total(sums) == doctest::Approx(total(expected)).epsilon(1e-5));
   CHECK(total(sums) > 1000);
+}
+template <class B>
+void check_against_serial(const Scene& scene, const std::vector<Camera>& cameras,
+                          const Conventions& conventions) {
+  check_close_to_serial(sums_of<B>(scene, cameras, conventions),
+                        sums_of<Serial>(scene, cameras, conventions));
 }
 
 }  // namespace
@@ -145,30 +240,100 @@ SWIFTGS_CONTRACT("contribution: sees the Gaussians that a renderer sees") {
   }
 }
 
-TEST_CASE("contribution: is each Gaussian's weight in the float64 reference's image") {
-  Scene scene = random_scene(60, 0, 13);
-  // Many deep, so that transmittance matters.
-  for (vec3& scale : scene.scales) scale *= 8.0f;
-  for (float& opacity : scene.opacities) opacity = std::sqrt(opacity);
+TEST_CASE_TEMPLATE("contribution: is each Gaussian's weight in the float64 reference's image", B,
+                   SWIFTGS_TEST_HOSTS) {
+  const Scene scene = deep_scene(60, 13);
+  const Camera camera = forward_camera(64, 48);
   Conventions conventions = Conventions::gsplat();
   for (const bool antialiased : {false, true}) {
     conventions.antialiased = antialiased;
-    const Camera camera = forward_camera(64, 48);
-    const std::vector<double> expected = reference_weights(scene, camera, conventions);
-    const Sums sums = sums_of<Serial>(scene, {camera}, conventions);
-    REQUIRE(sums.size() == expected.size());
-    for (std::size_t i = 0; i < sums.size(); ++i) {
-      CAPTURE(i);
-      // A weight is a product of alphas, 60 at most, each with a few roundings of 2^-24; and a pixel cuts
-      // 2^-31.
-      CHECK(std::abs(weight_of_parts(sums[i]) - expected[i]) <=
-            60 * 0x1p-22 * expected[i] + 64 * 48 * 0x1p-31);
-      if (expected[i] == 0) CHECK(sums[i] == 0);
-    }
-    CHECK(total(sums) ==
-          doctest::Approx(std::accumulate(expected.begin(), expected.end(), 0.0)).epsilon(1e-5));
-    CHECK(total(sums) > 500);
+    check_against_reference(sums_of<B>(scene, {camera}, conventions),
+                            reference_weights({{scene}}, camera, conventions));
   }
+}
+
+TEST_CASE_TEMPLATE("contribution: of placed scenes is each Gaussian's weight in the reference's image", B,
+                   SWIFTGS_TEST_HOSTS) {
+  const Camera camera = forward_camera(64, 48);
+  const List list = some_placed(deep_scene, 15);
+  Conventions conventions = Conventions::gsplat();
+  for (const bool antialiased : {false, true}) {
+    conventions.antialiased = antialiased;
+    const std::vector<double> expected = reference_weights(list, camera, conventions);
+    check_against_reference(sums_of_placed<B>(list, {camera}, conventions), expected);
+    const auto shown = [&](std::size_t scene) {  // Gaussians of `scene` with a weight
+      return std::count_if(expected.begin() + std::ptrdiff_t(15 * scene),
+                           expected.begin() + std::ptrdiff_t(15 * scene + 15),
+                           [](double w) { return w > 0; });
+    };
+    for (const std::size_t scene : {0, 1, 2, 3}) CHECK(shown(scene) > 2);
+    CHECK(shown(3) < shown(2));  // the clip left some out
+  }
+}
+
+SWIFTGS_CONTRACT("contribution: of placed scenes is that of Serial but for roundings at thresholds") {
+  const auto make = [](std::size_t count, std::uint64_t seed) { return random_scene(count, 0, seed); };
+  const List list = some_placed(make, 1000);
+  const std::vector<Camera> cameras{forward_camera(131, 77), forward_camera(64, 64)};
+  for (const Conventions& conventions : {Conventions::gsplat(), Conventions::inria()})
+    check_close_to_serial(sums_of_placed<B>(list, cameras, conventions),
+                          sums_of_placed<Serial>(list, cameras, conventions));
+}
+
+SWIFTGS_CONTRACT("contribution: a scene in placed pieces gets the bits of the whole") {
+  const std::vector<Camera> cameras{forward_camera(131, 77), builtin_cameras(3, 192, 108)[1]};
+  for (const Scene& scene :
+       {random_scene(3000, 1, 13), make_builtin_scene(8000), scene_with_hidden(2000, 16)}) {
+    const auto uploaded = backend.upload(scene);
+    const Sums expected = sums_of<B>(scene, cameras, Conventions::gsplat());
+    CHECK(total(expected) > 1000);
+    CHECK(sums_of_placed<B>(uploaded, cameras, Conventions::gsplat()) == expected);
+    for (const std::size_t each : {1024, 700}) {
+      std::vector<PlacedScene> pieces{{SceneView()}};
+      for (std::size_t first = 0; first < scene.size(); first += each)
+        pieces.push_back({range_of(uploaded.view(), first, std::min(each, scene.size() - first))});
+      CHECK(sums_of_placed<B>(pieces, cameras, Conventions::gsplat()) == expected);
+    }
+  }
+}
+
+SWIFTGS_CONTRACT("contribution: of placed scenes sees the Gaussians that a renderer sees under its numbers") {
+  const auto make = [](std::size_t count, std::uint64_t seed) { return random_scene(count, 0, seed); };
+  const List list = some_placed(make, 2000);
+  Usual<B> renderer(test::make_backend<B>());
+  const ListOn<B> on(backend, list);
+  Contributions<B> contributions(on.placed, test::make_backend<B>());
+  RenderSettings settings;
+  settings.outputs.id = true, settings.conventions.near_plane = 4;  // nothing covers the whole image
+  const Camera camera = forward_camera(200, 150);
+  const Frame frame = renderer.render(on.placed, camera, settings);
+  contributions.add(camera, settings.conventions);
+  CHECK(contributions.visible() == renderer.statistics().visible);
+  const Sums sums = contributions.sums();
+  REQUIRE(sums.size() == 8000);
+  CHECK(total(sums) > 1000);
+  std::size_t seen[5] = {};
+  for (const std::uint32_t id : frame.id) {
+    if (id == no_gaussian) continue;
+    CHECK(sums[id] > 0);
+    ++seen[placed_index(on.placed, id).scene];
+  }
+  for (const std::size_t scene : {0, 1, 3, 4}) CHECK(seen[scene] > 0);
+  CHECK(seen[2] == 0);
+}
+
+SWIFTGS_CONTRACT("contribution: placed scenes that cannot be drawn are refused and none have no sums") {
+  const auto uploaded = backend.upload(random_scene(10, 0, 1));
+  const auto make = [](const PlacedScene& placed) {
+    Contributions<B>(std::vector<PlacedScene>{{placed.scene}, placed}, test::make_backend<B>());
+  };
+  CHECK_NOTHROW(make({uploaded.view()}));
+  CHECK_THROWS_WITH_AS(make({uploaded.view(), {.scale = 0}}), "placed scene: expected a finite scale above 0",
+                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(make({uploaded.view(), {}, 1, Clip::sphere(vec3(0), -1)}),
+                       "placed scene: expected a clip with a radius of 0 or more", std::invalid_argument);
+  CHECK(
+      sums_of_placed<B>(std::vector<PlacedScene>(), {forward_camera(20, 30)}, Conventions::gsplat()).empty());
 }
 
 SWIFTGS_CONTRACT("contribution: what is hidden or culled gets nothing") {

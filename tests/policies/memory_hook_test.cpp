@@ -146,6 +146,14 @@ SWIFTGS_CONTRACT("memory hook: all memory of contributions comes from it and goe
   expected.add(forward_camera(60, 40), Conventions::gsplat());
   expected.add(camera, Conventions::gsplat());
   CHECK(sums == expected.sums());
+  const auto uploaded = backend.upload(*scene);
+  {
+    Contributions<B> of_placed(std::vector<PlacedScene>{{uploaded.view()}, {uploaded.view(), {.scale = 2}}},
+                               memory.backend());
+    of_placed.add(camera, Conventions::gsplat());
+    CHECK(memory.in_use() > 6000 * sizeof(std::uint64_t));
+  }
+  CHECK(memory.in_use() == 0);
 }
 
 TEST_CASE_TEMPLATE("trim: gives all memory back and the next frame has the same bits", T,

@@ -38,8 +38,7 @@ class GuardedHarmonics {
   void forbid(std::size_t i) { protect(2 * i); }
 
   float* of(std::size_t i) { return reinterpret_cast<float*>(memory_ + 2 * page_ * i + page_ - used_); }
-  int stride() const { return int(2 * page_ / sizeof(float)); }
-  Span<const float> span() { return {of(0), (bytes_ - page_ + used_) / sizeof(float)}; }
+  StridedSpan<const float> rows() { return {of(0), bytes_ / (2 * page_), 2 * page_}; }
 
  private:
   void protect(std::size_t page) {
@@ -95,7 +94,7 @@ SWIFTGS_CASE_ON("no needless work: harmonics of culled Gaussians are not read", 
     if (i % 9 != 0) harmonics.forbid(i);
   }
   SceneView view = swiftgs::view(scene);
-  view.sh_rest = harmonics.span(), view.sh_degree = 3, view.sh_stride = harmonics.stride();
+  view.sh_rest = harmonics.rows(), view.sh_degree = 3;
   CHECK(colours(backend, view, forward_camera(64, 48)).size() == visible);
 }
 
@@ -109,7 +108,7 @@ SWIFTGS_CASE_ON("no needless work: bands above the degree of the view are not re
       std::copy_n(scene.sh_rest.begin() + std::ptrdiff_t(i * used), used, harmonics.of(i));
     SceneView view = swiftgs::view(scene);
     const std::vector<SplatColour> expected = colours(backend, view, forward_camera(64, 48));
-    view.sh_rest = harmonics.span(), view.sh_stride = harmonics.stride();
+    view.sh_rest = harmonics.rows();
     const std::vector<SplatColour> guarded = colours(backend, view, forward_camera(64, 48));
     REQUIRE(guarded.size() == expected.size());
     CHECK(guarded.size() > 10);
@@ -125,7 +124,7 @@ SWIFTGS_CASE_ON("no needless work: bands that are all zero are not evaluated", S
     for (std::size_t k = 9; k < 45; ++k) scene.sh_rest[45 * i + k] = 0;
   const auto uploaded = backend.upload(scene);
   CHECK(uploaded.view().sh_degree == 1);
-  CHECK(uploaded.view().sh_stride == 45);
+  CHECK(uploaded.view().sh_rest.stride == 45 * sizeof(float));
   scene.sh_rest.assign(scene.sh_rest.size(), 0.0f);
   CHECK(backend.upload(scene).view().sh_degree == 0);
   scene.sh_rest.back() = -1e-20f;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -54,6 +55,45 @@ SceneView without_gaussians() {
   scene.feature_channels = channels;
   return scene;
 }
+
+/// What makes a placed scene invalid, and how a host refuses it.
+struct Defect {
+  const char* refusal;
+  void (*make)(PlacedScene&);
+};
+constexpr float nan_f = std::numeric_limits<float>::quiet_NaN();
+constexpr double nan_d = std::numeric_limits<double>::quiet_NaN();
+constexpr const char* not_orthonormal = "placed scene: expected a rotation with orthonormal columns";
+constexpr const char* not_a_scale = "placed scene: expected a finite scale above 0";
+constexpr const char* not_a_translation = "placed scene: expected a finite translation";
+constexpr const char* not_an_opacity = "placed scene: expected an opacity of 0 to 1";
+constexpr const char* not_a_count = "placed scene: expected a clip of 0 to 6 half-spaces";
+constexpr const char* not_a_half_space = "placed scene: expected a clip with half-spaces of finite numbers";
+constexpr const char* not_a_radius = "placed scene: expected a clip with a radius of 0 or more";
+constexpr Defect defects[] = {
+    {not_orthonormal, [](PlacedScene& p) { p.world_from_scene.rotation[1][2] = nan_d; }},
+    {not_orthonormal, [](PlacedScene& p) { p.world_from_scene.rotation = dmat3(0.0); }},
+    {not_orthonormal, [](PlacedScene& p) { p.world_from_scene.rotation[0] *= 1 + 2e-6; }},
+    {not_orthonormal, [](PlacedScene& p) { p.world_from_scene.rotation[2][0] = INFINITY; }},
+    {"placed scene: expected a rotation, not a mirror",
+     [](PlacedScene& p) { p.world_from_scene.rotation[0] *= -1; }},
+    {not_a_scale, [](PlacedScene& p) { p.world_from_scene.scale = 0; }},
+    {not_a_scale, [](PlacedScene& p) { p.world_from_scene.scale = -1; }},
+    {not_a_scale, [](PlacedScene& p) { p.world_from_scene.scale = nan_d; }},
+    {not_a_scale, [](PlacedScene& p) { p.world_from_scene.scale = INFINITY; }},
+    {not_a_translation, [](PlacedScene& p) { p.world_from_scene.translation.y = -INFINITY; }},
+    {not_a_translation, [](PlacedScene& p) { p.world_from_scene.translation.z = nan_d; }},
+    {not_an_opacity, [](PlacedScene& p) { p.opacity = nan_f; }},
+    {not_an_opacity, [](PlacedScene& p) { p.opacity = -0.1f; }},
+    {not_an_opacity, [](PlacedScene& p) { p.opacity = 1.1f; }},
+    {not_a_count, [](PlacedScene& p) { p.clip.half_space_count = 1 << 20; }},
+    {not_a_count, [](PlacedScene& p) { p.clip.half_space_count = -1; }},
+    {not_a_half_space, [](PlacedScene& p) { p.clip.half_space_count = 1, p.clip.half_spaces[0].w = nan_f; }},
+    {not_a_half_space,
+     [](PlacedScene& p) { p.clip.half_space_count = 6, p.clip.half_spaces[5].x = INFINITY; }},
+    {"placed scene: expected a clip with a finite centre", [](PlacedScene& p) { p.clip.centre.y = nan_f; }},
+    {not_a_radius, [](PlacedScene& p) { p.clip.radius = nan_f; }},
+    {not_a_radius, [](PlacedScene& p) { p.clip.radius = -1; }}};
 
 /// Same planes but for the numbers of Gaussians.
 bool same_but_ids(Frame a, Frame b) {
@@ -231,6 +271,38 @@ SWIFTGS_CONTRACT("placed scenes: clips and opacities are those of scenes that we
   CHECK(none.alpha[0] == 0);
 }
 
+SWIFTGS_CONTRACT("placed scenes: all backends clip means within last places of a border alike") {
+  Usual<B> renderer(test::make_backend<B>());
+  const Camera camera = turned_camera(90, 70, 0.1);
+  const RenderSettings settings = settings_of_all(channels);
+  Clip oblique;
+  oblique.half_space_count = 1, oblique.half_spaces[0] = vec4(0.6f, -0.3f, 0.7f, -3.1f);
+  for (const Clip& clip :
+       {Clip::box(vec3(-1, -2, 1.3f), vec3(2, 1, 8)), Clip::sphere(vec3(0.5f, 0.1f, 6), 3.3f), oblique}) {
+    Scene scene = scene_of_all(3000, 7);
+    for (std::size_t i = 0; i < scene.size(); ++i) {
+      vec3& mean = scene.means[i];
+      const dvec3 from = dvec3(mean) - dvec3(clip.centre);
+      if (clip.radius != INFINITY) {
+        mean = vec3(dvec3(clip.centre) + double(clip.radius) / std::sqrt(dot(from, from)) * from);
+      } else {
+        const vec4& h = clip.half_spaces[i % std::size_t(clip.half_space_count)];
+        const dvec3 normal(h.x, h.y, h.z);
+        mean = vec3(dvec3(mean) - (dot(normal, dvec3(mean)) + double(h.w)) / dot(normal, normal) * normal);
+      }
+      float& moved = mean[int(i % 3)];  // by up to two last places
+      for (std::size_t k = i % 5; k > 2; --k) moved = std::nextafter(moved, INFINITY);
+      for (std::size_t k = i % 5; k < 2; ++k) moved = std::nextafter(moved, -INFINITY);
+    }
+    const Scene cut = subset(scene, select(scene, [&](std::size_t i) { return clip.shows(scene.means[i]); }));
+    CHECK(cut.size() > 500);
+    CHECK(cut.size() < 2500);
+    CHECK(same_but_ids(renderer.render(std::vector<PlacedScene>{{backend.upload(scene).view(), {}, 1, clip}},
+                                       camera, settings),
+                       renderer.render(backend.upload(cut), camera, settings)));
+  }
+}
+
 SWIFTGS_CONTRACT("placed scenes: recorded frames follow them where they go, and take no memory") {
   Hooked<B> memory;
   Usual<B> renderer(memory.backend(2)), other(test::make_backend<B>());
@@ -258,46 +330,6 @@ SWIFTGS_CONTRACT("placed scenes: recorded frames follow them where they go, and 
     CHECK(renderer.pick(45, 35).gaussian == other.pick(45, 35).gaussian);
   }
   CHECK(memory.calls() == calls);
-  // What others write to the placed scenes' memory.
-  if constexpr (!on_host<B>) {
-    const std::vector<PlacedScene> good = at(1);
-    renderer.set_scenes(good);
-    const auto record_with = [&](std::size_t which, const PlacedScene& changed) {
-      const std::size_t begin = offsetof(PlacedScene, world_from_scene),
-                        end = offsetof(PlacedScene, first_gaussian);
-      const auto* bytes = reinterpret_cast<const unsigned char*>(&changed);
-      CopyToBackend<B>::copy(Span<const unsigned char>{bytes + begin, end - begin},
-                             reinterpret_cast<unsigned char*>(renderer.recorded_scenes() + which) + begin);
-      renderer.record(report.data());
-      CHECK(report.get(renderer.backend()).overflowed == 0);
-      return on.on_host(renderer.backend());
-    };
-    std::vector<PlacedScene> wanted = good;
-    wanted[1].world_from_scene = moved(0.8);
-    CHECK(same_planes(record_with(1, wanted[1]), other.render(wanted, camera, settings_of_all(channels))));
-    CHECK(renderer.refused_scenes().empty());
-    wanted[1].opacity = 0;  // draws nothing, as one that is refused
-    const Frame without = other.render(wanted, camera, settings_of_all(channels));
-    for (int kind = 0; kind < 6; ++kind) {
-      CAPTURE(kind);
-      PlacedScene bad = good[1];
-      if (kind == 0) bad.world_from_scene.rotation[1][2] = std::nan("");
-      if (kind == 1) bad.world_from_scene.rotation[0] *= 2;
-      if (kind == 2) bad.world_from_scene.scale = -1;
-      if (kind == 3) bad.world_from_scene.translation.y = INFINITY;
-      if (kind == 4) bad.opacity = std::nanf("");
-      if (kind == 5) bad.clip.half_space_count = 1 << 20;
-      CHECK(same_planes(record_with(1, bad), without));
-      CHECK(renderer.refused_scenes() == std::vector<std::size_t>{1});
-    }
-    CHECK(same_planes(record_with(1, good[1]), other.render(good, camera, settings_of_all(channels))));
-    CHECK(renderer.refused_scenes().empty());
-  } else {
-    renderer.recorded_scenes()[1].world_from_scene.scale = std::nan("");
-    CHECK_THROWS_WITH_AS(renderer.record(report.data()), "placed scene: expected a finite scale above 0",
-                         std::invalid_argument);
-    renderer.set_scenes(at(0));
-  }
   // Through the pose of a scene that stands by itself, and on.
   std::vector<PlacedScene> one{{part.view(), moved(0.9)}};
   renderer.reserve(one, {&view, 1}, {2000, 40'000});
@@ -323,6 +355,88 @@ SWIFTGS_CONTRACT("placed scenes: recorded frames follow them where they go, and 
   CHECK_THROWS_WITH_AS(renderer.set_scenes(larger),
                        "set_scenes: placed scene 1 has 900 Gaussians, expected 300 as reserved",
                        std::invalid_argument);
+}
+
+SWIFTGS_CONTRACT("placed scenes: recorded ones that others write to are drawn where they are valid") {
+  Usual<B> renderer(test::make_backend<B>()), other(test::make_backend<B>());
+  const auto still = backend.upload(scene_of_all(900, 5)), part = backend.upload(scene_of_all(300, 6));
+  const std::vector<PlacedScene> good{{still.view()},
+                                      {part.view(), moved(1, dvec3(0.1, 0.2, 0.5)), 0.9f},
+                                      {part.view(), moved(0.5), 1, Clip::sphere(vec3(0), 5)}};
+  const Camera camera = turned_camera(90, 70, 0.1);
+  PlanesOn<B> on(renderer.backend(), camera.width, camera.height, all_planes(channels), 0);
+  const View view = make_view(camera, {}, on.view());
+  Report<B> report;
+  renderer.reserve(good, {&view, 1}, {3000, 60'000});
+  const auto write = [&](std::size_t which, const PlacedScene& to) {
+    const std::size_t begin = offsetof(PlacedScene, world_from_scene),
+                      end = offsetof(PlacedScene, first_gaussian);
+    const auto* bytes = reinterpret_cast<const unsigned char*>(&to);
+    CopyToBackend<B>::copy(Span<const unsigned char>{bytes + begin, end - begin},
+                           reinterpret_cast<unsigned char*>(renderer.recorded_scenes() + which) + begin);
+  };
+  const auto draws = [&](const std::vector<PlacedScene>& wanted) {
+    renderer.record(report.data());
+    CHECK(report.get(renderer.backend()).overflowed == 0);
+    return same_planes(on.on_host(renderer.backend()),
+                       other.render(wanted, camera, settings_of_all(channels)));
+  };
+  using Numbers = std::vector<std::size_t>;
+  CHECK(draws(good));
+  for (int i = 0; i < 3; ++i) {
+    std::vector<PlacedScene> wanted = good;
+    wanted[1].world_from_scene = moved(0.8 + 0.1 * i), wanted[1].opacity = 0.5f;
+    wanted[2].clip = Clip::box(vec3(-1), vec3(2, float(i), 9)), wanted[0].world_from_scene = moved(1.1);
+    for (const std::size_t which : {0, 1, 2}) write(which, wanted[which]);
+    CHECK(draws(wanted));
+    CHECK(renderer.refused_scenes().empty());
+  }
+  renderer.set_scenes(good);
+  CHECK(draws(good));
+
+  for (const Defect& defect : defects)
+    for (const std::size_t which : {0, 2}) {
+      CAPTURE(defect.refusal);
+      CAPTURE(which);
+      PlacedScene bad = good[which];
+      defect.make(bad);
+      CHECK_FALSE(bad.is_valid());
+      write(which, bad);
+      if constexpr (on_host<B>) {
+        CHECK_THROWS_WITH_AS(renderer.record(report.data()), defect.refusal, std::invalid_argument);
+        CHECK(renderer.refused_scenes().empty());
+      } else {
+        std::vector<PlacedScene> without = good;
+        without[which].opacity = 0;
+        CHECK(draws(without));
+        CHECK(renderer.refused_scenes() == Numbers{which});
+      }
+      write(which, good[which]);
+      CHECK(draws(good));
+      CHECK(renderer.refused_scenes().empty());
+    }
+
+  // All at once. Views tell of the scenes that they show.
+  PlacedScene bad = good[0];
+  bad.world_from_scene.rotation = dmat3(0.0);
+  for (const std::size_t which : {0, 1, 2}) write(which, bad);
+  if constexpr (!on_host<B>) {
+    std::vector<PlacedScene> none = good;
+    for (PlacedScene& placed : none) placed.opacity = 0;
+    CHECK(draws(none));
+    CHECK(renderer.refused_scenes() == Numbers{0, 1, 2});
+    View of_last = view;
+    of_last.shows = {1, 2};
+    renderer.reserve(good, {&of_last, 1}, {3000, 60'000});
+    for (const std::size_t which : {0, 1}) write(which, bad);
+    renderer.record(report.data());
+    CHECK(renderer.refused_scenes() == Numbers{1});
+    renderer.reserve(good, {&view, 1}, {3000, 60'000});
+    write(2, bad);
+  }
+  renderer.set_scenes(good);  // mends them
+  CHECK(draws(good));
+  CHECK(renderer.refused_scenes().empty());
 }
 
 SWIFTGS_CONTRACT("placed scenes: ten thousand frames of scenes that come and go and move keep their bits") {
@@ -353,6 +467,23 @@ SWIFTGS_CONTRACT("placed scenes: ten thousand frames of scenes that come and go 
   CHECK(different == 0);
   CHECK(renderer.memory().total() == memory);
   CHECK_FALSE(same_planes(first[0], first[1]));
+}
+
+SWIFTGS_CONTRACT("placed scenes: a pair of a view and a placed scene takes 64 bytes at most") {
+  constexpr std::size_t views = 64, scenes = 100;
+  const auto whole = backend.upload(random_scene(scenes * chunk_size, 0, 3));
+  const auto memory_of = [&](std::size_t parts) {
+    Usual<B> renderer(test::make_backend<B>());
+    std::vector<PlacedScene> placed;
+    const std::size_t each = scenes * chunk_size / parts;
+    for (std::size_t i = 0; i < parts; ++i)
+      placed.push_back({range_of(whole.view(), i * each, each), moved(1, dvec3(0, 0, 1e-3))});
+    const std::vector<Camera> cameras(views, forward_camera(32, 32));
+    std::vector<Frame> frames(views);
+    renderer.render(placed, {cameras.data(), views}, {}, {frames.data(), views});
+    return renderer.memory().total();
+  };
+  CHECK(memory_of(scenes) <= memory_of(1) + 64 * views * scenes + scenes * sizeof(PlacedScene));
 }
 
 SWIFTGS_CONTRACT("placed scenes: a Gaussian's number tells its scene, and splats are counted by scene") {
@@ -404,13 +535,30 @@ TEST_CASE("placed scenes: what cannot be placed is refused") {
                        "placed scene: expected a finite translation", std::invalid_argument);
   CHECK_THROWS_WITH_AS(render({.world_from_scene = {.rotation = dmat3(-1.0)}}),
                        "placed scene: expected a rotation, not a mirror", std::invalid_argument);
-  CHECK_THROWS_WITH_AS(render({.opacity = 1.5f}), "render: expected an opacity of 0 to 1 of a placed scene",
+  CHECK_THROWS_WITH_AS(render({.opacity = 1.5f}), "placed scene: expected an opacity of 0 to 1",
                        std::invalid_argument);
   CHECK_THROWS_WITH_AS(render({.clip = Clip::sphere(vec3(0), -1)}),
-                       "clip: expected a sphere with a radius of 0 or more", std::invalid_argument);
+                       "placed scene: expected a clip with a radius of 0 or more", std::invalid_argument);
   Clip clip;
   clip.half_space_count = 7;
-  CHECK_THROWS_WITH_AS(render({.clip = clip}), "clip: expected 0 to 6 half-spaces", std::invalid_argument);
+  CHECK_THROWS_WITH_AS(render({.clip = clip}), "placed scene: expected a clip of 0 to 6 half-spaces",
+                       std::invalid_argument);
+  clip.half_space_count = 2, clip.half_spaces[1].w = float(nan);
+  CHECK_THROWS_WITH_AS(render({.clip = clip}),
+                       "placed scene: expected a clip with half-spaces of finite numbers",
+                       std::invalid_argument);
+  clip.half_space_count = 1;  // the others do not count
+  CHECK_NOTHROW(render({.clip = clip}));
+  // A device refuses by the same rules, without words.
+  for (const PlacedScene& wrong : {PlacedScene{.world_from_scene = {.rotation = dmat3(nan)}},
+                                   {.world_from_scene = {.scale = INFINITY}},
+                                   {.opacity = float(nan)},
+                                   {.clip = Clip::sphere(vec3(0, INFINITY, 0), 1)},
+                                   {.clip = Clip::sphere(vec3(0), float(nan))}}) {
+    CHECK_FALSE(wrong.is_valid());
+    CHECK_THROWS_AS(render(wrong), std::invalid_argument);
+  }
+  CHECK(PlacedScene{.clip = Clip::sphere(vec3(0), 0)}.is_valid());
   View view = make_view(camera, {}, {.width = 20, .height = 20});
   view.shows = {1, 1};
   CHECK_THROWS_WITH_AS(

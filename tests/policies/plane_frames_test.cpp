@@ -300,7 +300,9 @@ TEST_CASE("planes: those that cannot be written are refused in words") {
                          std::invalid_argument);
   SceneView raw = view(scene);
   --raw.features.size;
-  CHECK_THROWS_WITH_AS(validate(raw), "render: expected features of every Gaussian, or none",
+  CHECK_THROWS_WITH_AS(validate(raw),
+                       "render: features of the scene: 9 values, 12 bytes apart; expected 10 values, "
+                       "12 bytes or more apart, in multiples of 4",
                        std::invalid_argument);
   scene.features.pop_back();
   CHECK_THROWS_WITH_AS(validate(scene), "scene: features has 29 elements, expected 30",

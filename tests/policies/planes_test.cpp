@@ -274,7 +274,7 @@ SWIFTGS_CONTRACT("planes: features that are not finite count as 0 and huge and n
   const auto draw = [&](const std::vector<float>& features) {
     const auto memory = to_backend(renderer.backend(), features);
     SceneView raw = on.view();
-    raw.features = memory.span();
+    raw.features = {memory.data(), raw.size(), 4 * sizeof(float)};
     return render_over_sevens(renderer, raw, camera, all_planes(4));
   };
   const Frame frame = draw(scene.features);

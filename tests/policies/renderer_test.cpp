@@ -137,7 +137,6 @@ TEST_CASE("renderer: what nothing can be rendered with is refused in words") {
     const char* message;
     void (*spoil)(Arguments&);
   };
-  const char* const rest = "render: expected SH coefficients of the view's degree for every Gaussian";
   const char* const alphas = "conventions: expected 2^-126 <= alpha_min <= alpha_max <= 1";
   const Refused all[] = {
       {"render: expected a frame of the camera's size", [](Arguments& a) { a.frame.width = 39; }},
@@ -145,11 +144,27 @@ TEST_CASE("renderer: what nothing can be rendered with is refused in words") {
        [](Arguments& a) { a.camera.width = a.frame.width = -100, a.settings.count = true; }},
       {"camera: expected focal lengths of 1e-6 to 1e12 pixels",
        [](Arguments& a) { a.camera.fx = std::nan(""); }},
-      {"render: expected arrays of one length in the scene",
+      {"render: opacities of the scene: 9 values, 4 bytes apart; expected 10 values, 4 bytes or more apart, "
+       "in multiples of 4",
        [](Arguments& a) { a.scene.opacities.size = 9; }},
+      {"render: scales of the scene: 10 values, 8 bytes apart; expected 10 values, 12 bytes or more apart, "
+       "in multiples of 4",
+       [](Arguments& a) { a.scene.scales.stride = 8; }},
+      {"render: rotations of the scene: 10 values, 18 bytes apart; expected 10 values, 16 bytes or more "
+       "apart, "
+       "in multiples of 4",
+       [](Arguments& a) { a.scene.rotations.stride = 18; }},
+      {"render: means of the scene: 0 values, 12 bytes apart; expected 10 values, 12 bytes or more apart, "
+       "in multiples of 4",
+       [](Arguments& a) { a.scene.means.data = nullptr; }},
+      {"render: sh_rest of the scene: 10 values, 96 bytes apart; expected 10 values, 180 bytes or more "
+       "apart, "
+       "in multiples of 4",
+       [](Arguments& a) { a.scene.sh_degree = 3; }},
+      {"render: sh_rest of the scene: 9 values, 96 bytes apart; expected 10 values, 96 bytes or more apart, "
+       "in multiples of 4",
+       [](Arguments& a) { --a.scene.sh_rest.size; }},
       {"render: expected an SH degree of 0 to 3", [](Arguments& a) { a.scene.sh_degree = 4; }},
-      {rest, [](Arguments& a) { a.scene.sh_degree = 3; }},
-      {rest, [](Arguments& a) { --a.scene.sh_rest.size; }},
       {alphas, [](Arguments& a) { a.settings.conventions.alpha_min = 0; }},
       {alphas, [](Arguments& a) { a.settings.conventions.alpha_min = 1e-42f; }},
       {alphas, [](Arguments& a) { a.settings.conventions.alpha_min = 0.995f; }},

@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstring>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include <swiftgs/bin_stage.hpp>
@@ -44,6 +45,20 @@ template <class B, class T>
 std::vector<T> to_host(const B& backend, Span<const T> from) {
   std::vector<T> to(from.size);
   backend.download(from, to.data());
+  return to;
+}
+
+/// The same of `each` values in every row.
+template <class B, class T>
+std::vector<std::remove_const_t<T>> to_host(const B& backend, const StridedSpan<T>& rows,
+                                            std::size_t each = 1) {
+  std::vector<std::remove_const_t<T>> to(rows.size * each);
+  if (to.empty()) return to;
+  const std::size_t stride = rows.stride / sizeof(float), used = each * sizeof(T) / sizeof(float);
+  const std::vector<float> all = to_host(
+      backend, Span<const float>{reinterpret_cast<const float*>(rows.data), (rows.size - 1) * stride + used});
+  for (std::size_t i = 0; i < rows.size; ++i)
+    std::memcpy(static_cast<void*>(&to[each * i]), &all[stride * i], each * sizeof(T));
   return to;
 }
 

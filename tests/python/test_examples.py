@@ -37,6 +37,23 @@ def test_objects_move_about_the_built_in_scene(tmp_path):
     assert all(0.02 < part < 0.5 for part in moved) and len({image.tobytes() for image in images}) == 3
 
 
+def test_worlds_of_the_simulator_share_a_room_and_move_apart(tmp_path):
+    printed = run_script(tmp_path, ROOT / "examples/16_simulator.py", "--worlds", "3", "--steps", "2", "--size", "64")
+    assert re.fullmatch(r"9 images a step on .+, poses by (numpy|cupy|torch): [\d,]+ images a second\n", printed)
+    picture = swiftgs.load_image(tmp_path / "simulator.png")
+    assert picture.shape == (4 * 64, 6 * 64, 3)
+    times, cameras = picture.reshape(4, 64, 6, 64, 3).transpose(0, 2, 1, 3, 4), slice(0, 3)  # [time, view, ...]
+
+    def changed(some, others):
+        """The part of the pixels that differs in each pair of images."""
+        return (np.abs(some - others).max(axis=-1) > 0.04).mean(axis=(-2, -1))
+
+    # Objects move between the rows and are elsewhere in the other world. The room stays.
+    for found in (changed(times[1:], times[:-1]), changed(times[:, cameras], times[:, 3:])):
+        assert 0.01 < found.min() and found.max() < 0.4, found
+    assert changed(times[:, 0], times[:, 1]).min() > 0.5  # cameras differ
+
+
 def test_the_notebook_runs(tmp_path):
     run_script(tmp_path, ROOT / "examples/10_notebook.py")
     image = swiftgs.load_image(tmp_path / "notebook.png")

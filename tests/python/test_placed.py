@@ -86,6 +86,29 @@ def test_numbers_of_a_frame_tell_placements_and_indices(placing, scene, camera):
         swiftgs.Renderer("cpu").placed_scene_of(0)
 
 
+def test_placements_show_ranges_of_a_scene(renderer, scene, camera, expected):
+    # Ranges that make up the scene are the scene, chunks or no chunks.
+    for ends in ([0, 128, 1024, 2000], [0, 1, 700, 1999, 2000]):
+        ranges = list(zip(ends, ends[1:]))
+        renderer.place([Placement(first=first, count=end - first) for first, end in ranges])
+        assert np.array_equal(renderer.render(camera).colour, expected.colour)
+        assert renderer.statistics.gaussians == 2000
+    renderer.place([Placement(first=256, count=1000), Placement(first=1500), Placement(count=3)])
+    parts = [part_of(scene, chosen) for chosen in (slice(256, 1256), slice(1500, None), slice(0, 3))]
+    wanted = swiftgs.Renderer("cpu")
+    for part in parts:
+        wanted.add_scene(part)
+    found = renderer.render(camera, id=True)
+    assert np.array_equal(found.colour, wanted.render(camera).colour)
+    assert not np.array_equal(found.colour, expected.colour)
+    assert repr(renderer).endswith(", 1,503 Gaussians in 3 placed scenes>")
+    placement, index = renderer.placed_scene_of([0, 999, 1000, 1499, 1500, 1502, NOTHING])
+    assert placement.tolist() == [0, 0, 1, 1, 2, 2, -1] and index.tolist() == [256, 1255, 1500, 1999, 0, 2, -1]
+    other = swiftgs.Renderer("cpu")
+    other.share_scene(renderer)
+    assert np.array_equal(other.render(camera).colour, found.colour) and other.placed_scene_of(1000)[1] == 1500
+
+
 def test_matrices_move_scenes_as_they_move_points(renderer, camera, scene):
     def moved(matrix):
         """By arrays. Harmonics do not turn, so that turns are those of scenes without any."""
@@ -183,6 +206,13 @@ def test_what_cannot_be_placed_is_refused_and_changes_nothing(placing, renderer,
             ([Placement(world_from_scene=shear)], ValueError, "stretches scenes by 0.78.* to 1.28.*, expected"),
             ([Placement(world_from_scene=pose(0))], ValueError, "stretches scenes by 0 to 0, expected a"),
             ([Placement(world_from_scene=mirror)], ValueError, "world_from_scene mirrors scenes, expected"),
+            ([Placement(), Placement(first=2, count=999)], swiftgs.InvalidArgument,
+             "place: placement 1 shows 999 Gaussians from number 2 on, expected some of the 1000 of scene 0"),
+            ([Placement(1, first=621)], swiftgs.InvalidArgument, "placement 0 shows all Gaussians from number 621 on, "
+                                                                 "expected some of the 620 of scene 1"),
+            ([Placement(first=-1)], ValueError, "first is -1 and count is None, expected first of 0 or more and"),
+            ([Placement(count=0)], ValueError, "first is 0 and count is 0, expected first of 0 or more and count of 1"),
+            ([Placement(first=1 << 64)], ValueError, "expected a number that its Placement can hold"),
             ([Placement(opacity=1.1)], ValueError, "opacity is 1.1, expected 0 to 1"),
             ([Placement(opacity=float("nan"))], ValueError, "opacity is nan, expected 0 to 1"),
             ([Placement(clip=(1, 2))], TypeError, "clip is of type tuple, expected swiftgs.Clip"),
@@ -203,3 +233,132 @@ def test_renderers_keep_the_scenes_that_they_place(placing, parts, renderer, cam
     parts.clear()
     gc.collect()
     assert np.array_equal(placing.render(camera).colour, renderer.render(camera).colour)
+
+
+def test_updates_replace_arrays_of_a_range(placing, scene, camera, arrays):
+    other = swiftgs.Renderer("cpu")
+    other.share_scene(placing)
+    before = placing.render(camera).colour
+    wanted = {name: array.copy() for name, array in arrays.items()}
+
+    def check():
+        whole = swiftgs.Renderer("cpu", scene=swiftgs.Scene.from_arrays(**wanted, any_rotations=False))
+        colour = whole.render(camera).colour
+        assert not np.array_equal(colour, before)
+        for renderer in (placing, other):
+            assert np.array_equal(renderer.render(camera).colour, colour)
+
+    # Gaussians of the second part, 620 from number 1000 of the whole on.
+    wanted["means"][1100:1400] += np.float32(0.3)
+    placing.update_scene(1, 100, means=wanted["means"][1100:1400])
+    check()
+    wanted["opacities"][:50] = 0.5
+    wanted["sh_rest"][:50] = arrays["sh_rest"][::-1][:50]
+    other.update_scene(opacities=np.full(50, 0, np.float32), sh_rest=wanted["sh_rest"][:50], logit_opacities=True)
+    check()
+    wanted["scales"][1700:1710] = 0.25
+    wanted["rotations"][1700:1710] = (1, 0, 0, 0)
+    padded = np.zeros((10, 7), np.float32)
+    padded[:, 1] = 3
+    placing.update_scene(2, 80, scales=np.full((10, 3), np.log(np.float32(0.25)), np.float32),
+                         rotations=padded[:, 1:5], log_scales=True)
+    check()
+    wanted["sh0"][:1000] = 0
+    placing.update_scene(0, colours=np.full((1000, 3), 0.5, np.float32))
+    check()
+    # The scene that was given stays.
+    part = part_of(scene, slice(None))
+    renderer = swiftgs.Renderer("cpu", scene=part)
+    renderer.update_scene(means=np.zeros((2000, 3), np.float32))
+    assert np.array_equal(part.means, scene.means)
+    assert not np.array_equal(renderer.render(camera).colour, before)
+
+
+def test_updates_that_are_refused_change_nothing(placing, camera):
+    wanted, means = placing.render(camera).colour, np.zeros((5, 3), np.float32)
+    for arguments, error, message in [
+            ((0,), TypeError, "all arrays are None, expected one or more"),
+            ((3, 0, means), swiftgs.InvalidArgument, "update_scene: the scene is number 3, expected less than 3"),
+            ((-1, 0, means), ValueError, "scene is number -1 and first is 0, expected numbers from 0 on"),
+            ((0, 996, means), swiftgs.InvalidArgument, "update: 5 Gaussians from number 996 on, expected some of the "
+                                                       "scene's 1000"),
+            ((0, 0, means * np.nan), swiftgs.InvalidArgument, "means of Gaussian 0 is nan, expected finite numbers"),
+            ((0, 0, means[:, :2]), ValueError, r"means has the shape \(5, 2\), expected \(N, 3\)")]:
+        with pytest.raises(error, match=message):
+            placing.update_scene(*arguments[:2], means=arguments[2] if len(arguments) > 2 else None)
+    for arrays, error, message in [
+            ({"opacities": means[:4, 0].copy()}, ValueError, r"opacities has the shape \(4,\), expected \(5\)"),
+            ({"sh_rest": np.zeros((5, 8, 3), np.float32)}, swiftgs.InvalidArgument,
+             "update: sh_degree is 2, expected 3 as in the scene"),
+            ({"features": means}, swiftgs.InvalidArgument, "update: feature_channels is 3, expected 0 as in the scene"),
+            ({"sh0": means, "colours": means}, TypeError, "update_scene takes either sh0 or colours")]:
+        with pytest.raises(error, match=message):
+            placing.update_scene(means=means, **arrays)
+    with pytest.raises(ValueError, match=r"features has the shape \(4, 3\), expected \(5, N\)"):
+        placing.update_scene(sh_rest=np.zeros((5, 15, 3), np.float32), features=means[:4])
+    with pytest.raises(TypeError, match="means is of type list"):
+        placing.update_scene(means=[[0, 0, 0]])
+    assert np.array_equal(placing.render(camera).colour, wanted)
+
+
+def test_recorded_frames_follow_what_is_written_to_their_poses(placing, camera):
+    placing.place([Placement(0), Placement(1, pose(0.5, (0.2, 0, 0.1), 0.3), opacity=0.75), Placement(2)])
+    wanted = placing.render(camera, depth=True)
+    frame = swiftgs.Frame.empty(WIDTH, HEIGHT, depth=True)
+    with pytest.raises(ValueError, match="record: nothing was reserved, expected Renderer.reserve before"):
+        placing.record()
+    with pytest.raises(swiftgs.OrderError, match="recorded_scenes: expected reserve of placed scenes before"):
+        placing.recorded_scenes  # pylint: disable=pointless-statement
+    placing.reserve(camera, frame, splats=4000, intersections=400_000)
+    placing.record()
+    assert np.array_equal(frame.colour, wanted.colour) and np.array_equal(frame.depth, wanted.depth)
+    report = placing.report
+    assert 100 < report.visible <= 2000 < report.intersections and report.overflowed is False
+
+    scenes = placing.recorded_scenes
+    assert [array.shape for array in scenes] == [(3, 3, 3), (3,), (3, 3), (3,)]
+    assert np.allclose(scenes.rotations[1] * scenes.scales[1], pose(0.5, angle=0.3)[:3, :3])
+    assert scenes.translations.tolist() == [[0, 0, 0], [0.2, 0, 0.1], [0, 0, 0]]
+    assert scenes.opacities.tolist() == [1, 0.75, 1]
+    moved = pose(1.25, (-0.3, 0.2, 0), -0.4)
+    placing.place([Placement(0, moved, opacity=0.5), Placement(1, pose(0.5, (0.2, 0, 0.1), 0.3)), Placement(2)])
+    wanted = placing.render(camera).colour
+    placing.record()
+    assert not np.array_equal(frame.colour, wanted)
+    scenes.rotations[0], scenes.scales[0] = moved[:3, :3] / 1.25, 1.25
+    scenes.translations[0], scenes.opacities[:2] = moved[:3, 3], (0.5, 1)
+    placing.record()
+    assert decibels(frame.colour, wanted) > 80 and placing.refused_scenes == []
+    placing.set_recorded_scenes()
+    placing.record()
+    assert np.array_equal(frame.colour, wanted)
+
+    scenes.rotations[2, 0, 0] = 2
+    with pytest.raises(swiftgs.InvalidArgument, match="expected a rotation with orthonormal columns"):
+        placing.record()
+    placing.set_recorded_scenes()
+    other = swiftgs.Frame.empty(WIDTH, HEIGHT, depth=True)
+    placing.set_views(swiftgs.Camera.builtin(WIDTH, HEIGHT), other)
+    placing.record()
+    assert np.array_equal(other.colour, wanted)
+    placing.reserve(camera, frame, splats=5)
+    placing.record()
+    assert placing.report.overflowed and placing.report.visible > 5
+    placing.trim()
+    with pytest.raises(ValueError, match="report: nothing was reserved, expected"):
+        placing.report  # pylint: disable=pointless-statement
+
+
+def test_placements_tell_how_many_splats_they_have(placing, renderer, camera):
+    with pytest.raises(swiftgs.OrderError, match="visible_by_scene: expected a frame before"):
+        placing.visible_by_scene  # pylint: disable=pointless-statement
+    placing.place([Placement(2), Placement(0, opacity=0), Placement(1), Placement(1, first=100, count=50)])
+    placing.render(camera)
+    visible = placing.visible_by_scene
+    assert len(visible) == 4 and sum(visible) == placing.statistics.visible
+    assert visible[1] == 0 < visible[3] <= 50 < visible[2] <= 620 and visible[0] > 100
+    renderer.render(camera)
+    assert renderer.visible_by_scene == [renderer.statistics.visible]
+    placing.place([Placement(2)])
+    with pytest.raises(swiftgs.InvalidArgument, match="visible_by_scene: count is 1, expected 4, the placed scenes"):
+        placing.visible_by_scene  # pylint: disable=pointless-statement

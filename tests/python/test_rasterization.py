@@ -135,6 +135,62 @@ def test_signals_beside_the_colours(gsplat_arguments):
         assert np.array_equal(images, alone) and np.array_equal(meta["render_extra_signals"], alone[..., ::-1])
 
 
+def batch_of(arguments, worlds, cameras):
+    """Another scene and other views for each world; the arguments for them all and for each."""
+    rng, alone = np.random.default_rng(5), []
+    for world in range(worlds):
+        means = arguments["means"] + rng.normal(0, 0.3, 3).astype(np.float32)
+        viewmats = np.repeat(arguments["viewmats"], cameras, axis=0)
+        viewmats[:, 0, 3] += np.arange(cameras, dtype=np.float32) / 4 - world / 8
+        alone.append(dict(arguments, means=means, viewmats=viewmats, Ks=np.repeat(arguments["Ks"], cameras, axis=0),
+                          backgrounds=rng.uniform(0, 1, (cameras, 3)).astype(np.float32)))
+    shared = ("means", "quats", "scales", "opacities", "colors", "viewmats", "Ks", "backgrounds")
+    together = dict(arguments, **{name: np.stack([each[name] for each in alone]) for name in shared})
+    return together, alone
+
+
+@pytest.mark.parametrize("cameras", (1, 3))
+def test_a_batch_has_the_bits_of_each_scene_alone(cameras, gsplat_arguments):
+    together, alone = batch_of(gsplat_arguments, 4, cameras)
+    for name in ("means", "quats", "scales", "opacities", "colors", "viewmats", "Ks", "backgrounds"):
+        together[name] = together[name].reshape(2, 2, *together[name].shape[1:])
+    for mode in ("RGB", "RGB+ED", "D"):
+        colours, alphas, meta = swiftgs.rasterization(**together, render_mode=mode)
+        assert colours.shape[:5] == (2, 2, cameras, HEIGHT, WIDTH) and alphas.shape == (2, 2, cameras, HEIGHT, WIDTH, 1)
+        assert (meta["n_batches"], meta["n_cameras"]) == (4, cameras)
+        for world, arguments in enumerate(alone):
+            wanted, wanted_alphas, _ = swiftgs.rasterization(**arguments, render_mode=mode)
+            assert np.array_equal(colours[world // 2, world % 2], wanted)
+            assert np.array_equal(alphas[world // 2, world % 2], wanted_alphas)
+    assert not np.array_equal(colours[0, 0], colours[0, 1])
+
+
+def test_a_batch_has_lenses_signals_and_colours_of_its_own(gsplat_arguments):
+    together, alone = batch_of(gsplat_arguments, 2, 2)
+    rng = np.random.default_rng(6)
+    count = len(gsplat_arguments["means"])
+    own = {"radial_coeffs": rng.uniform(-0.02, 0.02, (2, 2, 4)), "colors": rng.uniform(0, 1, (2, count, 3)),
+           "extra_signals": rng.normal(0, 1, (2, count, 5))}
+    own = {name: array.astype(np.float32) for name, array in own.items()}
+    options = {"sh_degree": None, "camera_model": "fisheye"}
+    colours, _, meta = swiftgs.rasterization(**dict(together, **own, **options))
+    for world, arguments in enumerate(alone):
+        mine = {name: array[world] for name, array in own.items()}
+        wanted, _, of_one = swiftgs.rasterization(**dict(arguments, **mine, **options))
+        assert np.array_equal(colours[world], wanted)
+        assert np.array_equal(meta["render_extra_signals"][world], of_one["render_extra_signals"])
+
+
+def test_a_batch_of_one_and_of_empty_scenes(gsplat_arguments):
+    together, alone = batch_of(gsplat_arguments, 1, 1)
+    assert np.array_equal(swiftgs.rasterization(**together)[0][0], swiftgs.rasterization(**alone[0])[0])
+    together, _ = batch_of(gsplat_arguments, 2, 1)
+    for name in ("means", "quats", "scales", "opacities", "colors"):
+        together[name] = together[name][:, :0]
+    colours, alphas, _ = swiftgs.rasterization(**together)
+    assert (colours == together["backgrounds"][:, :, None, None]).all() and not alphas.any()
+
+
 def test_lower_degrees_leave_bands_out(gsplat_arguments, scene):
     for degree in (0, 1, 2):
         coefficients = (degree + 1) ** 2
@@ -267,7 +323,9 @@ def test_lenses_that_gsplat_draws_otherwise_are_refused(change, name, why, gspla
     ({"radial_coeffs": np.zeros((1, 4))}, ValueError, "radial_coeffs has the shape (1, 4), expected (1, 6)"),
     ({"tangential_coeffs": np.zeros(2)}, ValueError, "tangential_coeffs has the shape (2,), expected (1, 2)"),
     ({"radial_coeffs": np.full((1, 6), np.inf)}, ValueError, "at most 1e6 in magnitude"),
-    ({"means": np.zeros((2, 2000, 3), np.float32)}, NotImplementedError, "batches of scenes are not offered"),
+    ({"means": np.zeros((2, 2000, 3), np.float32)}, ValueError,
+     "quats has the shape (2000, 4), expected the batch (2,) of means first, and 2 dimensions after it"),
+    ({"means": np.zeros((0, 2000, 3), np.float32)}, ValueError, "expected a batch of one scene or more"),
     ({"colors": np.zeros((1, 2000, 3), np.float32), "sh_degree": None}, NotImplementedError, "colours of each camera"),
     ({"colors": np.zeros((2000, 16), np.float32), "sh_degree": None, "backgrounds": np.zeros((1, 16))},
      NotImplementedError, "backgrounds is an array of the shape (1, 16), expected None for colors of 16 channels"),

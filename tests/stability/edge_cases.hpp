@@ -102,6 +102,31 @@ TEST_CASE(SWIFTGS_STABILITY ": depths on a plane are drawn as the preset says") 
   }
 }
 
+TEST_CASE(SWIFTGS_STABILITY ": a clip shows a mean on its border and none beside it") {
+  const auto check = [](const Clip& clip, float z, bool shown) {
+    StressCase settings = exact_case();
+    settings.clip = clip;
+    check_shown(settings, dot(z, 0.5f), shown);
+  };
+  const Clip box = Clip::box(vec3(0, -1, 1.1f), vec3(1, 0, 3.3f)), ball = Clip::sphere(vec3(0), 2);
+  for (const float z : {1.1f, 3.3f}) check(box, z, true);
+  for (const float z : {below(1.1f), above(3.3f)}) check(box, z, false);
+  check(Clip::box(vec3(0x1p-30f, -1, 1), vec3(1, 1, 3)), 2, false);
+  check(Clip::box(vec3(-1, -1, 1), vec3(1, -0x1p-30f, 3)), 2, false);
+  check(ball, 2, true);
+  check(ball, above(2), false);
+  check(Clip::sphere(vec3(0, 0, 2), 0), 2, true);
+  check(Clip::sphere(vec3(0, 0, 2), 0), above(2), false);
+  Clip both = ball;
+  both.half_space_count = 1, both.half_spaces[0] = vec4(0.5f, 3, -1, 2);
+  check(both, 2, true);
+  check(both, above(2), false);
+  both.half_spaces[0].w = below(2);
+  check(both, 2, false);
+  both.half_space_count = 0;  // does not count
+  check(both, 2, true);
+}
+
 TEST_CASE(SWIFTGS_STABILITY ": with a near plane of 0 depths are drawn down to the least") {
   StressCase settings = exact_case();
   settings.conventions.near_plane = 0;

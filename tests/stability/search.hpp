@@ -10,6 +10,8 @@
 #include <cstring>
 #include <vector>
 
+#include <swiftgs/activation.hpp>
+
 #include "policies/random_splats.hpp"
 
 namespace swiftgs::test {
@@ -87,14 +89,6 @@ inline void nudge(Random& random, float& value) {
     default:
       return;
   }
-}
-
-/// The rotation nearest to `q`, in float.
-inline Quaternion normalised(Quaternion q) {
-  const double length = std::sqrt(double(q.w) * double(q.w) + double(q.x) * double(q.x) +
-                                  double(q.y) * double(q.y) + double(q.z) * double(q.z));
-  return {float(double(q.w) / length), float(double(q.x) / length), float(double(q.y) / length),
-          float(double(q.z) / length)};
 }
 
 /// Turns `q` a little, or leaves it.

@@ -42,7 +42,7 @@ struct DrawOnHost {
     if (!drawn.occluder.empty())
       view.occluder = {drawn.occluder.data(), std::ptrdiff_t(sizeof(float)) * frame.width};
     // As a caller's own arrays, which nothing looks at before.
-    const PlacedScene placed{swiftgs::view(drawn.scene), drawn.world_from_scene};
+    const PlacedScene placed{swiftgs::view(drawn.scene), drawn.world_from_scene, 1, drawn.clip};
     renderer.render_into(Span<const PlacedScene>{&placed, 1}, drawn.camera, settings_of(drawn), view);
     return frame;
   }

@@ -56,7 +56,8 @@ using Seeds = std::vector<std::uint64_t>;
 const Names long_shapes{"needles", "bare-needles", "pancakes", "ridges", "little-blur"};
 const Names large_shapes{"grazing", "scales", "distant-means"};
 const Names cameras{"wide-angles",   "long-lenses",     "principal-points", "uneven-focals",
-                    "world-offsets", "distant-cameras", "placed-scenes",    "skewed-rotations"};
+                    "world-offsets", "distant-cameras", "skewed-rotations"};
+const Names placed{"placed-scenes", "far-millimetres", "clipped-scenes"};
 const Names lenses{"distorted-lenses", "fisheyes", "orthographic", "panoramas"};
 const Names thresholds{"on-planes", "on-alphas", "on-stops", "on-ties"};
 const Names stacks{"equal-stacks", "deep-stacks"};
@@ -81,7 +82,7 @@ void check_one(StressCase drawn, Limits limits = {}) {
 
 TEST_CASE(SWIFTGS_STABILITY ": every family is swept") {
   std::set<std::string_view> swept;
-  for (const Names& names : {long_shapes, large_shapes, cameras, lenses, thresholds, stacks, values})
+  for (const Names& names : {long_shapes, large_shapes, cameras, placed, lenses, thresholds, stacks, values})
     swept.insert(names.begin(), names.end());
   for (const StressFamily& family : stress_families()) CHECK(swept.count(family.name) == 1);
   CHECK(swept.size() == stress_families().size());
@@ -97,6 +98,10 @@ TEST_CASE(SWIFTGS_STABILITY ": large and distant shapes are drawn as exactly as 
 
 TEST_CASE(SWIFTGS_STABILITY ": hard cameras are drawn as exactly as floats allow") {
   sweep(cameras, {5, 6, 27, 28, 29}, {});
+}
+
+TEST_CASE(SWIFTGS_STABILITY ": placed scenes are drawn as exactly as floats allow") {
+  sweep(placed, {5, 6, 27, 28, 29}, {});
 }
 
 TEST_CASE(SWIFTGS_STABILITY ": lenses are drawn as exactly as floats allow") {
@@ -123,7 +128,7 @@ TEST_CASE(SWIFTGS_STABILITY ": extreme values are drawn as exactly as floats all
 }
 
 TEST_CASE(SWIFTGS_STABILITY ": images that end within a tile are drawn as exactly as floats allow") {
-  for (const Names& names : {long_shapes, large_shapes, cameras, thresholds, values}) {
+  for (const Names& names : {long_shapes, large_shapes, cameras, placed, thresholds, values}) {
     sweep(names, {17}, {33, 17});
     sweep(names, {18}, {200, 3});
   }

@@ -28,7 +28,7 @@ StressSubject subject() {
   const auto renderer = std::make_shared<Drawn>();
   return {std::string(Drawn::name), [renderer](const StressCase& drawn) {
             const auto uploaded = renderer->backend().upload(drawn.scene);
-            const PlacedScene placed{uploaded.view(), drawn.world_from_scene};
+            const PlacedScene placed{uploaded.view(), drawn.world_from_scene, 1, drawn.clip};
             return renderer->render(Span<const PlacedScene>{&placed, 1}, drawn.camera,
                                     {.conventions = drawn.conventions,
                                      .background = drawn.background,

@@ -1,18 +1,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """Arrays of any library, without a copy and without importing the library.
 
-NumPy arrays are read as they are, others by DLPack, or else by the interface of CUDA arrays. A library is touched only
-if an array of it was given, so that it has been imported already.
+NumPy arrays are read as they are, usual tensors of PyTorch by their own members, which are quicker than DLPack, others
+by DLPack, or else by the interface of CUDA arrays. A library is touched only if an array of it was given, so that it
+has been imported already.
 """
 import ctypes
 import functools
 import importlib
 import sys
-from typing import Any, NamedTuple, Optional, Tuple
+from typing import Any, Iterable, NamedTuple, Optional, Set, Tuple
 
 import numpy as np
 
-from . import _c, _dlpack
+from . import _dlpack
 from ._c import Handle, lib
 
 
@@ -63,6 +64,9 @@ def read(array: Any, what: str, stream: Optional[int] = 0) -> Memory:
         if array.requires_grad and sys.modules["torch"].is_grad_enabled():
             raise ValueError(f"{what} requires gradients, expected none: swiftgs renders forward only. Call it under "
                              "torch.no_grad(), or give it tensors after detach()")
+        kind = _kind_of_tensor(array.dtype)
+        if kind and array.device.type in ("cpu", "cuda") and array.layout is sys.modules["torch"].strided:
+            return _of_tensor(array, kind, stream)
         array = array.detach()
     if hasattr(array, "__dlpack_device__"):
         kind, device = array.__dlpack_device__()
@@ -83,6 +87,26 @@ def read(array: Any, what: str, stream: Optional[int] = 0) -> Memory:
         return _of_interface(interface, current_device(), array)
     raise TypeError(f"{what} is of type {type(array).__name__}, expected an array with DLPack or "
                     "__cuda_array_interface__, or of NumPy")
+
+
+def _of_tensor(array: Any, kind: str, stream: Optional[int]) -> Memory:
+    device, item = array.device.index, int(kind[1:])
+    if device is not None and stream is not None and device == current_device():  # others are refused
+        ready = stream_of(array, device) or 0
+        if ready != stream:
+            lib.device_order(ready or None, stream or None)
+    return Memory(array.data_ptr(), tuple(array.shape), tuple(item * step for step in array.stride()), kind, device,
+                  True, array)
+
+
+@functools.lru_cache(maxsize=64)
+def _kind_of_tensor(dtype: Any) -> Optional[str]:
+    """Such as "f4"; None of what is no number of NumPy's own."""
+    try:
+        found = np.dtype(str(dtype).rpartition(".")[2])
+    except TypeError:
+        return None
+    return found.str.lstrip("<|=") if found.kind in "fiu" else None
 
 
 def _of_interface(interface, device, owner):
@@ -116,6 +140,12 @@ def stream_of(array: Any, device: int) -> Optional[int]:
     if isinstance(array, DeviceArray):
         return array.stream
     return None
+
+
+def streams_of(arrays: Iterable[Any], device: int) -> Set[Optional[int]]:
+    """Those of all of them, each library asked once."""
+    each = {array if isinstance(array, DeviceArray) else library_of(array): array for array in arrays}
+    return {stream_of(array, device) for array in each.values()}
 
 
 def stream_handle(stream: Any) -> int:
@@ -249,3 +279,18 @@ class DeviceArray:
 
     def __repr__(self) -> str:
         return f"<swiftgs.DeviceArray of {self.shape}, float32, on CUDA device {self.device}>"
+
+
+class LentArray:
+    """Numbers that lie in a renderer's memory, for libraries of arrays to view: `numpy.asarray` on the host,
+    `torch.as_tensor(array, device="cuda")`, `cupy.asarray` and all that know `__cuda_array_interface__` on a device."""
+
+    def __init__(self, handle: Handle, address: int, shape: Tuple[int, ...], strides: Tuple[int, ...], kind: str,
+                 device: Optional[int], stream: int) -> None:
+        self.shape, self.device = shape, device
+        self._handle = handle  # keeps the renderer
+        interface = {"shape": shape, "typestr": f"<{kind}", "data": (address, False), "strides": strides, "version": 3}
+        if device is None:
+            self.__array_interface__ = interface
+        else:
+            self.__cuda_array_interface__ = {**interface, "stream": stream or 1}

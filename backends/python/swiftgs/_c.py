@@ -13,7 +13,7 @@ from typing import Any
 
 from ._errors import exception_of
 
-ABI_MAJOR, ABI_MINOR = 1, 8
+ABI_MAJOR, ABI_MINOR = 1, 9
 
 MEASURE_COUNTS, MEASURE_TIMES = 1, 2
 HOST, DEVICE = 0, 1
@@ -111,7 +111,21 @@ class RendererOptions(_Sized):
 class Placement(_Sized):
     _fields_ = [("size", c_uint32), ("half_space_count", c_int32), ("scene", c_uint64), ("rotation", c_double * 9),
                 ("scale", c_double), ("translation", c_double * 3), ("transparency", c_double),
-                ("half_spaces", c_float * 24), ("centre", c_float * 3), ("radius", c_float)]
+                ("half_spaces", c_float * 24), ("centre", c_float * 3), ("radius", c_float), ("first", c_uint64),
+                ("count", c_uint64)]
+
+
+class RecordedScenes(_Sized):
+    _fields_ = [("size", c_uint32), ("reserved", c_uint32), ("count", c_uint64), ("stride", c_int64),
+                ("rotation", c_void_p), ("scale", c_void_p), ("translation", c_void_p), ("opacity", c_void_p)]
+
+
+class Capacity(_Sized):
+    _fields_ = [("size", c_uint32), ("reserved", c_uint32), ("splats", c_uint64), ("intersections", c_uint64)]
+
+
+class Report(ctypes.Structure):
+    _fields_ = [("visible", c_uint64), ("intersections", c_uint64), ("overflowed", c_uint64)]
 
 
 class Picked(ctypes.Structure):
@@ -231,9 +245,18 @@ for _name, _arguments in {
         "renderer_device_name": (c_void_p, c_void_p),
         "renderer_set_scene": (c_void_p, c_void_p),
         "renderer_set_gaussians": (c_void_p, c_void_p),
+        "renderer_borrow_gaussians": (c_void_p, c_void_p),
+        "renderer_update_scene": (c_void_p, c_uint64, c_uint64, c_void_p),
         "renderer_share_scene": (c_void_p, c_void_p),
         "renderer_add_scene": (c_void_p, c_void_p, c_void_p),
         "renderer_place": (c_void_p, c_void_p, c_size_t),
+        "renderer_reserve": (c_void_p, c_void_p, c_void_p),
+        "renderer_set_views": (c_void_p, c_void_p),
+        "renderer_set_recorded_scenes": (c_void_p,),
+        "renderer_recorded_scenes": (c_void_p, c_void_p),
+        "renderer_refused_scenes": (c_void_p, c_void_p, c_size_t),
+        "renderer_record": (c_void_p, c_void_p),
+        "renderer_visible_by_scene": (c_void_p, c_void_p, c_size_t),
         "renderer_render": (c_void_p, c_void_p),
         "renderer_render_into": (c_void_p, c_void_p),
         "renderer_wait": (c_void_p,),

@@ -231,7 +231,8 @@ class Frame:
 
     def save(self, path: Union[str, "os.PathLike[str]"], index: int = 0) -> None:
         """Writes image `index` of a frame on the host as its ending says: `.png`, with alpha and straight colours if
-        the frame has the plane, `.pfm`, or `.exr`, which has all planes. Values are written as they are, without gamma."""
+        the frame has the plane, `.pfm`, or `.exr`, which has all planes. Values are written as they are, without
+        gamma."""
         if self.device is not None or self.colour is None:
             raise ValueError("save: expected a frame on the host with colour")
         at = range(len(self))[index]

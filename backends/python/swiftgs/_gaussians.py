@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Arrays of Gaussians as the struct that the library takes."""
 import functools
-from typing import Any, List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Tuple
 
 from . import _arrays, _c, _dlpack
 
@@ -49,23 +49,25 @@ def _array(memory: _arrays.Memory, offset: int = 0) -> _c.Array:
 def gaussians_of(means: Any, scales: Any, rotations: Any, opacities: Any, sh0: Any, sh_rest: Any = None, *,
                  sh: Any = None, sh_degree: Optional[int] = None, colours: Any = None, log_scales: bool = False,
                  logit_opacities: bool = False, any_rotations: bool = True, antialiased: bool = False,
-                 features: Any = None, stream: int = 0,
+                 features: Any = None, stream: int = 0, some: bool = False,
                  names: Optional[dict] = None) -> Tuple[_c.Gaussians, List[_arrays.Memory]]:
     """The struct, and the memory that it points to, ready on `stream`.
 
     Colours are `sh0` [N, 3] with `sh_rest` [N, K, 3], or `sh` [N, K, 3] with both, or `colours` [N, 3] without
-    harmonics. `names` are those of the caller's arguments.
+    harmonics. `some`: arrays that are None are left out. `names` are those of the caller's arguments.
     """
     said = (names or {}).get
-    first = _rows(means, said("means", "means"), None, (3,), stream)
-    count = first.shape[0]
-    memory = {"means": first}
-    given = {"scales": scales, "rotations": rotations, "opacities": opacities}
+    given = {"means": means, "scales": scales, "rotations": rotations, "opacities": opacities}
     if sh is None:
         given["sh0"] = sh0 if colours is None else colours
+    count: Optional[int] = None
+    memory: Dict[str, _arrays.Memory] = {}
     for name, array in given.items():
+        if array is None and some:
+            continue
         memory[name] = _rows(array, said(name, name), count, _PARTS[name], stream)
-    struct = _c.Gaussians(count=count, antialiased=antialiased)
+        count = memory[name].shape[0]
+    struct = _c.Gaussians(antialiased=antialiased)
     if sh is not None:
         both = memory["sh"] = _rows(sh, said("sh", "sh"), count, (None, 3), stream)
         struct.sh_degree = _degree(both.shape[1], said("sh", "sh"), 1, sh_degree)
@@ -75,6 +77,7 @@ def gaussians_of(means: Any, scales: Any, rotations: Any, opacities: Any, sh0: A
         rest = memory["sh_rest"] = _rows(sh_rest, said("sh_rest", "sh_rest"), count, (None, 3), stream)
         struct.sh_degree = _degree(rest.shape[1], said("sh_rest", "sh_rest"), 0, sh_degree)
         struct.sh_rest = _array(rest)
+        count = rest.shape[0]
     if features is not None:
         found = memory["features"] = _rows(features, said("features", "features"), count, (None,), stream)
         struct.feature_channels = found.shape[1]
@@ -82,11 +85,15 @@ def gaussians_of(means: Any, scales: Any, rotations: Any, opacities: Any, sh0: A
     for name in _PARTS:
         if name in memory:
             setattr(struct, name, _array(memory[name]))
+    if not memory:
+        raise TypeError("all arrays are None, expected one or more")
+    first_name, first = next(iter(memory.items()))
     for name, found in memory.items():
         if found.device != first.device:
-            raise ValueError(f"{said(name, name)} lies on {found.place} and {said('means', 'means')} on "
+            raise ValueError(f"{said(name, name)} lies on {found.place} and {said(first_name, first_name)} on "
                              f"{first.place}, expected all on one")
-    check_device(first.device, said("means", "means"))
+    check_device(first.device, said(first_name, first_name))
+    struct.count = first.shape[0]
     struct.memory = _c.HOST if first.device is None else _c.DEVICE
     struct.stream = stream or None
     struct.raw = (_c.LOG_SCALES * log_scales + _c.LOGIT_OPACITIES * logit_opacities +

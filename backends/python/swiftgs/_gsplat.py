@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """`rasterization` with the names, shapes and defaults of gsplat 1.x, for inference."""
 import dataclasses
+import math
 import threading
-from typing import Any, Dict, Optional, Tuple
+from typing import Any, Dict, Optional, Sequence, Tuple
 
 import numpy as np
 
@@ -53,12 +54,13 @@ def rasterization(
     Arrays are float32 of NumPy, PyTorch, CuPy, JAX or any library with DLPack, all on the host or all on one CUDA
     device: means [N, 3]; quats [N, 4] w, x, y, z of any length; scales [N, 3]; opacities [N]; colors [N, 3], or with
     `sh_degree` harmonics [N, K, 3], or other numbers [N, D], drawn as they are. viewmats [C, 4, 4], Ks [C, 3, 3] and
-    backgrounds [C, 3] may lie on the host too, which saves a wait.
+    backgrounds [C, 3] may lie on the host too, which saves a wait. All may have the same dimensions of a batch before
+    these, and so have the results: each of its scenes is drawn for its own cameras, all in one frame.
 
     Returns colours [C, height, width, X] and alphas [C, height, width, 1] as arrays of the library of `means`, and a
     dictionary. X is 3 or D, with a depth one more, and 1 for a depth alone; `render_mode` is "RGB", "D", "ED",
-    "RGB+D" or "RGB+ED". On a device nothing of the Gaussians or the images visits the host, and the images are in the order of
-    the library's current stream.
+    "RGB+D" or "RGB+ED". On a device nothing of the Gaussians or the images visits the host, and the images are in the
+    order of the library's current stream.
 
     `camera_model` is "pinhole", "ortho" or "fisheye". As in gsplat, z orders Gaussians of every model, is compared with
     the planes, and is drawn as depth. OpenCV's distortion is in radial_coeffs [C, 6], or [C, 4] of a fisheye,
@@ -70,7 +72,9 @@ def rasterization(
 
     Arguments that change no image, such as `absgrad` and `packed`, are taken and not used. Those that would change it
     are refused by name unless they have their default. `renderer` is a `Renderer` of yours, which keeps the Gaussians
-    as its scene; without one each thread has its own. docs/python.md has a table of all arguments.
+    as its scene; without one each thread has its own. On a device it reads the arrays again in each frame that it
+    draws, until another scene is set: write to them in the order of its stream. docs/python.md has a table of all
+    arguments.
     """
     arguments = locals()
     for name, default in _REFUSED.items():
@@ -96,8 +100,20 @@ def rasterization(
     del ftheta_coeffs, ut_params, extra_signals_sh_degree
     del with_ut  # lenses are linearised either way
 
+    batch = _batch_of(means)
+    if batch:
+        means, quats, scales, opacities, colors, extra_signals = (
+            _joined_batch(array, name, batch, ranks) for name, array, *ranks in (
+                ("means", means, 2), ("quats", quats, 2), ("scales", scales, 2), ("opacities", opacities, 1),
+                ("colors", colors, 2, 3), ("extra_signals", extra_signals, 2)))
+        viewmats, Ks, backgrounds, radial_coeffs, tangential_coeffs, thin_prism_coeffs = (
+            _joined_batch(None if array is None else _arrays.host(array, name), name, batch, [rank])
+            for name, array, rank in (
+                ("viewmats", viewmats, 3), ("Ks", Ks, 3), ("backgrounds", backgrounds, 2),
+                ("radial_coeffs", radial_coeffs, 2), ("tangential_coeffs", tangential_coeffs, 2),
+                ("thin_prism_coeffs", thin_prism_coeffs, 2)))
     cameras = _cameras(viewmats, Ks, width, height)
-    count = len(cameras)
+    count, worlds = len(cameras), math.prod(batch)
     cameras["lens"] = _c.LENSES.index(_LENSES[camera_model])
     _distort(cameras, camera_model, radial_coeffs, tangential_coeffs, thin_prism_coeffs)
     in_colour = render_mode.startswith("RGB")
@@ -106,7 +122,7 @@ def rasterization(
         coloured = {"sh": colors, "sh_degree": sh_degree}
     elif not in_colour:
         coloured = {"colours": means}  # drawn by nobody
-    _check_shapes(means, coloured, count)
+    _check_shapes(coloured, count)
     features: Dict[str, Any] = {}
     if in_colour and sh_degree is None and _channels(colors, "colors") != 3:
         features["colors"], coloured = colors, {"colours": means}
@@ -141,15 +157,23 @@ def rasterization(
     frame = Frame(colour, alpha, depth, features=signals, conventions=conventions)
     if backgrounds is not None and in_colour:
         frame.background = _backgrounds(backgrounds, count)
+    frame._camera_bytes[:] = cameras.tobytes()
+    if worlds > 1:
+        frame._table["first_shown"], frame._table["shown_count"] = np.arange(count) * worlds // count, 1
+    options = dict(coloured, any_rotations=True, features=_joined(features),
+                   names=dict(_NAMES, features=" and ".join(features)))
     with drawing._scene_lock:
-        drawing._set_gaussians(means, scales, quats, opacities, None, **coloured, any_rotations=True,
-                               features=_joined(features), names=dict(_NAMES, features=" and ".join(features)))
-        frame._camera_bytes[:] = cameras.tobytes()
-        drawing._draw(frame)
+        try:
+            drawing._draw_gaussians(frame, worlds, (means, scales, quats, opacities, None), options)
+        finally:
+            if not renderer:
+                drawing._borrowed = None  # the thread's own renderer is given arrays by each call
 
-    colour, alpha, depth, signals = (None if plane is None else _arrays.returned(means, plane)
-                                     for plane in (colour, alpha, depth, signals))
-    meta = Meta(width=width, height=height, n_cameras=count, tile_size=16, renderer=drawing.name)
+    colour, alpha, depth, signals = (
+        None if plane is None else _parted(_arrays.returned(means, plane), batch, worlds)
+        for plane in (colour, alpha, depth, signals))
+    meta = Meta(width=width, height=height, n_batches=worlds, n_cameras=count // worlds, tile_size=16,
+                renderer=drawing.name)
     if "colors" in features:
         colour = signals if len(features) == 1 else signals[..., :channels[0]]
     if extra_signals is not None:
@@ -201,12 +225,35 @@ def _joined(features: Dict[str, Any]) -> Any:
     return _arrays.concatenate(arrays[0], arrays)
 
 
-def _check_shapes(means: Any, coloured: Dict[str, Any], count: int) -> None:
+def _batch_of(means: Any) -> Tuple[int, ...]:
+    """Dimensions before [N, 3]."""
+    batch = tuple(getattr(means, "shape", ()))[:-2]
+    if math.prod(batch) == 0:
+        raise ValueError(f"means has the shape {tuple(means.shape)}, expected a batch of one scene or more")
+    return batch
+
+
+def _joined_batch(array: Any, name: str, batch: Tuple[int, ...], ranks: Sequence[int]) -> Any:
+    """[..., N, *] as [all, *]. `ranks`: how many dimensions there may be beside those of the batch."""
+    if array is None:
+        return None
+    shape, after = tuple(getattr(array, "shape", ())), len(batch)
+    if shape[:after] != batch or len(shape) - after not in ranks:
+        raise ValueError(f"{name} has the shape {shape}, expected the batch {batch} of means first, and "
+                         f"{' or '.join(map(str, ranks))} dimensions after it")
+    if not hasattr(array, "reshape"):
+        raise NotImplementedError(f"rasterization: {name} has a batch of {batch}, expected none of arrays of "
+                                  f"'{_arrays.library_of(array)}', which are not reshaped")
+    return array.reshape((math.prod(shape[:after + 1]), *shape[after + 1:]))
+
+
+def _parted(plane: Any, batch: Tuple[int, ...], worlds: int) -> Any:
+    """The opposite, of images."""
+    return plane.reshape((*batch, plane.shape[0] // worlds, *plane.shape[1:])) if batch else plane
+
+
+def _check_shapes(coloured: Dict[str, Any], count: int) -> None:
     """Refuses by name what gsplat takes and this does not."""
-    shape = tuple(getattr(means, "shape", ()))
-    if len(shape) > 2:
-        raise NotImplementedError(f"rasterization: means has the shape {shape}, expected (N, 3): batches of scenes are "
-                                  "not offered, call it for each")
     if "sh" in coloured:
         if coloured["sh_degree"] > 3:
             raise NotImplementedError(f"rasterization: sh_degree is {coloured['sh_degree']}, expected 0 to 3")

@@ -3,11 +3,11 @@
 import dataclasses
 import math
 import operator
-from typing import Any
+from typing import Any, NamedTuple, Optional
 
 import numpy as np
 
-from . import _c
+from . import _arrays, _c
 
 _MAX_HALF_SPACES = 6
 _SAME = 1e-4  # what matrices of single precision keep to
@@ -60,7 +60,7 @@ class Clip:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Placement:
-    """How a frame shows one of a renderer's scenes.
+    """How a frame shows one of a renderer's scenes, or a range of its Gaussians.
 
     >>> where = np.eye(4)
     >>> where[:3, 3] = 0, 0, 2
@@ -73,6 +73,8 @@ class Placement:
     world_from_scene: Any = None
     opacity: float = 1  #: what the opacities of its Gaussians are multiplied by, 0 to 1
     clip: Clip = Clip()  #: by default all shows
+    first: int = 0  #: number of the first Gaussian that shows; multiples of 128 are drawn fastest
+    count: Optional[int] = None  #: how many Gaussians show, 1 or more; None: all from `first` on
 
     def _struct(self) -> Any:
         scene = operator.index(self.scene)
@@ -82,7 +84,11 @@ class Placement:
             raise ValueError(f"opacity is {self.opacity}, expected 0 to 1")
         if not isinstance(self.clip, Clip):
             raise TypeError(f"clip is of type {type(self.clip).__name__}, expected swiftgs.Clip")
-        struct = _c.Placement(scene=scene, transparency=1 - float(self.opacity))
+        first, count = operator.index(self.first), 0 if self.count is None else operator.index(self.count)
+        if first < 0 or count < (self.count is not None):
+            raise ValueError(f"first is {first} and count is {self.count}, expected first of 0 or more and count of 1 "
+                             "or more, or None")
+        struct = _c.Placement(scene=scene, transparency=1 - float(self.opacity), first=first, count=count)
         self.clip._fill(struct)
         if self.world_from_scene is not None:
             self._fill_pose(struct)
@@ -101,3 +107,24 @@ class Placement:
             raise ValueError("world_from_scene mirrors scenes, expected a rotation times one scale above 0")
         struct.rotation[:], struct.scale = rotation.ravel().tolist(), float(scale)
         struct.translation[:] = matrix[:3, 3].tolist()
+
+
+class RecordedScenes(NamedTuple):
+    """Numbers of the placed scenes that recorded frames show, where the renderer reads them: arrays of NumPy on the
+    host, of `LentArray` on a device. Each is in the order of the placements."""
+
+    rotations: Any  #: [N, 3, 3] in float64, scene to world: row, column; orthonormal
+    scales: Any  #: [N] in float64, above 0
+    translations: Any  #: [N, 3] in float64, world position of the scene's zero
+    opacities: Any  #: [N] in float32, what opacities are multiplied by, 0 to 1
+
+    @classmethod
+    def _of(cls, struct: Any, handle: _c.Handle, device: Optional[int], stream: int) -> "RecordedScenes":
+        def lent(address: int, kind: str, shape: Any = (), strides: Any = ()) -> Any:
+            array = _arrays.LentArray(handle, address, (struct.count, *shape), (struct.stride, *strides), kind, device,
+                                      stream)
+            return np.asarray(array) if device is None else array
+
+        # Columns lie one after the other.
+        return cls(lent(struct.rotation, "f8", (3, 3), (8, 24)), lent(struct.scale, "f8"),
+                   lent(struct.translation, "f8", (3,), (8,)), lent(struct.opacity, "f4"))

@@ -3,7 +3,7 @@
 import ctypes
 import operator
 import threading
-from typing import Any, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from ._c import Handle, count_of, lib, render, text_of
 from ._camera import Camera, check_cameras
 from ._frame import Frame
 from ._gaussians import gaussians_of
-from ._placement import Placement
+from ._placement import Placement, RecordedScenes
 from ._scene import Scene
 
 
@@ -65,6 +65,14 @@ class Times(NamedTuple):
     total: float
 
 
+class Report(NamedTuple):
+    """What a recorded frame took. If it overflowed, it drew nothing; a capacity of these numbers suffices."""
+
+    visible: int  #: splats, of all images
+    intersections: int  #: pairs of splat and tile
+    overflowed: bool  #: they were more than was reserved
+
+
 class Memory(NamedTuple):
     """Bytes that a renderer keeps, the scene excluded, and those of its device."""
 
@@ -101,6 +109,12 @@ def _entry_of(entry: _c.RendererEntry) -> RendererEntry:
     return RendererEntry(entry.name.decode(), bool(entry.usable), bool(entry.on_device))
 
 
+def _given(arrays: Sequence[Any], options: Dict[str, Any]) -> List[Any]:
+    """All arrays among the arguments of `gaussians_of`."""
+    beside = (options.get(name) for name in ("sh", "colours", "features"))
+    return [array for array in (*arrays, *beside) if array is not None]
+
+
 class Renderer:
     """Draws frames of the scenes that it was given.
 
@@ -132,7 +146,11 @@ class Renderer:
         self._device = _arrays.current_device() if self.on_device else None
         self._scene_lock = threading.RLock()  # `rasterization` draws before another thread changes the scene
         self._counts: List[int] = []  # Gaussians of each scene
-        self._placed: List[int] = []  # number of the scene of each placement
+        self._placed: List[range] = []  # Gaussians of each placement, as its scene numbers them
+        self._borrowed: Optional[Tuple[List[_arrays.Memory], List[Any]]] = None  # what frames read where it lies
+        self._recorded: Optional[Frame] = None  # keeps the arrays that recorded frames are drawn into
+        self._report: Any = None
+        self._has_recorded = False
         if scene is not None:
             self.set_scene(scene)
 
@@ -146,7 +164,7 @@ class Renderer:
         host share its memory."""
         with self._scene_lock:
             lib.renderer_set_scene(self._open(), self._handle_of(scene))
-            self._counts, self._placed = [len(scene)], [0]
+            self._forget(len(scene))
 
     def add_scene(self, scene: Scene) -> int:
         """Uploads one more scene, and returns its number: 0, 1 and so on. Frames show it too, where it stands by
@@ -155,7 +173,7 @@ class Renderer:
         with self._scene_lock:
             lib.renderer_add_scene(self._open(), self._handle_of(scene), ctypes.byref(number))
             self._counts.append(len(scene))
-            self._placed.append(number.value)
+            self._placed.append(range(len(scene)))
         return number.value
 
     @staticmethod
@@ -175,7 +193,8 @@ class Renderer:
             structs[index] = placement._struct()
         with self._scene_lock:
             lib.renderer_place(self._open(), structs, len(structs))
-            self._placed = [struct.scene for struct in structs]
+            ends = (each.first + each.count if each.count else self._counts[each.scene] for each in structs)
+            self._placed = [range(each.first, end) for each, end in zip(structs, ends)]
 
     def placed_scene_of(self, numbers: Any) -> Tuple[np.ndarray, np.ndarray]:
         """The placement of each Gaussian that a frame numbers, such as by its plane `id`, and the Gaussian's index in
@@ -185,21 +204,27 @@ class Renderer:
             raise TypeError(f"numbers are of type {found.dtype}, expected whole numbers")
         found = found.astype(np.int64)
         with self._scene_lock:
-            firsts = np.cumsum([0] + [self._counts[scene] for scene in self._placed])
+            firsts = np.cumsum([0] + [len(shown) for shown in self._placed])
+            starts = np.array([shown.start for shown in self._placed] or [0])
         nothing = found == _c.NOTHING
         wrong = ~nothing & ((found < 0) | (found >= firsts[-1]))
         if wrong.any():
             raise ValueError(f"numbers have {found[wrong][0]}, expected less than {firsts[-1]} or NOTHING")
         placement = np.searchsorted(firsts[1:], found, side="right")
-        return np.where(nothing, -1, placement), np.where(nothing, -1, found - firsts[placement])
+        placement = np.where(nothing, 0, placement)
+        index = found - firsts[placement] + starts[placement]
+        return np.where(nothing, -1, placement), np.where(nothing, -1, index)
 
     def share_scene(self, other: "Renderer") -> None:
         """Shares the scenes that `other`, a renderer of the same backend, has uploaded, and their placements."""
         if not isinstance(other, Renderer):
             raise TypeError(f"other is of type {type(other).__name__}, expected swiftgs.Renderer")
-        with self._scene_lock:
+        first, second = sorted((self, other), key=id)  # two that share with each other must not wait for ever
+        with first._scene_lock, second._scene_lock:
             lib.renderer_share_scene(self._open(), other._open())
+            self._give_back()
             self._counts, self._placed = list(other._counts), list(other._placed)
+            self._borrowed = other._borrowed
 
     def set_gaussians(self, means: Any, scales: Any, rotations: Any, opacities: Any, sh0: Any = None,
                       sh_rest: Any = None, *, colours: Any = None, log_scales: bool = False,
@@ -217,18 +242,79 @@ class Renderer:
 
     def _set_gaussians(self, *arrays: Any, **options: Any) -> None:
         with self._scene_lock:
-            handle = self._open()
-            struct, memory = gaussians_of(*arrays, stream=self._stream, **options)
-            device = memory[0].device
-            if device is not None:
-                self._check_device()
-            lib.renderer_set_gaussians(handle, ctypes.byref(struct))
-            if device is not None:
-                beside = (options.get(name) for name in ("sh", "colours", "features"))
-                given = [array for array in (*arrays, *beside) if array is not None]
-                for stream in {_arrays.stream_of(array, device) for array in given}:
-                    self._hand_on(handle, stream)
-            self._counts, self._placed = [struct.count], [0]
+            memory = self._give(lib.renderer_set_gaussians, (), arrays, options)
+            self._forget(memory[0].shape[0])
+            self._hand_on_all(memory, arrays, options)
+
+    def _draw_gaussians(self, out: Frame, worlds: int, arrays: Sequence[Any], options: Dict[str, Any]) -> None:
+        """Draws a frame of as many worlds, which lie one behind another in the arrays, and which of them an image shows
+        `out` tells. Those of a device are read where they lie, in each frame until another scene is set."""
+        with self._scene_lock:
+            call = lib.renderer_borrow_gaussians if self.on_device else lib.renderer_set_gaussians
+            memory = self._give(call, (), arrays, options)
+            count = memory[0].shape[0]
+            self._forget(count)
+            if self.on_device:
+                self._borrowed = memory, _given(arrays, options)
+            if worlds > 1:
+                each = count // worlds
+                self.place([Placement(first=world * each, count=each or None) for world in range(worlds)])
+            self._draw(out)
+            self._hand_on_all(memory, arrays, options)
+
+    def _forget(self, count: int) -> None:
+        """The scenes of before: there is one of so many Gaussians."""
+        self._counts, self._placed = [count], [range(count)]
+        self._give_back()
+
+    def _give_back(self) -> None:
+        """Borrowed arrays: what their libraries do next with the memory comes after the frames that read it."""
+        if self._borrowed is not None:
+            (memory, given), self._borrowed = self._borrowed, None
+            for stream in _arrays.streams_of(given, memory[0].device or 0):
+                self._hand_on(self._open(), stream)
+
+    def update_scene(self, scene: int = 0, first: int = 0, *, means: Any = None, scales: Any = None,
+                     rotations: Any = None, opacities: Any = None, sh0: Any = None, sh_rest: Any = None,
+                     colours: Any = None, log_scales: bool = False, logit_opacities: bool = False,
+                     any_rotations: bool = True, features: Any = None) -> None:
+        """Replaces Gaussians of scene number `scene` from number `first` on by as many as the arrays have; what is None
+        stays as it is.
+
+        Arrays are as `Scene.from_arrays` takes them, of the scene's degree and number of features (a device keeps no
+        bands of a `Scene` above the highest one with a number other than 0). They lie where the renderer draws: on the
+        host, or on its CUDA device, where nothing waits. Renderers that share the scene show the update too, and all
+        later and recorded frames. On the host none of them may be drawing, and the `Scene` stays as it is. If something
+        is refused, nothing changes.
+        """
+        number, start = operator.index(scene), operator.index(first)
+        if not (0 <= number < 1 << 64 and 0 <= start < 1 << 64):
+            raise ValueError(f"update_scene: scene is number {number} and first is {start}, expected numbers from 0 on")
+        if sh0 is not None and colours is not None:
+            raise TypeError("update_scene takes either sh0 or colours")
+        arrays = (means, scales, rotations, opacities, sh0, sh_rest)
+        options = dict(colours=colours, log_scales=log_scales, logit_opacities=logit_opacities,
+                       any_rotations=any_rotations, features=features)
+        with self._scene_lock:
+            memory = self._give(lib.renderer_update_scene, (number, start), arrays, dict(options, some=True))
+            self._hand_on_all(memory, arrays, options)
+
+    def _give(self, call: Any, numbers: Tuple[int, ...], arrays: Sequence[Any],
+              options: Dict[str, Any]) -> List[_arrays.Memory]:
+        """Gives arrays to a function of the library."""
+        handle = self._open()
+        struct, memory = gaussians_of(*arrays, stream=self._stream, **options)
+        if memory[0].device is not None:
+            self._check_device()
+        call(handle, *numbers, ctypes.byref(struct))
+        return memory
+
+    def _hand_on_all(self, memory: List[_arrays.Memory], arrays: Sequence[Any], options: Dict[str, Any]) -> None:
+        """What the libraries of arrays do next with them comes after what the renderer has been given."""
+        device = memory[0].device
+        if device is not None:
+            for stream in _arrays.streams_of(_given(arrays, options), device):
+                self._hand_on(self._open(), stream)
 
     def _hand_on(self, handle: Handle, stream: Optional[int]) -> None:
         """What a library does next on its stream comes after what the renderer has been given."""
@@ -290,12 +376,15 @@ class Renderer:
         if status:
             _c.check(status)
 
-    def _draw_on_device(self, handle: Handle, out: Frame) -> None:
+    def _check_on_device(self, out: Frame) -> None:
         if not self.on_device:
             raise ValueError(f"the frame lies on CUDA device {out.device}, expected the host for '{self.name}'")
         self._check_device()
         if out.device != self._device:
             raise ValueError(f"the frame lies on CUDA device {out.device}, expected {self._device}, the renderer's")
+
+    def _draw_on_device(self, handle: Handle, out: Frame) -> None:
+        self._check_on_device(out)
         streams = [_arrays.stream_of(array, out.device or 0) for array in out._sources]
         for array, stream in zip(out._sources, streams):
             if stream is None:
@@ -315,6 +404,80 @@ class Renderer:
         if _arrays.current_device() != self._device:
             raise ValueError(f"CUDA device {_arrays.current_device()} is current, expected {self._device}, the "
                              "renderer's")
+
+    def reserve(self, cameras: Union[Camera, Sequence[Camera]], out: Frame, *, splats: int = 0,
+                intersections: int = 0) -> None:
+        """Takes all memory that `record` needs to draw the views of `cameras` into `out`, whose arrays lie where the
+        renderer draws. Draws nothing and waits. A capacity of 0 is what there is to see now, and an eighth more."""
+        capacity = _c.Capacity(splats=splats, intersections=intersections)
+        frame = self._recorded_frame(cameras, out)
+        lib.renderer_reserve(self._open(), frame, ctypes.byref(capacity))
+        self._recorded = out
+        self._report, self._has_recorded = _arrays.DeviceArray((6,)) if self.on_device else _c.Report(), False
+
+    def set_views(self, cameras: Union[Camera, Sequence[Camera]], out: Frame) -> None:
+        """Sets the cameras and the arrays of recorded frames, in the order of the renderer's stream: as many images of
+        the same size with the same planes as were reserved."""
+        lib.renderer_set_views(self._open(), self._recorded_frame(cameras, out))
+        self._recorded = out
+
+    def _recorded_frame(self, cameras: Union[Camera, Sequence[Camera]], out: Frame) -> Any:
+        if out.device is not None:
+            self._check_on_device(out)
+        elif self.on_device:
+            raise ValueError(f"the frame lies on the host, expected CUDA device {self._device}, the renderer's")
+        out._aim(cameras)
+        out._measure(False, False)
+        return out._argument
+
+    def record(self) -> None:
+        """Draws what `reserve` and `set_views` were given, without a wait and in the order of the renderer's stream
+        alone: what else works on the arrays must be on that stream. A CUDA graph may capture it, such as
+        `with torch.cuda.graph(graph, stream=stream): renderer.record()` with `Renderer("cuda", stream=stream)`.
+        docs/embedding.md says what may change between replays. Keep the frame as long as the graph."""
+        if self._recorded is None:
+            raise ValueError("record: nothing was reserved, expected Renderer.reserve before")
+        lib.renderer_record(self._open(), ctypes.c_void_p(self._report._memory.pointer) if self.on_device else
+                            ctypes.byref(self._report))
+        self._has_recorded = True
+
+    @property
+    def report(self) -> Report:
+        """Of the last recorded frame. Waits."""
+        if not self._has_recorded:
+            raise ValueError("report: nothing was recorded, expected Renderer.reserve and record before")
+        found = _c.Report()
+        if self.on_device:
+            lib.device_copy(ctypes.byref(found), self._report._memory.pointer, ctypes.sizeof(found), self._stream)
+        else:
+            found = self._report
+        return Report(found.visible, found.intersections, bool(found.overflowed))
+
+    def set_recorded_scenes(self) -> None:
+        """Has recorded frames show what is placed now, in the order of the renderer's stream: as many placed scenes of
+        as many Gaussians as were reserved."""
+        lib.renderer_set_recorded_scenes(self._open())
+
+    @property
+    def recorded_scenes(self) -> RecordedScenes:
+        """Where recorded frames read poses and opacities, until the next `reserve` or `trim`. Work in the order of the
+        renderer's stream may write them, and recorded frames that run later show them, until `set_recorded_scenes`.
+        OrderError unless placed scenes were reserved: one scene or range that stands by itself is drawn as a scene
+        alone."""
+        handle = self._open()
+        struct = _c.RecordedScenes()
+        lib.renderer_recorded_scenes(handle, ctypes.byref(struct))
+        return RecordedScenes._of(struct, handle, self._device, self._stream)
+
+    @property
+    def refused_scenes(self) -> List[int]:
+        """Placements that a device did not draw in the last recorded frame, because what was written to
+        `recorded_scenes` is not valid, such as a matrix that is no rotation. A host refuses to record. Waits."""
+        struct = _c.RecordedScenes()
+        lib.renderer_recorded_scenes(self._open(), ctypes.byref(struct))
+        refused = np.empty(struct.count, np.uint8)
+        lib.renderer_refused_scenes(self._open(), refused.ctypes.data, refused.size)
+        return np.flatnonzero(refused).tolist()
 
     def wait(self) -> None:
         """Returns when all frames so far are finished."""
@@ -359,6 +522,15 @@ class Renderer:
         return _members(struct, Statistics)
 
     @property
+    def visible_by_scene(self) -> List[int]:
+        """Splats of each placement in the last frame, all images together. Waits, and brings 4 bytes a splat to the
+        host. OrderError before a frame and after one that was recorded."""
+        with self._scene_lock:
+            visible = np.empty(max(len(self._placed), 1), np.uint64)
+            lib.renderer_visible_by_scene(self._open(), visible.ctypes.data, visible.size)
+        return visible.tolist()
+
+    @property
     def memory(self) -> Memory:
         """What the renderer keeps, the scene excluded."""
         struct = _c.Memory()
@@ -366,8 +538,10 @@ class Renderer:
         return _members(struct, Memory)
 
     def trim(self) -> None:
-        """Waits, and gives back all memory that the renderer keeps, the scene excluded."""
+        """Waits, and gives back all memory that the renderer keeps, the scene excluded. What was reserved is
+        forgotten."""
         lib.renderer_trim(self._open())
+        self._recorded = self._report = None
 
     def _open(self) -> Handle:
         """To be held as long as it is used."""
@@ -378,7 +552,10 @@ class Renderer:
 
     def close(self) -> None:
         """Gives up the renderer and its scene."""
-        self._handle = None
+        if self._handle is not None:
+            self._give_back()
+        self._handle = self._recorded = self._report = None
+        self._has_recorded = False
 
     def __enter__(self) -> "Renderer":
         self._open()
@@ -390,7 +567,7 @@ class Renderer:
     def __repr__(self) -> str:
         if self._handle is None:
             return f"<swiftgs.Renderer {self.name} closed>"
-        count = sum(self._counts[scene] for scene in self._placed)
+        count = sum(map(len, self._placed))
         scenes = f"{count:,} Gaussians" if self._placed else "no scene"
         if len(self._placed) > 1:
             scenes += f" in {len(self._placed)} placed scenes"

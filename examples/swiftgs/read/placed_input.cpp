@@ -35,6 +35,8 @@ Placement placement_of(const ListedScene& listed, std::size_t scene, const dvec3
         vec4(vec3(half.normal), float(detail::dot(half.normal, origin) - half.offset));
   if (listed.sphere)
     p.clip.centre = vec3(listed.sphere->centre - origin), p.clip.radius = float(listed.sphere->radius);
+  p.first = std::size_t(listed.first);
+  if (listed.count) p.count = std::size_t(*listed.count);
   return p;
 }
 

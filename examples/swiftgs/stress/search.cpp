@@ -42,7 +42,7 @@ StressSubject subject_of(const RendererEntry& entry) {
             std::unique_ptr<AnyRenderer> made = std::move(*renderer);
             if (!made) made = entry.make();
             made->set_scene(std::make_shared<const Scene>(drawn.scene));
-            const Placement placement{.world_from_scene = drawn.world_from_scene};
+            const Placement placement{.world_from_scene = drawn.world_from_scene, .clip = drawn.clip};
             made->place({&placement, 1});
             Frame frame;
             made->render(

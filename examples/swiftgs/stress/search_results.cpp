@@ -34,6 +34,15 @@ Json json_of(const Similarity& by) {
   return {{"rotation", json_of(by.rotation)}, {"scale", by.scale}, {"translation", json_of(by.translation)}};
 }
 
+Json json_of(const Clip& clip) {
+  Json half_spaces = Json::array();
+  for (int i = 0; i < clip.half_space_count; ++i) {
+    const vec4& h = clip.half_spaces[i];
+    half_spaces.push_back({h.x, h.y, h.z, h.w});
+  }
+  return {{"half_spaces", half_spaces}, {"centre", json_of(clip.centre)}, {"radius", clip.radius}};
+}
+
 Json json_of(const Camera& c) {
   return {{"width", c.width},
           {"height", c.height},
@@ -92,6 +101,7 @@ std::string case_text(const StressCase& drawn) {
                   {"conventions", json_of(drawn.conventions)},
                   {"background", json_of(drawn.background)},
                   {"world_from_scene", json_of(drawn.world_from_scene)},
+                  {"clip", json_of(drawn.clip)},
                   {"sh_degree", drawn.scene.sh_degree},
                   {"gaussians", gaussians}});
 }

@@ -61,7 +61,7 @@ void Sweep::draw_seed(const StressPoint& point, std::uint64_t seed, std::vector<
   const auto scene = std::make_shared<const Scene>(made.scene);
   const RenderSettings settings{
       .conventions = made.conventions, .background = made.background, .outputs = {true, true}};
-  const Placement placement{.world_from_scene = made.world_from_scene};
+  const Placement placement{.world_from_scene = made.world_from_scene, .clip = made.clip};
   const ConditionedFrame reference = render_conditioned(made, seed, threads_);
   for (std::size_t i = 0; i < subjects_.size(); ++i) {
     Subject& subject = subjects_[i];

@@ -84,6 +84,13 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_set_scene(swiftgs_renderer* render
 /// no scene.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_set_gaussians(swiftgs_renderer* renderer,
                                                             const swiftgs_gaussians* gaussians);
+/// As above, of arrays that frames read where they lie, in the memory of the renderer's backend: nothing is
+/// copied, and numbers are not checked; a Gaussian with a NaN or an infinity is not drawn. The arrays stay
+/// until another scene is set and frames are finished. They may change between frames. The renderer's stream
+/// waits for `stream` of the arrays, once. `SWIFTGS_INVALID_ARGUMENT` also for `SWIFTGS_LOG_SCALES`,
+/// `SWIFTGS_LOGIT_OPACITIES`, strides of 4 GiB and arrays in other memory.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_borrow_gaussians(swiftgs_renderer* renderer,
+                                                               const swiftgs_gaussians* gaussians);
 /// Shares the scenes that `other` has uploaded, without other copies, and their placements. On a device the
 /// renderer's stream waits for what the stream of `other` has now. `SWIFTGS_INVALID_ARGUMENT`, and nothing
 /// changes, if `other` has no scene or another backend.
@@ -95,9 +102,9 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_share_scene(swiftgs_renderer* rend
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_add_scene(swiftgs_renderer* renderer,
                                                         const swiftgs_scene* scene, uint64_t* number);
 
-/// A placed scene: one of a renderer's scenes in a frame, moved to p_world = scale rotation p_scene +
-/// translation. Zeros show it all where it stands by itself. Its clip is in the scene's own space, and shows
-/// the Gaussians whose means lie in all half-spaces and in the sphere.
+/// A placed scene: one of a renderer's scenes in a frame, or a range of its Gaussians, moved to p_world =
+/// scale rotation p_scene + translation. Zeros show it all where it stands by itself. Its clip is in the
+/// scene's own space, and shows the Gaussians whose means lie in all half-spaces and in the sphere.
 typedef struct swiftgs_placement {
   uint32_t size;             ///< `sizeof(swiftgs_placement)`; the same in all elements of an array
   int32_t half_space_count;  ///< 0 to 6
@@ -109,7 +116,20 @@ typedef struct swiftgs_placement {
   float half_spaces[24];     ///< @shape{6, 4} x, y, z, w each: points p with (x, y, z) . p + w >= 0
   float centre[3];           ///< of the sphere
   float radius;              ///< 0: no sphere
+  uint64_t first;            ///< number of the first Gaussian that shows; multiples of 128 are drawn fastest
+  uint64_t count;            ///< how many Gaussians show; 0: all from there on
 } swiftgs_placement;
+
+/// Replaces Gaussians [first, first + count) of a scene of the renderer by those of `gaussians`, whose arrays
+/// lie where the renderer draws; arrays that are NULL stay as they are, `origin` and `antialiased` are not
+/// looked at. Renderers that share the scene show the update too, as do all later and recorded frames. On a
+/// device it is in stream order, as `swiftgs_renderer_set_gaussians`, and numbers are not checked; a scene that
+/// was uploaded from the host has no bands there above the highest one with a number other than 0. On hosts
+/// no frame of the scene may be under way, in no renderer, and numbers that are not finite are refused; the
+/// `swiftgs_scene` stays as it is. Errors: `SWIFTGS_INVALID_ARGUMENT`, and nothing changes.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_update_scene(swiftgs_renderer* renderer, uint64_t scene,
+                                                           uint64_t first,
+                                                           const swiftgs_gaussians* gaussians);
 
 /// Sets the placed scenes that frames show: any of the renderer's scenes, any number of times. Gaussians are
 /// numbered over all of them, those of the first placed scene first: so `id`, `median_id` and
@@ -169,6 +189,36 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_set_views(swiftgs_renderer* render
 /// placed scenes of as many Gaussians as were reserved, moved, clipped or made fainter.
 /// `SWIFTGS_INVALID_ARGUMENT`, and nothing changes, for others, and if a scene alone was reserved.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_set_recorded_scenes(swiftgs_renderer* renderer);
+
+/// What recorded frames show, in memory of the backend: arrays of a number or a few for each placed scene, in
+/// the order of the placements, `stride` bytes from one to the next. `rotation` has the scene's x, y and z
+/// axes in the world, one after the other: the columns, where `swiftgs_placement` has the rows.
+typedef struct swiftgs_recorded_scenes {
+  uint32_t size;        ///< `sizeof(swiftgs_recorded_scenes)`
+  uint32_t reserved;    ///< 0
+  uint64_t count;       ///< N, placed scenes
+  int64_t stride;       ///< @units{bytes}
+  double* rotation;     ///< @shape{N, 3, 3} scene to world, column after column, orthonormal
+  double* scale;        ///< @shape{N} above 0
+  double* translation;  ///< @shape{N, 3} world position of the scene's zero
+  float* opacity;       ///< @shape{N} what opacities are multiplied by, 0 to 1
+} swiftgs_recorded_scenes;
+
+/// Fills `scenes`, whose size is set. Work in the order of the renderer's stream may write these numbers: the
+/// recorded frames that run after it show them, also in a CUDA graph, until
+/// `swiftgs_renderer_set_recorded_scenes`. A device does not draw a scene whose numbers are not valid; a host
+/// refuses to record. Valid until the next `swiftgs_renderer_reserve` or `swiftgs_renderer_trim`, or another
+/// scene takes the place of all. `SWIFTGS_LOGIC_ERROR` unless placed scenes were reserved: one placement of a
+/// scene or range that stands by itself is a scene alone.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_recorded_scenes(swiftgs_renderer* renderer,
+                                                              swiftgs_recorded_scenes* scenes);
+
+/// Fills `refused` with 1 for each of `count` placed scenes that the last recorded frame did not draw, of
+/// those that its views show, since its numbers were not valid, and with 0 for the others. Waits.
+/// `SWIFTGS_INVALID_ARGUMENT` if `count` is not that of `swiftgs_recorded_scenes`; `SWIFTGS_LOGIC_ERROR` as
+/// above.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_refused_scenes(swiftgs_renderer* renderer, uint8_t* refused,
+                                                             size_t count);
 
 /// What a recorded frame took. If it overflowed, it drew nothing; a capacity of these numbers suffices.
 typedef struct swiftgs_report {
@@ -244,6 +294,13 @@ typedef struct swiftgs_statistics {
 /// Fills `statistics`, whose size is set. Waits for counts where the frame measured them.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_statistics(const swiftgs_renderer* renderer,
                                                          swiftgs_statistics* statistics);
+
+/// Fills `visible` with the splats of each of `count` placed scenes in the last frame, all views together.
+/// Waits, and brings 4 bytes a splat to the host. Errors: `SWIFTGS_LOGIC_ERROR` before a frame and after one
+/// that was recorded; `SWIFTGS_INVALID_ARGUMENT` unless `count` is the number of that frame's placed scenes,
+/// 1 of a scene alone.
+SWIFTGS_C_API swiftgs_status swiftgs_renderer_visible_by_scene(const swiftgs_renderer* renderer,
+                                                               uint64_t* visible, size_t count);
 
 /// Memory that a renderer keeps, the scene excluded, and that of its device. @units{bytes}
 typedef struct swiftgs_memory {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -20,12 +21,15 @@ struct ListedScene {
   float opacity = 1;
   std::vector<HalfSpace> half_spaces{};  ///< at most `Clip::max_half_spaces`
   std::optional<Sphere> sphere{};
+  std::uint64_t first = 0;               ///< number of the first Gaussian that shows
+  std::optional<std::uint64_t> count{};  ///< Gaussians that show, 1 or more; all from `first` on
 };
 
 /// Reads a list of scenes, a JSON array of objects. Each has a `file`, and may have
 /// - `rotation`, a quaternion w, x, y, z of any length or three rows of three numbers, `scale` above 0, and
 ///   `translation`, which make p_world = scale rotation p + translation,
 /// - `opacity`, 0 to 1, which the Gaussians' opacities are multiplied by,
+/// - `first` and `count`, of which Gaussians show, as they are numbered in memory,
 /// - `clip`, an object of `box` [x, y, z, x, y, z], two corners; `sphere` [x, y, z, radius]; and
 /// `half_spaces`,
 ///   [x, y, z, offset] each, of positions p with (x, y, z) . p of the offset or more. A box is six

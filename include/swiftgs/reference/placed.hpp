@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <stdexcept>
-
 #include <swiftgs/clip.hpp>
+#include <swiftgs/placing.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/similarity.hpp>
 
@@ -20,10 +19,7 @@ struct ReferenceScene {
 /// Throws `std::invalid_argument` as `validate` of a `PlacedScene`.
 inline void validate(const ReferenceScene& placed) {
   validate(placed.scene);
-  validate(placed.world_from_scene, "placed scene");
-  if (!(placed.opacity >= 0 && placed.opacity <= 1))
-    throw std::invalid_argument("placed scene: expected an opacity of 0 to 1");
-  validate(placed.clip);
+  detail::validate_placing(placed.world_from_scene, placed.opacity, placed.clip);
 }
 
 }  // namespace swiftgs

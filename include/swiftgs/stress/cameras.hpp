@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 
-#include <swiftgs/edit/transform.hpp>
 #include <swiftgs/stress/case.hpp>
 
 /// @file
@@ -113,23 +112,6 @@ inline StressCase distant_cameras(double distance, std::uint64_t seed, ImageSize
                     .rgb = random_colour(random)});
   }
   for (float& v : out.scene.sh_rest) v = random.f(-0.1, 0.1);
-  return out;
-}
-
-/// A scene of a size of its own, placed far from the world's origin, and a camera beside its own; severity:
-/// how far. Every third is 1e6 times as large where it is placed, every third a millionth.
-inline StressCase placed_scenes(double distance, std::uint64_t seed, ImageSize size) {
-  Random random(seed);
-  StressCase out = usual_case(random, size, 60, 3);
-  turn(out, random.in(-3, 3));
-  const double scales[] = {random.scale(0.1, 10), 1e6, 1e-6};
-  const Quaternion q = random.rotation();
-  Similarity& pose = out.world_from_scene;
-  pose.rotation = matrix_of(unit(DQuaternion{q.w, q.x, q.y, q.z})), pose.scale = scales[seed % 3];
-  pose.translation = dvec3(random.in(-3, 3), random.in(-3, 3), random.in(-3, 3));
-  transform(out.scene, inverse(pose), dvec3(0.0));
-  const dvec3 offset(distance * random.in(-1, 1), distance * random.in(-1, 1), distance);
-  pose.translation += offset, out.camera.translation -= out.camera.rotation * offset;
   return out;
 }
 

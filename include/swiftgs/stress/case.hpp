@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <swiftgs/camera.hpp>
+#include <swiftgs/clip.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/similarity.hpp>
@@ -22,6 +23,7 @@ struct StressCase {
   vec3 background{0.25f};
   std::vector<float> occluder;    ///< @shape{height, width} as `FrameView::occluder`, or empty
   Similarity world_from_scene{};  ///< where the scene is placed
+  Clip clip{};                    ///< what of it shows
 };
 
 /// Size of an image. @units{pixels}

@@ -6,6 +6,7 @@
 
 #include <swiftgs/stress/cameras.hpp>
 #include <swiftgs/stress/lenses.hpp>
+#include <swiftgs/stress/placed.hpp>
 #include <swiftgs/stress/shapes.hpp>
 #include <swiftgs/stress/thresholds.hpp>
 #include <swiftgs/stress/values.hpp>
@@ -38,8 +39,10 @@ inline const std::vector<StressFamily>& stress_families() {
       {"panoramas", "1 / angle to a pole (1/radian)", {1, 10, 100, 1000}, panoramas},
       {"world-offsets", "distance from the origin", {1e2, 1e4, 1e6, 1e8}, world_offsets},
       {"distant-cameras", "distance of the camera", {1e1, 1e3, 1e5, 1e7}, distant_cameras},
-      {"placed-scenes", "distance from the origin", {1, 1e3, 1e6, 1e8}, placed_scenes},
       {"skewed-rotations", "distance from a rotation", {0, 1e-5, 1e-4, 4e-4}, skewed_rotations},
+      {"placed-scenes", "distance from the origin", {1, 1e3, 1e6, 1e8}, placed_scenes},
+      {"far-millimetres", "distance from the origin", {1, 1e3, 1e5, 1e7}, far_millimetres},
+      {"clipped-scenes", "last places off the clip", {16, 1e3, 1e5, 1e6}, clipped_scenes},
       {"on-planes", "last places off the planes", {0, 1, 2, 4}, on_planes},
       {"on-alphas", "last places off alpha", {0, 1, 2, 4}, on_alphas},
       {"on-stops", "last places off the stop", {0, 1, 2, 4}, on_stops},

@@ -54,7 +54,7 @@ struct PlaneJudge {
 
 /// What frames of `drawn` are judged by.
 inline ConditionedFrame render_conditioned(const StressCase& drawn, std::uint64_t seed = 1, int threads = 0) {
-  const ReferenceScene placed{drawn.scene, drawn.world_from_scene};
+  const ReferenceScene placed{drawn.scene, drawn.world_from_scene, 1, drawn.clip};
   return render_conditioned({&placed, 1}, drawn.camera, drawn.conventions, dvec3(drawn.background), seed,
                             threads, {drawn.occluder.data(), drawn.occluder.size()});
 }

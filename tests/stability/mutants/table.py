@@ -101,6 +101,9 @@ MUTANTS = [
            "  const float z = dot(vec3(v.axes[2][0], v.axes[2][1], v.axes[2][2]), from_camera);"),
     Mutant("placed: the camera's place beside a scene's in float", I + "placed_scene.hpp",
            "x = camera.centre[0] - to.x,", "x = float(camera.centre[0]) - float(to.x),"),
+    Mutant("clips: half-spaces without their border", I + "clip.hpp", "h.w))) >= 0;", "h.w))) > 0;"),
+    Mutant("clips: a sphere without its border", I + "clip.hpp", "<= radius * radius", "< radius * radius"),
+    Mutant("clips: half-spaces that end 1e-5 before their border", I + "clip.hpp", "h.w))) >= 0;", "h.w))) >= 1e-5f;"),
     Mutant("project: means on 1/4096 pixel", I + "project.hpp", "s.l0 = f.l0,",
            "s.mean = vec2(std::round(s.mean.x * 4096) / 4096, std::round(s.mean.y * 4096) / 4096);\n"
            "  s.l0 = f.l0,"),

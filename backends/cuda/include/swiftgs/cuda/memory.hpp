@@ -30,6 +30,9 @@ class DeviceScene {
   DeviceScene(std::shared_ptr<Arrays> arrays, const SceneView& view)
       : arrays_(std::move(arrays)), view_(view) {}
 
+  /// Arrays of the caller, which outlive all frames of it and may change between them, in stream order.
+  static DeviceScene borrow(const SceneView& view) { return {nullptr, view}; }
+
   DeviceScene(const DeviceScene& other) : arrays_(other.arrays_), view_(other.view_), copied_(true) {
     other.copied_ = true;
   }
@@ -42,8 +45,8 @@ class DeviceScene {
   ~DeviceScene() = default;
 
   SceneView view() const { return view_; }
-  /// For the backend.
-  Arrays& arrays() { return *arrays_; }
+  /// For the backend. Null of borrowed arrays.
+  Arrays* arrays() { return arrays_.get(); }
 
   /// The memory of a scene that is given up; null if it was ever copied. Another stream may then still draw
   /// it, even if the copy is gone.

@@ -43,8 +43,10 @@ struct ProjectShared {
 /// All that projection reads of a Gaussian, asked for at once: the compiler would wait for each array before
 /// the next.
 __device__ inline Gaussian load_gaussian(const SceneView& scene, std::size_t i) {
-  Gaussian g = gaussian(scene, i);
-  asm volatile("" : "+f"(g.mean.x), "+f"(g.scale.x), "+f"(g.rotation.w), "+f"(g.opacity));
+  Gaussian g = gaussian(scene, i, [](Gaussian& loaded) {
+    asm volatile(""
+                 : "+f"(loaded.mean.x), "+f"(loaded.scale.x), "+f"(loaded.rotation.w), "+f"(loaded.opacity));
+  });
   return g;
 }
 
@@ -52,13 +54,13 @@ __device__ inline Gaussian load_gaussian(const SceneView& scene, std::size_t i) 
 /// projection takes as long with 256 and with 1,024, and longer with 2,400.
 inline constexpr unsigned prefetch_ahead = 512;
 
-/// Prefetches the elements of the chunk that begins at `first` to the second-level cache, a line a thread.
+/// Prefetches the values of the chunk that begins at `first` to the second-level cache, a line a thread.
 template <class T>
-__device__ void prefetch_chunk(const T* first) {
+__device__ void prefetch_chunk(const StridedSpan<T>& values, std::size_t first) {
   constexpr unsigned line = 128;
-  static_assert(chunk_size * sizeof(T) % line == 0);
-  if (threadIdx.x < chunk_size * sizeof(T) / line)
-    asm volatile("prefetch.global.L2 [%0];" ::"l"(reinterpret_cast<const char*>(first) + threadIdx.x * line));
+  const unsigned at = threadIdx.x * max(line, values.stride);
+  if (at < chunk_size * values.stride)
+    asm volatile("prefetch.global.L2 [%0];" ::"l"(reinterpret_cast<const char*>(values.at(first)) + at));
 }
 
 /// Prefetches all that projection reads of a chunk, if it is full. A block waits for all before it, so one
@@ -66,8 +68,8 @@ __device__ void prefetch_chunk(const T* first) {
 __device__ inline void prefetch_gaussians(const SceneView& scene, std::size_t chunk) {
   const std::size_t first = chunk * chunk_size;
   if (first + chunk_size > scene.size()) return;
-  prefetch_chunk(scene.means.data + first), prefetch_chunk(scene.scales.data + first);
-  prefetch_chunk(scene.rotations.data + first), prefetch_chunk(scene.opacities.data + first);
+  prefetch_chunk(scene.means, first), prefetch_chunk(scene.scales, first);
+  prefetch_chunk(scene.rotations, first), prefetch_chunk(scene.opacities, first);
 }
 
 /// Constants of stored views in shared memory, where they cost fewer registers than from device memory.

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+#include <swiftgs/clip.hpp>
+#include <swiftgs/math.hpp>
+#include <swiftgs/similarity.hpp>
+
+namespace swiftgs::detail {
+
+/// Null if a frame can show a scene like this; else what was expected.
+SWIFTGS_HD inline const char* unmet_of_placing(const Similarity& world_from_scene, float opacity,
+                                               const Clip& clip) {
+  if (const char* const expected = world_from_scene.unmet()) return expected;
+  if (!(opacity >= 0 && opacity <= 1)) return "an opacity of 0 to 1";
+  return clip.unmet();
+}
+
+/// Throws `std::invalid_argument` unless a frame can show a scene like this.
+inline void validate_placing(const Similarity& world_from_scene, float opacity, const Clip& clip) {
+  if (const char* const expected = unmet_of_placing(world_from_scene, opacity, clip))
+    throw std::invalid_argument(std::string("placed scene: expected ") + expected);
+}
+
+}  // namespace swiftgs::detail
