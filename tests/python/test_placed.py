@@ -342,10 +342,12 @@ def test_recorded_frames_follow_what_is_written_to_their_poses(placing, camera):
     placing.record()
     assert np.array_equal(other.colour, wanted)
     placing.reserve(camera, frame, splats=5)
+    with pytest.raises(ValueError, match="report: nothing was recorded, expected"):
+        placing.report  # pylint: disable=pointless-statement
     placing.record()
     assert placing.report.overflowed and placing.report.visible > 5
     placing.trim()
-    with pytest.raises(ValueError, match="report: nothing was reserved, expected"):
+    with pytest.raises(ValueError, match="report: nothing was recorded, expected"):
         placing.report  # pylint: disable=pointless-statement
 
 

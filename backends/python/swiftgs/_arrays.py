@@ -91,9 +91,9 @@ def read(array: Any, what: str, stream: Optional[int] = 0) -> Memory:
 
 def _of_tensor(array: Any, kind: str, stream: Optional[int]) -> Memory:
     device, item = array.device.index, int(kind[1:])
-    if device is not None and stream is not None and device == current_device():  # others are refused
+    if device is not None and stream is not None:
         ready = stream_of(array, device) or 0
-        if ready != stream:
+        if ready != stream and device == current_device():  # others are refused
             lib.device_order(ready or None, stream or None)
     return Memory(array.data_ptr(), tuple(array.shape), tuple(item * step for step in array.stride()), kind, device,
                   True, array)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """`rasterization` with the names, shapes and defaults of gsplat 1.x, for inference."""
 import dataclasses
+import functools
 import math
 import threading
 from typing import Any, Dict, Optional, Sequence, Tuple
@@ -152,9 +153,9 @@ def rasterization(
     alpha = _arrays.empty(means, (*shape, 1), device)
     depth = _arrays.empty(means, (*shape, 1), device) if render_mode != "RGB" else None
     signals = _arrays.empty(means, (*shape, sum(channels)), device) if features else None
-    conventions = dataclasses.replace(_GSPLAT, near_plane=near_plane, far_plane=far_plane, blur=eps2d,
-                                      antialiased=rasterize_mode == "antialiased")
-    frame = Frame(colour, alpha, depth, features=signals, conventions=conventions)
+    frame = Frame(colour, alpha, depth, features=signals,
+                  conventions=_conventions(float(near_plane), float(far_plane), float(eps2d),
+                                           rasterize_mode == "antialiased"))
     if backgrounds is not None and in_colour:
         frame.background = _backgrounds(backgrounds, count)
     frame._camera_bytes[:] = cameras.tobytes()
@@ -188,6 +189,11 @@ def rasterization(
 
 
 _GSPLAT = dataclasses.replace(Conventions.named("gsplat"), depth="z")
+
+
+@functools.lru_cache(maxsize=16)
+def _conventions(near_plane: float, far_plane: float, blur: float, antialiased: bool) -> Conventions:
+    return dataclasses.replace(_GSPLAT, near_plane=near_plane, far_plane=far_plane, blur=blur, antialiased=antialiased)
 
 
 def _short(value: Any) -> str:
@@ -285,6 +291,8 @@ def _cameras(viewmats: Any, intrinsics: Any, width: int, height: int) -> np.ndar
 
 def _distort(cameras: np.ndarray, model: str, radial: Any, tangential: Any, prism: Any) -> None:
     """Sets the coefficients of `cameras`. What gsplat draws otherwise is refused by name."""
+    if radial is None and tangential is None and prism is None:
+        return
     count = len(cameras)
     found = _coefficients("radial_coeffs", radial, (count, 4 if model == "fisheye" else 6))
     if model == "ortho":

@@ -444,7 +444,7 @@ class Renderer:
     @property
     def report(self) -> Report:
         """Of the last recorded frame. Waits."""
-        if not self._has_recorded:
+        if self._recorded is None or not self._has_recorded:
             raise ValueError("report: nothing was recorded, expected Renderer.reserve and record before")
         found = _c.Report()
         if self.on_device:
@@ -555,7 +555,6 @@ class Renderer:
         if self._handle is not None:
             self._give_back()
         self._handle = self._recorded = self._report = None
-        self._has_recorded = False
 
     def __enter__(self) -> "Renderer":
         self._open()
