@@ -28,19 +28,17 @@ inline constexpr int shade_blocks = 3;
 
 /// Copies the SH coefficients of the warp's Gaussians, `Word` by `Word`: lanes read neighbouring words, where
 /// a lane a Gaussian would touch 32 lines with each load. All copies are under way at once. The first word
-/// begins `lead` floats before the coefficients; of the last one `beyond` floats are not read.
+/// begins `lead` floats before the coefficients.
 template <class Word>
 __device__ void stage_rest(const SceneView& scene, std::uint32_t id, unsigned gaussians, unsigned words,
-                           unsigned lead, unsigned beyond, unsigned pitch, Word* rest) {
+                           unsigned lead, unsigned pitch, Word* rest) {
   constexpr unsigned floats = sizeof(Word) / sizeof(float);
   unsigned gaussian = lane_index() / words, word = lane_index() % words;
   const unsigned gaussian_step = warp_size / words, word_step = warp_size % words;
   while (__any_sync(whole_warp, gaussian < gaussians)) {
     const std::uint32_t theirs = __shfl_sync(whole_warp, id, int(gaussian % warp_size));
     const float* from = scene.sh_rest.at(theirs) + int(word * floats - lead);
-    if (gaussian < gaussians)
-      __pipeline_memcpy_async(rest + gaussian * pitch + word, from, sizeof(Word),
-                              word + 1 == words ? beyond * sizeof(float) : 0);
+    if (gaussian < gaussians) __pipeline_memcpy_async(rest + gaussian * pitch + word, from, sizeof(Word));
     gaussian += gaussian_step, word += word_step;
     if (word >= words) word -= words, ++gaussian;
   }
@@ -49,30 +47,30 @@ __device__ void stage_rest(const SceneView& scene, std::uint32_t id, unsigned ga
   __syncwarp();
 }
 
-/// Floats between a multiple of 16 bytes and the coefficients of any Gaussian: 0 as `Cuda::upload` stores
-/// them, 3 where band 0 lies with the others. Others are copied one by one, without a lead.
+/// How the coefficients of a warp's Gaussians are copied: by quadruples where all begin as many floats behind
+/// a multiple of 16 bytes, 0 as `Cuda::upload` stores them or 3 where band 0 lies with the others. Others are
+/// copied one by one, and so are those of the last Gaussian, behind which nothing may be read.
 struct RestLead {
-  bool by_quadruples = false;
-  unsigned floats = 0;
+  unsigned words = 0;   ///< quadruples of a Gaussian; 0: one by one
+  unsigned floats = 0;  ///< before the coefficients
 
-  __device__ explicit RestLead(const SceneView& scene) {
+  __device__ RestLead(const SceneView& scene, std::uint32_t id) {
     const auto begin = unsigned(reinterpret_cast<std::uintptr_t>(scene.sh_rest.data) % sizeof(float4));
-    by_quadruples = scene.sh_rest.stride % sizeof(float4) == 0 && (begin == 0 || begin == sizeof(vec3));
-    if (by_quadruples) floats = begin / unsigned(sizeof(float));
+    const bool last = __any_sync(whole_warp, id + 1 == scene.size());
+    if (last || scene.sh_rest.stride % sizeof(float4) != 0 || (begin != 0 && begin != sizeof(vec3))) return;
+    floats = begin / unsigned(sizeof(float));
+    words = rest_words(scene.sh_degree, floats);
   }
 };
 
-/// Copies the SH coefficients of the warp's Gaussians by quadruples where they can be.
+/// Copies the SH coefficients of the warp's Gaussians.
 __device__ inline void stage_rest(const SceneView& scene, const RestLead& lead, std::uint32_t id,
                                   unsigned gaussians, float4* rest) {
   const unsigned count = 3 * unsigned(sh_rest_count(scene.sh_degree)), pitch = rest_pitch(scene.sh_degree);
-  if (lead.by_quadruples) {
-    const unsigned words = (lead.floats + count + 3) / 4;
-    stage_rest<float4>(scene, id, gaussians, words, lead.floats, 4 * words - lead.floats - count, pitch,
-                       rest);
-  } else {
-    stage_rest<float>(scene, id, gaussians, count, 0, 0, 4 * pitch, reinterpret_cast<float*>(rest));
-  }
+  if (lead.words != 0)
+    stage_rest<float4>(scene, id, gaussians, lead.words, lead.floats, pitch, rest);
+  else
+    stage_rest<float>(scene, id, gaussians, count, 0, 4 * pitch, reinterpret_cast<float*>(rest));
 }
 
 /// `sh_colour` with a degree and a lead that the compiler knows, so that coefficients and basis stay in
@@ -142,7 +140,7 @@ __global__ void __launch_bounds__(shade_threads)
     // Splats follow the order of the placed scenes, so nearly all warps have those of one. In others each
     // lane copies its own coefficients: all colours are summed by the same instructions.
     const bool of_one = Scenes::only || of_one_scene(&scene);
-    const RestLead lead(scene);
+    const RestLead lead(scene, i);
     const unsigned pitch = rest_pitch(of_one ? scene.sh_degree : max_sh_degree);
     float4* const own = rest + lane_index() * pitch;
     if (of_one && scene.sh_degree > 0)
