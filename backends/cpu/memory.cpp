@@ -33,11 +33,9 @@ void advise_large_pages(const void* memory, std::size_t bytes, LargePages pages)
 }
 
 HostScene in_large_pages(HostScene scene, LargePages pages) {
-  for_each_array(
-      [&](const char*, std::size_t, const auto& array) {
-        advise_large_pages(array.data, array.size * array.stride, pages);
-      },
-      scene.view());
+  for_each_array([&](const char*, std::size_t,
+                     const auto& array) { advise_large_pages(array.data, array.size * array.stride, pages); },
+                 scene.view());
   return scene;
 }
 
