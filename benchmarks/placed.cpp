@@ -77,7 +77,7 @@ class Bench {
  public:
   using R = Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
 
-  /// A scene as one, in 100 pieces that stand, in 100 that move, and in two parts of which one moves.
+  /// A scene whole, in 100 fixed pieces, in 100 moving pieces, and in two parts, one of them moving.
   Json pieces(const bench::Input& input) {
     const Scene scene = order_spatially(input.load());
     const auto whole = backend().upload(scene);

@@ -70,7 +70,7 @@ Scene to_scene(const swiftgs_gaussians& from) {
   return scene;
 }
 
-/// take(arrays), between what `stream` of the arrays has now and what it is given later.
+/// Calls take(arrays) after what `stream` of the arrays has now, and before what it is given later.
 template <class F>
 void in_stream_order(const swiftgs_renderer& renderer, const swiftgs_gaussians& from, const F& take) {
   const bool on_device = from.memory == SWIFTGS_DEVICE;

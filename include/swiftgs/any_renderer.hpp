@@ -108,9 +108,9 @@ class SWIFTGS_API AnyRenderer {
   virtual void reserve(Span<const View> views, Capacity capacity = {}) = 0;
   virtual void set_views(Span<const View> views) = 0;
   virtual void record(FrameReport* report) = 0;
-  /// Has recorded work show, when it runs again, what is placed now. Throws as `Renderer::set_scenes`.
+  /// Recorded work that runs again shows what is placed now. Throws as `Renderer::set_scenes`.
   virtual void set_recorded_scenes() = 0;
-  /// As `Renderer::recorded_scenes`: a placed scene a placement. Frames show what is written there until the
+  /// As `Renderer::recorded_scenes`, one for each placement. Frames show what is written there until the
   /// next `set_recorded_scenes`. Throws `std::logic_error` unless placed scenes were reserved: one
   /// scene where it stands by itself is drawn as a scene alone.
   virtual Span<PlacedScene> recorded_scenes() = 0;

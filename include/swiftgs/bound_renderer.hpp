@@ -102,7 +102,7 @@ class BoundRenderer {
 
   /// Takes all memory that `record` needs for frames of `views` and `scenes`. `set_views` may later set other
   /// views of the same sizes, `set_scenes` move placed scenes, and a scene alone may change. The default
-  /// capacity is what the views show now and an eighth more, at most all Gaussians in all views and
+  /// capacity is an eighth more than the views show now, at most all Gaussians in all views and
   /// `max_intersections`. A capacity counts intersections with the tiles of these views; `render_into` may
   /// use coarser tiles, and its `statistics` are then too small. Draws nothing and waits. If it throws,
   /// `record` is refused until it succeeds.

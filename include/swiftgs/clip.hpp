@@ -34,7 +34,7 @@ struct Clip {
     return clip;
   }
 
-  /// Null if it is valid; else what was expected.
+  /// Says what was expected, or is null if it is valid.
   SWIFTGS_HD const char* unmet() const {
     static_assert(max_half_spaces == 6);
     if (half_space_count < 0 || half_space_count > max_half_spaces) return "a clip of 0 to 6 half-spaces";

@@ -293,7 +293,7 @@ struct SceneStorage {
   static std::tuple<> buffers(auto&) { return {}; }  ///< none in the backend's own memory
 };
 
-/// Copies and numbers placed scenes, of which each view shows some. What it returns holds until the next
+/// Copies and numbers placed scenes; each view shows some of them. The result holds until the next
 /// call. Throws as `number_gaussians`. Backends that do not reach the host's memory overload this.
 template <class B>
 PlacedScenes store_scenes(B&, const PlacedScenes& scenes, Span<const View>, SceneStorage<B>& storage,

@@ -10,7 +10,7 @@
 
 namespace swiftgs::detail {
 
-/// Null if a frame can show a scene like this; else what was expected.
+/// Says what was expected, or is null if a frame can show a scene like this.
 SWIFTGS_HD inline const char* unmet_of_placing(const Similarity& world_from_scene, float opacity,
                                                const Clip& clip) {
   if (const char* const expected = world_from_scene.unmet()) return expected;

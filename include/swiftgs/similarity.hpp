@@ -21,7 +21,7 @@ struct Similarity {
 
   dvec3 operator()(const dvec3& p) const { return scale * (rotation * p) + translation; }
 
-  /// Null if it is valid; else what was expected.
+  /// Says what was expected, or is null if it is valid.
   SWIFTGS_HD const char* unmet() const {
     if (!(detail::is_finite(scale) && scale > 0)) return "a finite scale above 0";
     if (!detail::is_finite(translation)) return "a finite translation";

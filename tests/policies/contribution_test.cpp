@@ -23,6 +23,7 @@
 #include <swiftgs/reference.hpp>
 
 #include "policies/contribution_sums.hpp"
+#include "policies/placed_list.hpp"
 #include "policies/random_splats.hpp"
 
 using namespace swiftgs;
@@ -30,17 +31,8 @@ using namespace swiftgs::test;
 
 namespace {
 
-/// A placed scene, on the host. Its `Scene` has no bands above 0.
-struct Placed {
-  Scene scene;
-  Similarity pose{};
-  float opacity = 1;
-  Clip clip{};
-};
-using List = std::vector<Placed>;
-
 /// Weight of each Gaussian in the float64 reference's image, in pixels: in a colour of its own, three of them
-/// a frame.
+/// a frame. The scenes have no bands above 0.
 std::vector<double> reference_weights(List list, const Camera& camera, const Conventions& conventions) {
   const float one = float(0.5 / 0.28209479177387814);  // SH coefficient of colour 1; minus that is colour 0
   std::vector<ReferenceScene> placed;

@@ -16,6 +16,7 @@
 
 #include "policies/hooked.hpp"
 #include "policies/lenses.hpp"
+#include "policies/placed_list.hpp"
 #include "policies/planes.hpp"
 #include "policies/views.hpp"
 
@@ -25,15 +26,6 @@ using namespace swiftgs::test;
 namespace {
 
 constexpr int channels = 4;
-
-/// A placed scene, on the host.
-struct Placed {
-  Scene scene;
-  Similarity pose{};
-  float opacity = 1;
-  Clip clip{};
-};
-using List = std::vector<Placed>;
 
 Similarity pose_of(std::uint64_t seed, double scale, dvec3 to) {
   Random random(seed);

@@ -9,7 +9,7 @@ import ctypes
 import functools
 import importlib
 import sys
-from typing import Any, Iterable, NamedTuple, Optional, Set, Tuple
+from typing import Any, Iterable, List, NamedTuple, Optional, Set, Tuple
 
 import numpy as np
 
@@ -144,8 +144,12 @@ def stream_of(array: Any, device: int) -> Optional[int]:
 
 def streams_of(arrays: Iterable[Any], device: int) -> Set[Optional[int]]:
     """Those of all of them, each library asked once."""
-    each = {array if isinstance(array, DeviceArray) else library_of(array): array for array in arrays}
-    return {stream_of(array, device) for array in each.values()}
+    return {stream_of(array, device) for array in one_of_each_stream(arrays)}
+
+
+def one_of_each_stream(arrays: Iterable[Any]) -> List[Any]:
+    """One array of each library tells of its stream; each `DeviceArray` has its own."""
+    return list({array if isinstance(array, DeviceArray) else library_of(array): array for array in arrays}.values())
 
 
 def stream_handle(stream: Any) -> int:

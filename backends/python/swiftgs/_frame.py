@@ -124,9 +124,7 @@ class Frame:
         # The size of cameras that need no other look; none in frames of parts or batches.
         self._one_size = size_of(self.width, self.height) if len(self._views) == 1 and not self._is_part else None
         if self.device is not None:
-            # One array of each library tells of its stream; each DeviceArray has its own.
-            self._sources = list({array if isinstance(array, _arrays.DeviceArray) else _arrays.library_of(array): array
-                                  for array in arrays.values() if array is not None}.values())
+            self._sources = _arrays.one_of_each_stream(array for array in arrays.values() if array is not None)
 
     def _arrays(self) -> Dict[str, Any]:
         """All planes that the frame has, by name."""

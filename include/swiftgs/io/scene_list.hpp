@@ -29,7 +29,7 @@ struct ListedScene {
 /// - `rotation`, a quaternion w, x, y, z of any length or three rows of three numbers, `scale` above 0, and
 ///   `translation`, which make p_world = scale rotation p + translation,
 /// - `opacity`, 0 to 1, which the Gaussians' opacities are multiplied by,
-/// - `first` and `count`, of which Gaussians show, as they are numbered in memory,
+/// - `first` and `count`: the range of Gaussians that shows, as they are numbered in memory,
 /// - `clip`, an object of `box` [x, y, z, x, y, z], two corners; `sphere` [x, y, z, radius]; and
 /// `half_spaces`,
 ///   [x, y, z, offset] each, of positions p with (x, y, z) . p of the offset or more. A box is six

@@ -43,11 +43,10 @@ struct ProjectShared {
 /// All that projection reads of a Gaussian, asked for at once: the compiler would wait for each array before
 /// the next.
 __device__ inline Gaussian load_gaussian(const SceneView& scene, std::size_t i) {
-  Gaussian g = gaussian(scene, i, [](Gaussian& loaded) {
+  return gaussian(scene, i, [](Gaussian& loaded) {
     asm volatile(""
                  : "+f"(loaded.mean.x), "+f"(loaded.scale.x), "+f"(loaded.rotation.w), "+f"(loaded.opacity));
   });
-  return g;
 }
 
 /// How many blocks ahead of its own a block prefetches Gaussians; so many blocks take 2.9 MB. On an H200,

@@ -30,7 +30,7 @@
 
 namespace swiftgs {
 
-/// Renders frames of placed scenes of which each rank holds parts. Each rank projects its own Gaussians,
+/// Renders frames of placed scenes whose parts lie on the ranks. Each rank projects its own Gaussians,
 /// sends splats to the ranks whose strips they touch, and draws its own strip by the stages of `Renderer`.
 /// The bits are those of one `Renderer` that draws the same parts rank by rank.
 ///
