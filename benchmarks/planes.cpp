@@ -71,6 +71,7 @@ Json measure(AnyRenderer& renderer, const bench::Input& input) {
       {"normal", {.normal = true}},
       {"alpha,depth,squared_depth,normal",
        {.alpha = true, .depth = true, .squared_depth = true, .normal = true}},
+      {"alpha,depth,normal,id", {.alpha = true, .depth = true, .normal = true, .id = true}},
       {"features:4", {.features = 4}},
       {"features:16", {.features = features}},
   };

@@ -58,6 +58,7 @@ struct LaneBlender {
   using Planes = PlanesOf<extras>;
 
   BlendRules rules;
+  bool sums_depth;
   float x, y, right;  ///< first pixel in the warp block; a single pixel lies `right` columns to its right
   Pixel pixels[pixel_count];
   float occluders[pixel_count];
@@ -66,7 +67,14 @@ struct LaneBlender {
   LanePlanes<Planes, pixel_count> planes;
 
   __device__ LaneBlender(const RasterJob& job, const View& view, float x_, float y_)
-      : rules(view.rules), x(x_), y(y_), right(0), occluders{}, rays(job, view), planes(view) {}
+      : rules(view.rules),
+        sums_depth(job.sums_depth(view)),
+        x(x_),
+        y(y_),
+        right(0),
+        occluders{},
+        rays(job, view),
+        planes(view) {}
 
   /// Blends `count` splats from `first` on: whole groups of `group_size` splats; with all extras, any number.
   __device__ void blend_queued(const Queue<Exponent, extras>& queue, unsigned first, unsigned count) {
@@ -86,21 +94,36 @@ struct LaneBlender {
             if (alphas[p] > 0 && pixels[p].live()) planes.offer(p, queue.ids[k], alphas[p] * before, before);
         }
       }
+    } else if (extras != Extras::none && some_lie_behind(queue.colours[first + count - 1].w)) {
+      blend_groups<true>(queue, first, count);
     } else {
-      // Advance pointers: an index would cost a multiplication each time.
-      const float4 *terms = queue.terms + first, *colours = queue.colours + first;
-      const typename Exponent::Rest* rests = queue.rests + first;
-#pragma unroll 1
-      for (unsigned k = 0; k < count; k += group_size) {
-        blend_group(terms, rests, colours, queue, first + k);
-        terms += group_size, rests += group_size, colours += group_size;
-      }
+      blend_groups<false>(queue, first, count);
     }
   }
 
   __device__ bool all_stopped() const { return kernels::all_stopped(pixels); }
 
  private:
+  /// Whether an occluder of the warp lies before this depth, or at it.
+  __device__ bool some_lie_behind(float depth) const {
+    float nearest = occluders[0];
+    if constexpr (pixel_count == 2) nearest = fminf(nearest, occluders[1]);
+    return __any_sync(whole_warp, depth >= nearest);
+  }
+
+  /// `occluded`: some splats may lie at occluders or behind.
+  template <bool occluded>
+  __device__ void blend_groups(const Queue<Exponent, extras>& queue, unsigned first, unsigned count) {
+    // Advance pointers: an index would cost a multiplication each time.
+    const float4 *terms = queue.terms + first, *colours = queue.colours + first;
+    const typename Exponent::Rest* rests = queue.rests + first;
+#pragma unroll 1
+    for (unsigned k = 0; k < count; k += group_size) {
+      blend_group<occluded>(terms, rests, colours, queue, first + k);
+      terms += group_size, rests += group_size, colours += group_size;
+    }
+  }
+
   /// Alphas of the pixels for a splat, in units of alpha_max.
   __device__ void evaluate(const float4& terms, const typename Exponent::Rest& rest,
                            float (&alphas)[pixel_count]) const {
@@ -113,6 +136,7 @@ struct LaneBlender {
     for (unsigned p = 0; p < pixel_count; ++p) alphas[p] = relative_alpha<threshold>(exponents[p], rules);
   }
 
+  template <bool occluded>
   __device__ void blend_group(const float4* terms, const typename Exponent::Rest* rests,
                               const float4* colours, const Queue<Exponent, extras>& queue, unsigned first) {
     float alphas[pixel_count][group_size], weights[pixel_count][group_size];
@@ -123,11 +147,12 @@ struct LaneBlender {
 #pragma unroll
       for (unsigned p = 0; p < pixel_count; ++p) alphas[p][k] = of_splat[p];
     }
-    const unsigned hidden = extras != Extras::none ? hide(alphas, colours, queue, first) : 0;
+    unsigned hidden = 0;
+    if constexpr (occluded) hidden = hide(alphas, colours, queue, first);
     float left[pixel_count][group_size + 1];
     weigh_group(pixels, alphas, rules.alpha_max, weights, left);
     if constexpr (Planes::picks) planes.offer_group(queue, first, weights, left);
-    stop(hidden);
+    if constexpr (occluded) stop(hidden);
 
 #pragma unroll
     for (unsigned k = 0; k < group_size; ++k) {
@@ -135,7 +160,7 @@ struct LaneBlender {
 #pragma unroll
       for (unsigned p = 0; p < pixel_count; ++p) {
         pixels[p].add(weights[p][k], colour.x, colour.y, colour.z);
-        if constexpr (extras != Extras::none)
+        if constexpr (extras == Extras::depth)
           pixels[p].depth = fmaf(weights[p][k], colour.w, pixels[p].depth);
       }
       if constexpr (Planes::rows != 0) {
@@ -145,6 +170,14 @@ struct LaneBlender {
         planes.add(queue, first + k, of_splat);
       }
     }
+    if constexpr (extras > Extras::depth)
+      if (sums_depth) {
+#pragma unroll
+        for (unsigned k = 0; k < group_size; ++k)
+#pragma unroll
+          for (unsigned p = 0; p < pixel_count; ++p)
+            pixels[p].depth = fmaf(weights[p][k], colours[k].w, pixels[p].depth);
+      }
   }
 
   /// Leaves out splats of a group that lie at the occluders or behind. Depths do not fall within a group.

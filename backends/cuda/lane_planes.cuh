@@ -27,7 +27,8 @@ struct PixelPlanes {
   static constexpr unsigned rows = rows_;
 };
 template <Extras extras>
-using PlanesOf = PixelPlanes<extras >= Extras::picks, rows_of(extras), (extras > Extras::picks)>;
+using PlanesOf =
+    PixelPlanes<picks_of(extras), rows_of(extras), rows_of(extras) != 0 || extras == Extras::all>;
 
 /// Calls a generic f(r) for each row. It is not compiled where there is none.
 template <unsigned rows, class F>
@@ -43,28 +44,48 @@ __device__ inline void add_scaled(float4& to, float factor, const float4& from) 
   to.z = fmaf(factor, from.z, to.z), to.w = fmaf(factor, from.w, to.w);
 }
 
-/// Ids and attributes of queued splats.
-template <class Planes>
-struct QueuedPlanes {
-  __device__ void fetch_planes(const RasterJob&, unsigned, std::uint32_t) {}
-  __device__ void clear_planes(unsigned) {}
+/// Numbers in the frame of queued splats.
+template <bool some>
+struct QueuedIds {
+  __device__ void put(unsigned, std::uint32_t) {}
 };
-template <unsigned rows, bool rays>
-struct QueuedPlanes<PixelPlanes<true, rows, rays>> {
+template <>
+struct QueuedIds<true> {
   alignas(16) std::uint32_t ids[queue_size];
-  float4 attributes[rows == 0 ? 1 : rows][rows == 0 ? 1 : queue_size];
+  __device__ void put(unsigned slot, std::uint32_t id) { ids[slot] = id; }
+};
+
+/// Attributes of queued splats.
+template <unsigned rows>
+struct QueuedRows {
+  float4 attributes[rows][queue_size];
 
   /// Starts loading them.
-  __device__ void fetch_planes(const RasterJob& job, unsigned slot, std::uint32_t id) {
-    ids[slot] = id;
+  __device__ void fetch(const RasterJob& job, unsigned slot, std::uint32_t id) {
     for_each_row<rows>([&](auto r) {
       __pipeline_memcpy_async(&attributes[r][slot], &job.attributes.row(r, id), sizeof(float4));
     });
   }
   /// Those of a splat that shows nothing.
-  __device__ void clear_planes(unsigned slot) {
+  __device__ void clear(unsigned slot) {
     for_each_row<rows>([&](auto r) { attributes[r][slot] = make_float4(0, 0, 0, 0); });
   }
+};
+template <>
+struct QueuedRows<0> {
+  static float4 attributes[1][queue_size];  ///< a name alone: nothing reads it
+  __device__ void fetch(const RasterJob&, unsigned, std::uint32_t) {}
+  __device__ void clear(unsigned) {}
+};
+
+/// What blending needs of queued splats for planes.
+template <class Planes>
+struct QueuedPlanes : QueuedIds<Planes::picks || Planes::rays>, QueuedRows<Planes::rows> {
+  __device__ void fetch_planes(const RasterJob& job, unsigned slot, std::uint32_t id) {
+    this->put(slot, id);
+    QueuedRows<Planes::rows>::fetch(job, slot, id);
+  }
+  __device__ void clear_planes(unsigned slot) { QueuedRows<Planes::rows>::clear(slot); }
 };
 
 /// Occluders of a lane's pixels that hide by depths along the ray.
@@ -107,23 +128,21 @@ struct LaneRays<true, pixel_count> {
   }
 };
 
-/// Picks and sums of the pixels of a lane within a segment.
-template <class Planes, unsigned pixel_count>
-struct LanePlanes {
-  __device__ explicit LanePlanes(const View&) {}
+/// Picks of the pixels of a lane within a segment.
+template <bool some, unsigned pixel_count>
+struct LanePicks {
+  __device__ explicit LanePicks(const View&) {}
+  __device__ void start(unsigned, const PickLimits&) {}
+  __device__ void end(unsigned, float) {}
 };
-template <unsigned rows, bool has_rays, unsigned pixel_count>
-struct LanePlanes<PixelPlanes<true, rows, has_rays>, pixel_count> {
-  using Queued = QueuedPlanes<PixelPlanes<true, rows, has_rays>>;
-
+template <unsigned pixel_count>
+struct LanePicks<true, pixel_count> {
   bool some_first, some_median, some_largest;
   PickLimits limits[pixel_count];
   std::uint32_t first[pixel_count], median[pixel_count], largest[pixel_count];
   float weight[pixel_count];  ///< of the largest
-  float4 sums[pixel_count * (rows == 0 ? 1 : rows)];
 
-  /// Starts the first segment.
-  __device__ explicit LanePlanes(const View& view)
+  __device__ explicit LanePicks(const View& view)
       : some_first(view.frame.first_depth.data),
         some_median(view.frame.median_depth.data || view.frame.median_id.data),
         some_largest(view.frame.id.data) {
@@ -141,7 +160,6 @@ struct LanePlanes<PixelPlanes<true, rows, has_rays>, pixel_count> {
   __device__ void start(unsigned p, const PickLimits& in_segment) {
     first[p] = median[p] = largest[p] = SplatPicks::none, weight[p] = 0;
     limits[p] = in_segment;
-    for_each_row<rows>([&](auto r) { sums[p * rows + r] = make_float4(0, 0, 0, 0); });
   }
   /// Ends the segment of a pixel, which leaves `left`.
   __device__ void end(unsigned p, float left) {
@@ -158,7 +176,7 @@ struct LanePlanes<PixelPlanes<true, rows, has_rays>, pixel_count> {
     if (some_first && left >= limits[p].first) first[p] = id;
   }
   /// Takes a group of splats, from the first-th queued on.
-  __device__ void offer_group(const Queued& queue, unsigned first_of_group,
+  __device__ void offer_group(const QueuedIds<true>& queue, unsigned first_of_group,
                               const float (&weights)[pixel_count][group_size],
                               const float (&left)[pixel_count][group_size + 1]) {
     static_assert(group_size == 4);
@@ -184,9 +202,18 @@ struct LanePlanes<PixelPlanes<true, rows, has_rays>, pixel_count> {
         if (left[p][k] >= limits[p].first) first[p] = ids[k];
       });
   }
+};
 
+/// Sums of attributes of the pixels of a lane within a segment.
+template <unsigned rows, unsigned pixel_count>
+struct LaneSums {
+  float4 sums[pixel_count * (rows == 0 ? 1 : rows)];
+
+  __device__ void start(unsigned p) {
+    for_each_row<rows>([&](auto r) { sums[p * rows + r] = make_float4(0, 0, 0, 0); });
+  }
   /// Adds attributes of the k-th queued splat, by its weights.
-  __device__ void add(const Queued& queue, unsigned k, const float (&weights)[pixel_count]) {
+  __device__ void add(const QueuedRows<rows>& queue, unsigned k, const float (&weights)[pixel_count]) {
     for_each_row<rows>([&](auto r) {
       const float4 row = queue.attributes[r][k];
 #pragma unroll
@@ -195,71 +222,91 @@ struct LanePlanes<PixelPlanes<true, rows, has_rays>, pixel_count> {
   }
 };
 
-/// Planes of pixels behind the segments joined so far, in units of alpha_max.
-template <class Planes, unsigned count>
-struct JoinedPlanes {
-  using Lane = LanePlanes<Planes, pixels_of_lane>;
+/// Picks and sums of the pixels of a lane within a segment.
+template <class Planes, unsigned pixel_count>
+struct LanePlanes : LanePicks<Planes::picks, pixel_count>, LaneSums<Planes::rows, pixel_count> {
+  using Picks = LanePicks<Planes::picks, pixel_count>;
+  using Sums = LaneSums<Planes::rows, pixel_count>;
 
-  template <unsigned others>
-  __device__ void copy(unsigned, const JoinedPlanes<Planes, others>&, unsigned) {}
-  __device__ void set(unsigned, Lane&, unsigned, float) {}
-  __device__ void join(unsigned, Lane&, unsigned, float, float) {}
-  __device__ void start_next(unsigned, Lane&, unsigned, bool, const BlendRules&, float, std::uint32_t) const {
+  /// Starts the first segment.
+  __device__ explicit LanePlanes(const View& view) : Picks(view) {
+#pragma unroll
+    for (unsigned p = 0; p < pixel_count; ++p) Sums::start(p);
   }
-  __device__ void go_on(unsigned, Lane&, unsigned, bool, const BlendRules&) const {}
-  __device__ void end_rest(unsigned, Lane&, unsigned, float) {}
-  __device__ void store(unsigned, const RasterJob&, const View& view, const PixelPlace& at,
-                        const BlendedPixel& pixel) const {
-    if (at.inside)
-      store_pixel(view.frame, std::size_t(at.x), std::size_t(at.y), plain_pixel(pixel, view.rules),
-                  view.background);
+  /// Starts a segment of a pixel.
+  __device__ void start(unsigned p, const PickLimits& in_segment) {
+    Picks::start(p, in_segment), Sums::start(p);
   }
 };
-template <unsigned rows, bool rays, unsigned count>
-struct JoinedPlanes<PixelPlanes<true, rows, rays>, count> {
-  using Lane = LanePlanes<PixelPlanes<true, rows, rays>, pixels_of_lane>;
 
+template <bool some, unsigned count>
+struct JoinedPicksOf {};
+template <unsigned count>
+struct JoinedPicksOf<true, count> {
   JoinedPicks picks[count];
-  float4 sums[rows == 0 ? 1 : rows][rows == 0 ? 1 : count];
+};
+template <unsigned rows, unsigned count>
+struct JoinedSumsOf {
+  float4 sums[rows][count];
+};
+template <unsigned count>
+struct JoinedSumsOf<0, count> {
+  static float4 sums[1][count];  ///< a name alone: nothing reads it
+};
+
+/// Planes of pixels behind the segments joined so far, in units of alpha_max. Empty where there is colour
+/// alone.
+template <class Planes, unsigned count>
+struct JoinedPlanes : JoinedPicksOf<Planes::picks, count>, JoinedSumsOf<Planes::rows, count> {
+  using Lane = LanePlanes<Planes, pixels_of_lane>;
+  static constexpr bool has_picks = Planes::picks;
+  static constexpr unsigned rows = Planes::rows;
 
   /// Copies pixel `from` of others.
   template <unsigned others>
-  __device__ void copy(unsigned i, const JoinedPlanes<PixelPlanes<true, rows, rays>, others>& of,
-                       unsigned from) {
-    picks[i] = of.picks[from];
-    for_each_row<rows>([&](auto r) { sums[r][i] = of.sums[r][from]; });
+  __device__ void copy(unsigned i, const JoinedPlanes<Planes, others>& of, unsigned from) {
+    if constexpr (has_picks) this->picks[i] = of.picks[from];
+    for_each_row<rows>([&](auto r) { this->sums[r][i] = of.sums[r][from]; });
   }
   /// Ends the first segment of the lane's p-th pixel, which leaves `left`, and sets pixel i to it.
   __device__ void set(unsigned i, Lane& lane, unsigned p, float left) {
-    lane.end(p, left);
-    picks[i] = lane.picks(p);
-    for_each_row<rows>([&](auto r) { sums[r][i] = lane.sums[p * rows + r]; });
+    if constexpr (has_picks) lane.end(p, left), this->picks[i] = lane.picks(p);
+    for_each_row<rows>([&](auto r) { this->sums[r][i] = lane.sums[p * rows + r]; });
   }
   /// Ends a further segment, whose unit is `unit`, and joins it.
   __device__ void join(unsigned i, Lane& lane, unsigned p, float left, float unit) {
-    lane.end(p, left);
-    JoinedPicks all = picks[i];
-    all.join(lane.picks(p), unit);
-    picks[i] = all;
-    for_each_row<rows>([&](auto r) { add_scaled(sums[r][i], unit, lane.sums[p * rows + r]); });
+    if constexpr (has_picks) {
+      lane.end(p, left);
+      JoinedPicks all = this->picks[i];
+      all.join(lane.picks(p), unit);
+      this->picks[i] = all;
+    }
+    for_each_row<rows>([&](auto r) { add_scaled(this->sums[r][i], unit, lane.sums[p * rows + r]); });
   }
   /// Starts segment k of a pixel that has transmittance `before` in front of it, or has stopped.
   __device__ void start_next(unsigned i, Lane& lane, unsigned p, bool live, const BlendRules& rules,
                              float before, std::uint32_t k) const {
-    lane.start(p, live ? lane.whole_limits(rules).behind(picks[i]).in_segment(before, k) : PickLimits());
+    PickLimits limits;
+    if constexpr (has_picks)
+      if (live) limits = lane.whole_limits(rules).behind(this->picks[i]).in_segment(before, k);
+    lane.start(p, limits);
   }
 
   /// Goes on with the first segment of a pixel, or of one that has stopped in it.
   __device__ void go_on(unsigned i, Lane& lane, unsigned p, bool live, const BlendRules& rules) const {
     start_next(i, lane, p, live, rules, 1, 0);
-    for_each_row<rows>([&](auto r) { lane.sums[p * rows + r] = sums[r][i]; });
+    for_each_row<rows>([&](auto r) { lane.sums[p * rows + r] = this->sums[r][i]; });
   }
   /// Ends it, and joins what came behind `go_on`.
   __device__ void end_rest(unsigned i, Lane& lane, unsigned p, float left) {
-    JoinedPicks all = picks[i];
-    set(i, lane, p, left);
-    all.join(picks[i], 1);
-    picks[i] = all;
+    if constexpr (has_picks) {
+      JoinedPicks all = this->picks[i];
+      set(i, lane, p, left);
+      all.join(this->picks[i], 1);
+      this->picks[i] = all;
+    } else {
+      set(i, lane, p, left);
+    }
   }
 
   /// Writes pixel i, if it lies in the image.
@@ -267,16 +314,23 @@ struct JoinedPlanes<PixelPlanes<true, rows, rays>, count> {
                         const BlendedPixel& pixel) const {
     if (!at.inside) return;
     const auto x = std::size_t(at.x), y = std::size_t(at.y);
-    float plain[rows == 0 ? 1 : rows * AttributeRow::channels];
-    for_each_row<rows>([&](auto r) {
-      const float4 row = sums[r][i];
-      const float of_row[] = {row.x, row.y, row.z, row.w};
+    const BlendedPixel plain = plain_pixel(pixel, view.rules);
+    if constexpr (rows == 0) {
+      store_pixel(view.frame, x, y, plain, view.background);
+    } else {
+      float plain_sums[rows * AttributeRow::channels];
+      for_each_row<rows>([&](auto r) {
+        const float4 row = this->sums[r][i];
+        const float of_row[] = {row.x, row.y, row.z, row.w};
 #pragma unroll
-      for (unsigned c = 0; c < AttributeRow::channels; ++c)
-        plain[r * AttributeRow::channels + c] = multiply_rounded(of_row[c], view.rules.alpha_max);
-    });
-    store_pixel(job, view, x, y, plain_pixel(pixel, view.rules), plain);
-    if (job.picks(view)) store_picks(job, view, x, y, {picks[i].first, picks[i].median, picks[i].largest});
+        for (unsigned c = 0; c < AttributeRow::channels; ++c)
+          plain_sums[r * AttributeRow::channels + c] = multiply_rounded(of_row[c], view.rules.alpha_max);
+      });
+      store_pixel(job, view, x, y, plain, plain_sums);
+    }
+    if constexpr (has_picks)
+      if (const JoinedPicks& of = this->picks[i]; job.picks(view))
+        store_picks(job, view, x, y, {of.first, of.median, of.largest});
   }
 };
 

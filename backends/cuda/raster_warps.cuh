@@ -111,21 +111,24 @@ struct SegmentJoiner {
 };
 
 /// Thread blocks of a multiprocessor at once.
-/// Measured on an H100 when chosen: with nine blocks, frames of garden, herz and `builtin:4000000` with depth
-/// take 9, 14 and 13 % longer than those of colour alone, and with eight 5, 7 and 8 %. With picks, garden
-/// takes 463 us with seven and 494 with eight; with a row 506 with six and 554 with seven; with rows 802 with
-/// four and 851 with three.
+/// Measured on an H100 when chosen, frames of herz and of `builtin:4000000` over those of colour alone: with
+/// depth 1.02 and 1.08, with nine blocks 1.12 and 1.13; with picks 1.16 and 1.20, with seven 1.16 and 1.26;
+/// with a row 1.20 and 1.19, with seven 1.30 and 1.29; with rows 1.84 and 1.70, with five 1.90 and 1.93.
 template <class Exponent, Extras extras>
 inline constexpr unsigned raster_occupancy = extras == Extras::depth   ? std::min(Exponent::blocks, 8u)
-                                             : extras == Extras::picks ? 7
+                                             : extras == Extras::picks ? 6
                                              : extras == Extras::row   ? 6
-                                             : extras == Extras::rows  ? 4
-                                                                       : Exponent::blocks;
+                                             : extras == Extras::row_and_picks ? 5
+                                             : extras == Extras::rows          ? 4
+                                                                               : Exponent::blocks;
 
-/// Whether warps push before a traversal is long, if a helper is idle. Not with picks, which cost pushing and
-/// joining more: frames of herz, whose lists are short, would take 5 % longer (measured on an H100).
+/// Intersections that a traversal must have left to be pushed before it is long, if a helper is idle. Planes
+/// cost pushing and joining more.
+/// Measured on an H100: if traversals with picks are not pushed before they are long, frames of herz take
+/// 0.56 ms, not 0.58, but those of `builtin:1000000` 0.80, not 0.63.
 template <Extras extras>
-inline constexpr bool is_eager = extras < Extras::picks || extras == Extras::all;
+inline constexpr std::uint32_t least_left_to_help =
+    extras < Extras::picks || extras == Extras::all ? least_left : 2 * least_left;
 
 /// Blends the list of one raster block: one thread block per raster block, one warp per warp block. If
 /// `shared`, pushes the rest of a long traversal to the work queues.
@@ -174,11 +177,10 @@ __global__ void __launch_bounds__(raster_threads, (raster_occupancy<Exponent, ex
       }
     }
     if constexpr (shared)
-      item = work_queues.reserve_item<is_eager<extras>>(traversal.blended(), traversal.visited(),
-                                                        traversal.left());
+      item = work_queues.reserve_item<least_left_to_help<extras>>(traversal.blended(), traversal.visited(),
+                                                                  traversal.left());
   }
-  if constexpr (!shared)
-    work_queues.end_traversal<is_eager<extras>>(traversal.blended(), traversal.visited());
+  if constexpr (!shared) work_queues.end_traversal(traversal.blended(), traversal.visited());
   // A helper resumes at the end of the last segment and queues the splats behind it again. Within the first
   // segment it resumes here: blend the queued splats.
   if (item && traversal.segments() != 0) traversal.drop_rest();

@@ -237,7 +237,7 @@ struct WorkItemBlender {
       lane.pixels[p] = {}, lane.counts[p] = {};
       const float before = befores[p].transmittance;
       if (before >= 0) start_segment(lane.pixels[p], rules.stop_below, before, round.first + share.segment);
-      if constexpr (Planes::picks) lane.planes.start(p, befores[p].limits);
+      lane.planes.start(p, befores[p].limits);
     }
 
     blend_splats(lane, splats, share.own * segment_size, round.splats_of(share.segment), most, share);
@@ -254,11 +254,11 @@ struct WorkItemBlender {
       if constexpr (Planes::picks) {
         lane.planes.end(p, pixel.transmittance);
         shared.picks[at] = lane.planes.picks(p);
-        for_each_row<Planes::rows>([&](auto r) {
-          shared.queues[warp()].attributes[r][at % pixels_of_warp_block] =
-              lane.planes.sums[p * Planes::rows + r];
-        });
       }
+      for_each_row<Planes::rows>([&](auto r) {
+        shared.queues[warp()].attributes[r][at % pixels_of_warp_block] =
+            lane.planes.sums[p * Planes::rows + r];
+      });
     }
   }
 
@@ -388,10 +388,8 @@ struct WorkItemBlender {
     if (was_live) {  // Other warps and blocks may be writing the other pixels.
       before = shared.joined.totals[pixel].w, all = (&shared.joined.totals[pixel].x)[channel];
       if constexpr (extras != Extras::none) depth = shared.joined.depths[pixel];
-      if constexpr (Planes::picks) {
-        picks = shared.planes.picks[pixel];
-        for_each_row<Planes::rows>([&](auto r) { sums[r] = (&shared.planes.sums[r][pixel].x)[channel]; });
-      }
+      if constexpr (Planes::picks) picks = shared.planes.picks[pixel];
+      for_each_row<Planes::rows>([&](auto r) { sums[r] = (&shared.planes.sums[r][pixel].x)[channel]; });
     }
 #pragma unroll 4
     for (unsigned k = 0; k < round.segments(); ++k) {
@@ -403,13 +401,11 @@ struct WorkItemBlender {
       // As `JoinedPixel::join`.
       const float scaled = before * scale_of_segment(round.first + k);
       all = fmaf(scaled, value, all), depth = fmaf(scaled, of_depth, depth);
-      if constexpr (Planes::picks) {
-        picks.join(of.picks[at], scaled);
-        const auto& queued = of.queues[at / pixels_of_warp_block].attributes;
-        for_each_row<Planes::rows>([&](auto r) {
-          sums[r] = fmaf(scaled, (&queued[r][at % pixels_of_warp_block].x)[channel], sums[r]);
-        });
-      }
+      if constexpr (Planes::picks) picks.join(of.picks[at], scaled);
+      for_each_row<Planes::rows>([&](auto r) {
+        const float4& sum = of.queues[at / pixels_of_warp_block].attributes[r][at % pixels_of_warp_block];
+        sums[r] = fmaf(scaled, (&sum.x)[channel], sums[r]);
+      });
       before = scaled * fabsf(left), live = !signbit(left);
     }
     __syncwarp();  // all lanes have read what is overwritten
@@ -418,10 +414,9 @@ struct WorkItemBlender {
       SegmentShared<Exponent, extras>& of = group.in(b, shared);
       (&of.joined.totals[pixel].x)[channel] = channel + 1 == channels ? before : all;
       if (extras != Extras::none && channel == 0) of.joined.depths[pixel] = depth;
-      if constexpr (Planes::picks) {
+      if constexpr (Planes::picks)
         if (channel == 0) of.planes.picks[pixel] = picks;
-        for_each_row<Planes::rows>([&](auto r) { (&of.planes.sums[r][pixel].x)[channel] = sums[r]; });
-      }
+      for_each_row<Planes::rows>([&](auto r) { (&of.planes.sums[r][pixel].x)[channel] = sums[r]; });
       if (channel == 0 && !live) atomicAnd(&of.live[pixel / warp_size], ~(1u << pixel % warp_size));
     }
   }

@@ -85,8 +85,8 @@ inline constexpr std::uint32_t long_blended = 4096, long_visited = 8192;
 /// registers for pushing, and 1 to 2 the joining.
 inline constexpr std::uint32_t most_quiet_frames = 8;
 /// They share again after a frame in which one warp blended or visited so many.
-/// These limits lie below those for pushing, but not of kernels that are not eager. The price: while a warp
-/// visits between 4,096 and 8,192 intersections, eight of ten frames may start the helper kernel in vain.
+/// These limits lie below those for pushing. The price: while a warp visits between 4,096 and 8,192
+/// intersections, eight of ten frames may start the helper kernel in vain.
 inline constexpr std::uint32_t loud_blended = long_blended / 2, loud_visited = long_visited / 2;
 /// A traversal looks for idle helpers at the end of each segment, and after so many intersections without
 /// one.
@@ -171,9 +171,9 @@ struct WorkQueues {
     return reinterpret_cast<Planes*>(planes)[item - items];
   }
 
-  /// Reserves an item for a warp that blended, visited and left so many. Null if the traversal is short and,
-  /// where warps are `eager`, no helper is idle, if too little is left, or if the queues are full.
-  template <bool eager>
+  /// Reserves an item for a warp that blended, visited and left so many. Null if the traversal is short and
+  /// no helper idle or too little left to help, if too little is left, or if the queues are full.
+  template <std::uint32_t least_left_to_help>
   __device__ WorkItem* reserve_item(std::uint32_t blended, std::uint32_t visited,
                                     std::uint32_t intersections_left) const {
     if (intersections_left < least_left) return nullptr;
@@ -183,7 +183,7 @@ struct WorkQueues {
       // A shorter queue, if one is full.
       unsigned q = queue_of(intersections_left);
       while (q != shorter && found(q) == most(q)) ++q;
-      if (found(q) != most(q) && (is_long || (eager && is_awaited(q)))) {
+      if (found(q) != most(q) && (is_long || (intersections_left >= least_left_to_help && is_awaited(q)))) {
         slot = first[q] + atomicAdd(&state->queues[q].found, 1u);
         if (slot >= first[q + 1]) slot = none;
       }
@@ -201,11 +201,8 @@ struct WorkQueues {
   }
 
   /// After a traversal of a frame without work queues.
-  template <bool eager>
   __device__ void end_traversal(std::uint32_t blended, std::uint32_t visited) const {
-    const std::uint32_t most_blended = eager ? loud_blended : long_blended,
-                        most_visited = eager ? loud_visited : long_visited;
-    if ((blended >= most_blended || visited >= most_visited) && lane_index() == 0)
+    if ((blended >= loud_blended || visited >= loud_visited) && lane_index() == 0)
       word(*quiet_frames).store(0, cuda::memory_order_relaxed);
   }
 

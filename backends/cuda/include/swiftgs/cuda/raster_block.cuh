@@ -98,26 +98,42 @@ struct OwnRasterBlock {
 /// What a frame wants beside colour and alpha. Kernels are compiled apart for each.
 enum class Extras {
   none,
-  depth,  ///< and occluders
-  picks,  ///< and depth: splats that pixels remember
-  row,    ///< and picks: up to four attributes
-  rows,   ///< and picks: up to sixteen
-  all,    ///< and picks and counts; no attributes
+  depth,          ///< and occluders
+  picks,          ///< and depth: splats that pixels remember
+  row,            ///< and depth: up to four attributes
+  row_and_picks,  ///< and depth
+  rows,           ///< and depth: up to sixteen attributes
+  all,            ///< and picks and counts; no attributes
 };
+
+/// Whether kernels remember splats.
+constexpr bool picks_of(Extras extras) {
+  return extras == Extras::picks || extras == Extras::row_and_picks || extras == Extras::all;
+}
 
 /// Rows of attributes that kernels sum.
 constexpr unsigned rows_of(Extras extras) {
-  return extras == Extras::row ? 1 : extras == Extras::rows ? AttributesView::most_rows : 0;
+  return extras == Extras::row || extras == Extras::row_and_picks ? 1
+         : extras == Extras::rows                                 ? AttributesView::most_rows
+                                                                  : 0;
 }
 
-/// The first view stands for a single one. Only kernels that pick, and those of stored views, take alphas far
-/// below 1/255.
+/// Whether some view of `job` has to remember splats.
+inline bool some_view_picks(const RasterJob& job) {
+  return std::any_of(job.views.begin(), job.views.end(), [&](const View& view) { return job.picks(view); });
+}
+
+/// The first view stands for a single one. The kernels of colour and of depth take no alphas far below 1/255,
+/// unless views are stored.
 inline Extras extras_of(const RasterJob& job) {
-  if (job.counts) return Extras::all;
-  if (job.attributes.rows != 0) return job.attributes.rows == 1 ? Extras::row : Extras::rows;
-  const auto picks = [&](const View& view) { return job.picks(view); };
-  if (std::any_of(job.views.begin(), job.views.end(), picks) ||
-      (!job.views.stored && !keeps_digits(job.views[0].rules.log2_relative_min)))
+  const bool picks = some_view_picks(job);
+  // The kernel of picks alone knows no depths along the ray.
+  const bool hides_by_row =
+      picks && job.attributes.rows == 0 && std::any_of(job.views.begin(), job.views.end(), hides_along_ray);
+  if (job.counts || hides_by_row) return Extras::all;
+  if (job.attributes.rows > 1) return Extras::rows;
+  if (job.attributes.rows == 1) return picks ? Extras::row_and_picks : Extras::row;
+  if (picks || (!job.views.stored && !keeps_digits(job.views[0].rules.log2_relative_min)))
     return Extras::picks;
   const auto wants = [&](const View& view) { return job.sums_depth(view) || view.frame.occluder.data; };
   return std::any_of(job.views.begin(), job.views.end(), wants) ? Extras::depth : Extras::none;
@@ -140,6 +156,8 @@ void with_unconverted(Cuda& cuda, const RasterJob& job, const F& f) {
         return f.template operator()<Extras::picks>(input);
       case Extras::row:
         return f.template operator()<Extras::row>(input);
+      case Extras::row_and_picks:
+        return f.template operator()<Extras::row_and_picks>(input);
       case Extras::rows:
         return f.template operator()<Extras::rows>(input);
       case Extras::all:
@@ -160,9 +178,17 @@ inline bool some_view_converts(const RasterJob& job) {
   });
 }
 
-/// Clears the counts of `job` and calls f.operator()<extras>(input). Throws as `raster_blocks_of`.
+/// Clears the counts of `job` and calls f.operator()<extras>(input), once or several times. Throws as
+/// `raster_blocks_of`.
 template <class F>
 void with_raster_input(Cuda& cuda, const RasterJob& job, const F& f) {
+  // No kernel has registers for picks and several rows.
+  if (job.attributes.rows > 1 && some_view_picks(job)) {
+    RasterJob picks = job, rows = job;
+    picks.attributes.rows = 0, rows.only_attributes = true;
+    with_raster_input(cuda, picks, f);
+    return with_raster_input(cuda, rows, f);
+  }
   if (!some_view_converts(job)) return with_unconverted(cuda, job, f);
   View one;
   RasterJob redirected = job;
