@@ -23,9 +23,9 @@ inline ScenePart own_part() { return {std::size_t(ranks_here().rank()), std::siz
 
 /// Cameras of unlike sizes; none is a multiple of 16.
 inline std::vector<Camera> some_cameras() {
-  std::vector<Camera> cameras = builtin_cameras(3, 250, 141);
+  std::vector<Camera> cameras = builtin_cameras(3, 125, 71);
   cameras[1] = scaled(cameras[1], 0.31);
-  cameras.push_back(builtin_camera(333, 170));
+  cameras.push_back(builtin_camera(167, 85));
   return cameras;
 }
 

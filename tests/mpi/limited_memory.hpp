@@ -40,7 +40,7 @@ template <class B, class Make>
 void fail_at_each_allocation(const MemoryHook& memory, const Make& make,
                              const RenderSettings& settings = all_outputs()) {
   const Scene scene = make_builtin_scene(2'000);
-  const Camera camera = builtin_camera(200, 150);
+  const Camera camera = builtin_camera(100, 75);
   Renderer<B, EarlySort, PerPixel, Ellipse> one;
   Frame expected, found;
   one.render(one.backend().upload(scene), camera, settings, expected);

@@ -133,8 +133,8 @@ TEST_CASE("mpi planes: views may ask for different planes and lie behind surface
   Distributed distributed(ranks_here());
   const auto whole = one.backend().upload(scene);
   const auto part = distributed.backend().upload(part_of(scene, own_part()));
-  const Camera camera = builtin_camera(150, 110);
-  std::vector<float> occluder(150 * 110);
+  const Camera camera = builtin_camera(100, 75);
+  std::vector<float> occluder(100 * 75);
   for (std::size_t i = 0; i < occluder.size(); ++i) occluder[i] = i % 3 ? 4.0f : INFINITY;
 
   struct Asked {
@@ -168,7 +168,7 @@ TEST_CASE("mpi planes: views may ask for different planes and lie behind surface
       rows += std::uint64_t(each.view_strip.rows);
     }
     ranks_here().add_up({&rows, 1});
-    CHECK(rows == 110 * asked.size());
+    CHECK(rows == 75 * asked.size());
   }
 }
 
