@@ -9,7 +9,7 @@ from tables.results import InputError, check_rows
 from tables.summary import commit_of
 
 NAME = "rivals.json"
-PLANES_NAME = "rivals-planes.json"
+PLANES_NAME = "planes-rivals.json"
 OPTIONAL = "Faster-GS"  # rivals.py may run without it
 # Each with its calls, of which the fastest in a scene counts.
 RIVALS = {"gsplat": ("gsplat", "gsplat, not packed"), OPTIONAL: (OPTIONAL,),
@@ -119,4 +119,4 @@ def rivals_planes(source, machine):
                              words=2))
 
 
-TABLES = {"rivals": rivals, "rivals-planes": rivals_planes}
+TABLES = {"rivals": rivals, "planes-rivals": rivals_planes}

@@ -26,8 +26,8 @@ from tables.frames import OURS  # noqa: E402
 from tables.results import OPTIONAL, STAGES, Duration, InputError, Results  # noqa: E402
 from tables.source import MACHINES, RESULTS, Source, backend, family  # noqa: E402
 
-COPIED = ("*.csv", "ulps.json", "formats.json", "python.json", "beside-gsplat*.json", "rivals.json", "planes.json",
-          "placed.json")
+COPIED = ("*.csv", "ulps.json", "formats.json", "python.json", "beside-gsplat*.json", "rivals.json",
+          "planes*.json", "placed.json")
 ROOT = HERE.parent.parent
 
 
@@ -520,7 +520,7 @@ class Tables(unittest.TestCase):
             self.assertIn(message, error)
 
     def test_frames_with_planes_are_compared_with_the_fastest_frame_of_colour(self):
-        folder = self.place / "rivals-planes" / "gpu"
+        folder = self.place / "planes-rivals" / "gpu"
         folder.mkdir(parents=True)
         ms = {"SwiftGS": 0.42, "SwiftGS, colour alone": 0.4, "SwiftGS, depth": 0.5, "SwiftGS, id": 0.6, "gsplat": 3,
               "gsplat, not packed": 2, "gsplat, depth": 2.5, "gsplat, not packed, depth": 2.6,
@@ -529,8 +529,8 @@ class Tables(unittest.TestCase):
         good = {"format": "swiftgs-rivals", "version": 1,
                 "machine": {"gpu": "a GPU", "date": "2026-11-21", "commit": 40 * "0"},
                 "rows": [{**row, "ms": {call: time * factor for call, time in ms.items()}} for factor in (9, 1, 0.5)]}
-        page = "<!-- table: rivals-planes gpu -->\n<!-- end -->\n"
-        synthetic_folder.synthetic.write(folder / "rivals-planes.json", good)
+        page = "<!-- table: planes-rivals gpu -->\n<!-- end -->\n"
+        synthetic_folder.synthetic.write(folder / "planes-rivals.json", good)
         code, text, _, error = self.update(page, results=folder.parent)
         self.assertEqual((code, error), (0, ""))
         for line in ("| SwiftGS | colour | 0.400 | - |", "| SwiftGS | alpha, expected depth | 0.500 | 1.25 |",
@@ -539,7 +539,7 @@ class Tables(unittest.TestCase):
                      "| gsplat | id of the largest weight | 5.00 | 2.50 |"):
             self.assertIn(line, text)
         del ms["gsplat, depth"]
-        synthetic_folder.synthetic.write(folder / "rivals-planes.json", {**good, "rows": [row]})
+        synthetic_folder.synthetic.write(folder / "planes-rivals.json", {**good, "rows": [row]})
         code, text, _, error = self.update(page, results=folder.parent)
         self.assertEqual((code, text), (2, page))
         self.assertIn("gsplat, depth: expected a number", error)
