@@ -109,7 +109,7 @@ swiftgs_status swiftgs_renderer_set_gaussians(swiftgs_renderer* renderer,
     const Turn any = of(renderer);
     const swiftgs_gaussians from = read_gaussians(gaussians);
     if (!lie_where_drawn(*renderer, from)) {
-      any->set_scene(std::make_shared<const swiftgs::Scene>(to_scene(from)));
+      any->set_scene(std::make_shared<const swiftgs::Scene>(to_scene(from)), swiftgs::HarmonicsKept::floats);
     } else {
       in_stream_order(*renderer, from, [&](const swiftgs::SceneArrays& arrays) { any->set_scene(arrays); });
     }

@@ -85,7 +85,7 @@ swiftgs_status swiftgs_renderer_add_scene(swiftgs_renderer* renderer, const swif
   return guarded([&] {
     require_pointer(scene, "scene");
     require_pointer(number, "number");
-    *number = of(renderer)->add_scene(scene->scene);
+    *number = of(renderer)->add_scene(scene->scene, renderer->harmonics);
   });
 }
 

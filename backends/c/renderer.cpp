@@ -26,6 +26,16 @@ BackendOptions to_options(const swiftgs_renderer_options& from) {
   return options;
 }
 
+static_assert(int(HarmonicsKept::smallest) == SWIFTGS_HARMONICS_SMALLEST &&
+              int(HarmonicsKept::floats) == SWIFTGS_HARMONICS_FLOAT &&
+              int(HarmonicsKept::halves) == SWIFTGS_HARMONICS_HALF);
+
+HarmonicsKept to_harmonics(const swiftgs_renderer_options& from) {
+  require_choice(from.harmonics, 3, "swiftgs_renderer_options: harmonics");
+  require_zero(from.reserved, "swiftgs_renderer_options");
+  return HarmonicsKept(from.harmonics);
+}
+
 void write_entry(swiftgs_renderer_entry* to, const RendererEntry& from) {
   write_struct(to, {0, from.usable, from.name.c_str(), from.on_device, 0}, "swiftgs_renderer_entry");
 }
@@ -63,8 +73,10 @@ swiftgs_status swiftgs_renderer_create(const char* name, const swiftgs_renderer_
   return guarded([&] {
     require_pointer(name, "name");
     require_pointer(renderer, "renderer");
-    const auto given = to_options(read_options(options, "swiftgs_renderer_options"));
+    const swiftgs_renderer_options read = read_options(options, "swiftgs_renderer_options");
+    const auto given = to_options(read);
     auto made = std::make_unique<swiftgs_renderer>();
+    made->harmonics = to_harmonics(read);
     made->renderer = swiftgs::make_renderer(name, given);
     made->name = name;
     made->device_name = made->renderer->device_name();
@@ -95,7 +107,7 @@ swiftgs_status swiftgs_renderer_device_name(const swiftgs_renderer* renderer, co
 swiftgs_status swiftgs_renderer_set_scene(swiftgs_renderer* renderer, const swiftgs_scene* scene) {
   return guarded([&] {
     require_pointer(scene, "scene");
-    of(renderer)->set_scene(scene->scene);
+    of(renderer)->set_scene(scene->scene, renderer->harmonics);
   });
 }
 

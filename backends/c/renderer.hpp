@@ -18,6 +18,7 @@ struct swiftgs_renderer {
   std::unique_ptr<swiftgs::AnyRenderer> renderer;
   std::unique_ptr<swiftgs::c::HostFrames> host_frames{};  ///< null: the backend reaches the host's memory
   void* stream = nullptr;                                 ///< of a device
+  swiftgs::HarmonicsKept harmonics{};                     ///< of scenes that are uploaded
   std::vector<swiftgs::View> views{};                     ///< of one call; their memory is kept
   mutable std::recursive_mutex turn{};  ///< of calls; a memory hook may ask the renderer that called it
 };

@@ -44,6 +44,9 @@ inline constexpr std::uint32_t first_size<swiftgs_statistics> = offsetof(swiftgs
 template <>
 inline constexpr std::uint32_t first_size<swiftgs_view> = offsetof(swiftgs_view, stored_depth);
 template <>
+inline constexpr std::uint32_t first_size<swiftgs_renderer_options> = offsetof(swiftgs_renderer_options,
+                                                                               harmonics);
+template <>
 inline constexpr std::uint32_t first_size<swiftgs_renderer_entry> = offsetof(swiftgs_renderer_entry,
                                                                              on_device);
 

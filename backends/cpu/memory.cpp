@@ -33,9 +33,12 @@ void advise_large_pages(const void* memory, std::size_t bytes, LargePages pages)
 }
 
 HostScene in_large_pages(HostScene scene, LargePages pages) {
-  for_each_array([&](const char*, std::size_t,
-                     const auto& array) { advise_large_pages(array.data, array.size * array.stride, pages); },
-                 scene.view());
+  const auto advise = [&](const char*, std::size_t, const auto& array) {
+    if constexpr (requires { array.labels; })
+      if (array.labels) return;  // a palette is small
+    advise_large_pages(array.data, array.size * array.stride, pages);
+  };
+  for_each_array(advise, scene.view());
   return scene;
 }
 
@@ -54,12 +57,12 @@ void* LargePageMemory::allocate(std::size_t bytes) {
 
 void LargePageMemory::release(void* memory) { std::free(memory); }
 
-Cpu::SceneOn Cpu::upload(std::shared_ptr<const Scene> scene, LargePages pages) const {
-  return in_large_pages(SceneOn(*this, std::move(scene)), pages);
+Cpu::SceneOn Cpu::upload(std::shared_ptr<const Scene> scene, HarmonicsKept kept, LargePages pages) const {
+  return in_large_pages(SceneOn(*this, std::move(scene), kept), pages);
 }
 
-Cpu::SceneOn Cpu::upload(Scene scene, LargePages pages) const {
-  return in_large_pages(SceneOn(*this, std::move(scene)), pages);
+Cpu::SceneOn Cpu::upload(Scene scene, HarmonicsKept kept, LargePages pages) const {
+  return in_large_pages(SceneOn(*this, std::move(scene), kept), pages);
 }
 
 Cpu::SceneOn Cpu::upload(const SceneArrays& arrays, std::optional<SceneOn>& reuse) const {

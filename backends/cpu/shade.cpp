@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <atomic>
+#include <cstddef>
+#include <cstdint>
 
 #include <swiftgs/cpu.hpp>
 
@@ -45,27 +47,52 @@ HWY_INLINE void ShBasis(int degree, const Vec3& v, float (*HWY_RESTRICT basis)[l
 
 using F32x4 = hn::CappedTag<float, 4>;
 
+/// Four coefficients of a row.
+HWY_INLINE hn::Vec<F32x4> LoadFour(const float* HWY_RESTRICT from, float) { return hn::LoadU(F32x4(), from); }
+HWY_INLINE hn::Vec<F32x4> LoadFour(const hwy::float16_t* HWY_RESTRICT from, float) {
+  return hn::PromoteTo(F32x4(), hn::LoadU(hn::Rebind<hwy::float16_t, F32x4>(), from));
+}
+HWY_INLINE hn::Vec<F32x4> LoadFour(const std::int8_t* HWY_RESTRICT from, float scale) {
+  const hn::Rebind<std::int32_t, F32x4> integers;
+  const auto bytes = hn::LoadU(hn::Rebind<std::int8_t, F32x4>(), from);
+  return hn::Mul(hn::ConvertTo(F32x4(), hn::PromoteTo(integers, bytes)), hn::Set(F32x4(), scale));
+}
+
 /// Sum of the coefficients of one Gaussian, RGB in the first three lanes, weighted with lane k of the basis.
-HWY_INLINE hn::Vec<F32x4> SumBands(const float* HWY_RESTRICT rest, const float (*HWY_RESTRICT basis)[lanes],
+template <class Value>
+HWY_INLINE hn::Vec<F32x4> SumBands(const HarmonicRow& row, const float (*HWY_RESTRICT basis)[lanes],
                                    std::size_t k, int coefficients) {
   const F32x4 d;
+  const Value* const HWY_RESTRICT rest = static_cast<const Value*>(row.values);
   auto even = hn::Zero(d), odd = hn::Zero(d);
   // Four floats a load, of which the last belongs to the next coefficient; the last coefficient must not be
   // read beyond.
   int j = 0;
   for (; j + 2 < coefficients; j += 2) {
-    even = hn::MulAdd(hn::Set(d, basis[j][k]), hn::LoadU(d, rest + 3 * j), even);
-    odd = hn::MulAdd(hn::Set(d, basis[j + 1][k]), hn::LoadU(d, rest + 3 * j + 3), odd);
+    even = hn::MulAdd(hn::Set(d, basis[j][k]), LoadFour(rest + 3 * j, row.scale), even);
+    odd = hn::MulAdd(hn::Set(d, basis[j + 1][k]), LoadFour(rest + 3 * j + 3, row.scale), odd);
   }
   if (j + 1 < coefficients) {
-    odd = hn::MulAdd(hn::Set(d, basis[j][k]), hn::LoadU(d, rest + 3 * j), odd);
+    odd = hn::MulAdd(hn::Set(d, basis[j][k]), LoadFour(rest + 3 * j, row.scale), odd);
     ++j;
   }
   if (j < coefficients) {
-    const float last[4] = {rest[3 * j], rest[3 * j + 1], rest[3 * j + 2], 0};
+    const float last[4] = {row[3 * j], row[3 * j + 1], row[3 * j + 2], 0};
     even = hn::MulAdd(hn::Set(d, basis[j][k]), hn::LoadU(d, last), even);
   }
   return hn::Add(even, odd);
+}
+
+HWY_INLINE hn::Vec<F32x4> SumBands(const HarmonicRow& row, const float (*HWY_RESTRICT basis)[lanes],
+                                   std::size_t k, int coefficients) {
+  switch (row.format) {
+    case HarmonicFormat::halves:
+      return SumBands<hwy::float16_t>(row, basis, k, coefficients);
+    case HarmonicFormat::bytes:
+      return SumBands<std::int8_t>(row, basis, k, coefficients);
+    default:
+      return SumBands<float>(row, basis, k, coefficients);
+  }
 }
 
 /// Colours of `count` Gaussians of a scene, whose ids less `first_id` are their places in it. The basis is
@@ -77,7 +104,7 @@ bool ShadeRange(const ViewConstants& v, const SceneView& scene, std::uint32_t fi
   const F32 d;
   bool some_hidden = false;
   const int degree = scene.sh_degree, coefficients = sh_rest_count(degree);
-  const std::size_t row = 3 * std::size_t(coefficients);
+  const std::size_t row_bytes = 3 * std::size_t(coefficients) * size_of(scene.sh_rest.format);
   // 64 and 128 take as long: memory has no more to give.
   constexpr std::size_t ahead = 24;  // splats between asking for harmonics and using them
   alignas(64) float basis[sh_rest_count(max_sh_degree)][lanes];
@@ -103,14 +130,13 @@ bool ShadeRange(const ViewConstants& v, const SceneView& scene, std::uint32_t fi
       if (first + k + ahead < count) {
         const std::size_t next = ids[first + k + ahead] - first_id;
         hwy::Prefetch(&scene.sh0[next]);
-        const float* const next_rest = scene.sh_rest.at(next);
-        for (std::size_t i = 0; i < row; i += 16) hwy::Prefetch(next_rest + i);
-        if (row > 0) hwy::Prefetch(next_rest + row - 1);
+        const unsigned char* const next_row = scene.sh_rest.row(scene.sh_rest.row_of(next));
+        for (std::size_t i = 0; i < row_bytes; i += 64) hwy::Prefetch(next_row + i);
+        if (row_bytes > 0) hwy::Prefetch(next_row + row_bytes - 1);
       }
       const vec3 sh0 = sh0_of(scene, id);
-      const float* HWY_RESTRICT rest = scene.sh_rest.at(id);
       float rgb[4];
-      hn::StoreU(SumBands(rest, basis, k, coefficients), F32x4(), rgb);
+      hn::StoreU(SumBands(scene.sh_rest[id], basis, k, coefficients), F32x4(), rgb);
       const auto channel = [&](int c) { return 0.5f + float(sh::c0) * sh0[c] + rgb[c]; };
       const vec3 colour(channel(0), channel(1), channel(2));
       colours[first + k] = splat_colour(colour, depths[first + k]);

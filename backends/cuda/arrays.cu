@@ -67,10 +67,11 @@ __global__ void __launch_bounds__(bound_threads)
 void Cuda::update(DeviceScene& scene, std::size_t first, const SceneArrays& from) const {
   const SceneView view = scene.view();
   if (!scene.arrays()) throw std::invalid_argument(update_of_borrowed);
+  require_replaceable(view.sh_rest, from);
   validate_update(view, first, from);
   DeviceScene::Arrays& to = *scene.arrays();
-  copy_arrays(*this, from,
-              SceneCapacity::of(to, first, int(view.sh_rest.stride / sizeof(float)), view.feature_channels));
+  const int sh_stride = view.sh_rest.is_packed() ? 0 : int(view.sh_rest.stride / sizeof(float));
+  copy_arrays(*this, from, SceneCapacity::of(to, first, sh_stride, view.feature_channels));
   const ChunkRange chunks = view.chunks.empty() ? ChunkRange{} : chunks_to_bound(first, from);
   if (chunks.size() == 0) return;
   launch_early(*this, "bound_chunks", kernels::bound_chunks, blocks_for(chunks.size(), kernels::bound_warps),

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <tuple>
 
 #include <swiftgs/cuda.hpp>
@@ -11,21 +12,25 @@ namespace swiftgs {
 struct DeviceScene::Arrays {
   DeviceBuffer<vec3> means, scales, sh0;
   DeviceBuffer<Quaternion> rotations;
-  DeviceBuffer<float> opacities, sh_rest, features;
-  DeviceBuffer<ChunkBounds> chunks;  ///< empty for arrays of the device, whose order nobody looks at
+  DeviceBuffer<float> opacities, features;
+  DeviceBuffer<float> sh_rest;         ///< or what takes the place of floats
+  DeviceBuffer<std::uint16_t> labels;  ///< empty: no palette
+  DeviceBuffer<ChunkBounds> chunks;    ///< empty for arrays of the device, whose order nobody looks at
 
   /// Of `count` Gaussians; without chunks.
   SceneView view(std::size_t count, int sh_degree, int feature_channels) const;
 
   static auto buffers(auto& self) {
-    return std::tie(self.means, self.scales, self.sh0, self.rotations, self.opacities, self.sh_rest,
-                    self.features, self.chunks);
+    return std::tie(self.means, self.scales, self.sh0, self.rotations, self.opacities, self.features,
+                    self.sh_rest, self.labels, self.chunks);
   }
 };
 
 /// Floats a Gaussian in `sh_rest` for bands up to `degree`: a multiple of 16 bytes, which kernels copy by,
 /// and of a colour.
-inline std::size_t sh_rest_stride(int degree) { return (3 * std::size_t(sh_rest_count(degree)) + 3) / 4 * 4; }
+inline std::size_t sh_rest_stride(int degree) {
+  return padded_row(HarmonicFormat::floats, degree) / sizeof(float);
+}
 
 inline SceneView DeviceScene::Arrays::view(std::size_t count, int sh_degree, int feature_channels) const {
   const auto rows = [count](const DeviceBuffer<float>& of, std::size_t each) {

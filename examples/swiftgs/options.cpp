@@ -83,6 +83,21 @@ void add_batch(CLI::App& command, int& batch) {
   command.add_option("--batch", batch, "Views that are rendered in one frame")->capture_default_str();
 }
 
+void add_harmonics(CLI::App& command, std::string& kept) {
+  command
+      .add_option("--harmonics", kept,
+                  "Spherical harmonics of uploads: smallest, in the fewest bytes that are exact;\n"
+                  "float; or half, rounded")
+      ->capture_default_str();
+}
+
+HarmonicsKept harmonics_of(const std::string& kept) {
+  if (kept == "smallest") return HarmonicsKept::smallest;
+  if (kept == "float") return HarmonicsKept::floats;
+  if (kept == "half") return HarmonicsKept::halves;
+  throw std::invalid_argument("--harmonics '" + kept + "': expected smallest, float or half");
+}
+
 void require_batch(int batch) {
   if (batch < 1 || std::size_t(batch) > max_views)
     throw std::invalid_argument("--batch " + std::to_string(batch) + ": expected 1 to " +

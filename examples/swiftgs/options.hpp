@@ -3,6 +3,8 @@
 
 #include <string>
 
+#include <swiftgs/harmonics.hpp>
+
 namespace CLI {
 class App;
 class Option;
@@ -55,6 +57,11 @@ void add_json(CLI::App& command, std::string& file, const std::string& what = "t
 
 /// Adds the option that says how many views are rendered in one frame.
 void add_batch(CLI::App& command, int& batch);
+
+/// Adds the option that says how scenes are uploaded, and what it says. Throws `std::invalid_argument` for
+/// other words.
+void add_harmonics(CLI::App& command, std::string& kept);
+HarmonicsKept harmonics_of(const std::string& kept);
 
 /// Throws `std::invalid_argument` for a number of views that no frame has.
 void require_batch(int batch);

@@ -50,7 +50,8 @@ class SWIFTGS_API AnyRenderer {
   /// Uploads `scene` for the frames that follow, in place of all scenes and placements before; host backends
   /// share it. A graph of frames that were recorded
   /// before reads the scene of then: destroy the graph first, unless another renderer shares that scene.
-  virtual void set_scene(std::shared_ptr<const Scene> scene) = 0;
+  virtual void set_scene(std::shared_ptr<const Scene> scene,
+                         HarmonicsKept kept = HarmonicsKept::smallest) = 0;
 
   /// As above, of arrays that the backend reaches: those of a device go to its renderers within the device,
   /// in stream order. It waits only if memory has to grow: it reuses memory of the last scene, unless that
@@ -66,7 +67,12 @@ class SWIFTGS_API AnyRenderer {
 
   /// Uploads one more scene, and returns its number: 0, 1 and so on. Frames show it too, where it stands by
   /// itself, until the next `place`. Throws as `set_scene`.
-  virtual std::size_t add_scene(std::shared_ptr<const Scene> scene) = 0;
+  virtual std::size_t add_scene(std::shared_ptr<const Scene> scene,
+                                HarmonicsKept kept = HarmonicsKept::smallest) = 0;
+
+  /// How a scene's harmonics are kept, as `name_of` says it. Throws `std::invalid_argument` for an unknown
+  /// scene.
+  virtual const char* harmonics(std::size_t scene) const = 0;
 
   /// Replaces Gaussians of a scene from number `first` on by those of `arrays`, which the backend reaches;
   /// arrays that are null stay as they are. Renderers that share the scene show the update too, as do all
@@ -171,8 +177,8 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
         adaptive_(adaptive) {}
 
   std::string_view name() const override { return name_; }
-  void set_scene(std::shared_ptr<const Scene> scene) override {
-    scene_.emplace(renderer_.backend().upload(std::move(scene)));
+  void set_scene(std::shared_ptr<const Scene> scene, HarmonicsKept kept) override {
+    scene_.emplace(renderer_.backend().upload(std::move(scene), kept));
     show_alone();
   }
   void set_scene(const SceneArrays& arrays) override {
@@ -183,14 +189,18 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
     scene_.emplace(SceneOn::borrow(view(arrays)));
     show_alone();
   }
-  std::size_t add_scene(std::shared_ptr<const Scene> scene) override {
+  std::size_t add_scene(std::shared_ptr<const Scene> scene, HarmonicsKept kept) override {
     if (!scene_) {
-      set_scene(std::move(scene));
+      set_scene(std::move(scene), kept);
       return 0;
     }
-    more_.push_back(renderer_.backend().upload(std::move(scene)));
+    more_.push_back(renderer_.backend().upload(std::move(scene), kept));
     add(placed_, {.scene = more_.size()});
     return more_.size();
+  }
+  const char* harmonics(std::size_t scene) const override {
+    require_known("harmonics", scene);
+    return name_of((scene == 0 ? *scene_ : more_[scene - 1]).view().sh_rest);
   }
   void update_scene(std::size_t scene, std::size_t first, const SceneArrays& arrays) override {
     require_known("update_scene", scene);

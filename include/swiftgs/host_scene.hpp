@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -11,6 +12,8 @@
 
 #include <swiftgs/chunks.hpp>
 #include <swiftgs/count.hpp>
+#include <swiftgs/harmonic_packing.hpp>
+#include <swiftgs/harmonics.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/scene_arrays.hpp>
 
@@ -20,20 +23,26 @@ namespace swiftgs {
 /// one scene.
 class HostScene {
  public:
-  /// Shares `scene`. Loops of `backend` look at it. Throws `std::invalid_argument` as `validate` and
-  /// `validate_numbers` do.
+  /// Shares `scene` as it is, and has halves beside it if those are to be kept. Loops of `backend` look at
+  /// it. Throws `std::invalid_argument` as `validate`, `validate_numbers` and `HarmonicPacking` do.
   template <class B>
-  HostScene(const B& backend, std::shared_ptr<const Scene> scene) : arrays_(std::make_shared<Arrays>()) {
+  HostScene(const B& backend, std::shared_ptr<const Scene> scene,
+            HarmonicsKept kept = HarmonicsKept::smallest)
+      : arrays_(std::make_shared<Arrays>()) {
     if (!scene) throw std::invalid_argument("upload: expected a scene");
     arrays_->of_caller = std::move(scene);
     look_at(backend);
+    if (kept == HarmonicsKept::halves) pack(backend, kept);
   }
 
-  /// Takes `scene` over. Throws as above.
+  /// Takes `scene` over; its harmonics are let go where they are kept in fewer bytes. Throws as above.
   template <class B>
-  HostScene(const B& backend, Scene scene) : arrays_(std::make_shared<Arrays>()) {
+  HostScene(const B& backend, Scene scene, HarmonicsKept kept = HarmonicsKept::smallest)
+      : arrays_(std::make_shared<Arrays>()) {
     arrays_->own = std::move(scene);
     look_at(backend);
+    pack(backend, kept);
+    if (arrays_->view.sh_rest.is_packed()) arrays_->own.sh_rest = std::vector<float>();
   }
 
   /// A copy of `arrays`, in the memory of `reuse` if that has its own and nobody else has it. Throws as
@@ -47,7 +56,7 @@ class HostScene {
         would_be_finite(backend, arrays))
       scene = std::move(std::exchange(reuse, std::nullopt)->arrays_->own);
     copy_scene(backend, arrays, scene);
-    return HostScene(backend, std::move(scene));
+    return HostScene(backend, std::move(scene), HarmonicsKept::floats);
   }
 
   /// Arrays of the caller, which outlive all frames of it and may change between them. Numbers are not
@@ -64,10 +73,12 @@ class HostScene {
   /// the caller's scene. Bands that were zero throughout show in views that are taken after. `arrays` do not
   /// lie in the scene.
   ///
-  /// Throws `std::invalid_argument`, and changes nothing, as `validate_update` and `validate_numbers` do.
+  /// Throws `std::invalid_argument`, and changes nothing, as `validate_update`, `require_replaceable` and
+  /// `validate_numbers` do.
   template <class B>
   void update(const B& backend, std::size_t first, const SceneArrays& arrays) {
     if (arrays_->borrowed) throw std::invalid_argument(update_of_borrowed);
+    require_replaceable(arrays_->view.sh_rest, arrays);
     validate_update(arrays_->scene(), first, arrays);
     require_finite(backend, first, arrays);
     if (arrays.count == 0) return;
@@ -75,8 +86,8 @@ class HostScene {
     Scene& scene = arrays_->own;
     SceneView& view = arrays_->view;
     const std::size_t end = first + arrays.count;
-    copy_arrays(backend, arrays,
-                SceneCapacity::of(scene, first, 3 * sh_rest_count(scene.sh_degree), scene.feature_channels));
+    const int sh_stride = view.sh_rest.is_packed() ? 0 : 3 * sh_rest_count(scene.sh_degree);
+    copy_arrays(backend, arrays, SceneCapacity::of(scene, first, sh_stride, scene.feature_channels));
     if (arrays.sh_rest.data) view.sh_degree = std::max(view.sh_degree, used_sh_degree(scene, first, end));
     if (view.chunks.empty()) return;
     const ChunkRange chunks = chunks_to_bound(first, arrays);
@@ -94,6 +105,8 @@ class HostScene {
     std::shared_ptr<const Scene> of_caller;  ///< null: `own` is the scene
     Scene own;
     std::vector<ChunkBounds> chunks;
+    std::vector<unsigned char> packed;  ///< harmonics, if they are not the scene's floats
+    std::vector<std::uint16_t> labels;  ///< of a palette
     SceneView view;
 
     const Scene& scene() const { return of_caller ? *of_caller : own; }
@@ -111,12 +124,26 @@ class HostScene {
     arrays.view.identity = new_scene_identity();
   }
 
+  template <class B>
+  void pack(const B& backend, HarmonicsKept kept) {
+    const HarmonicPacking packing(backend, arrays_->scene(), arrays_->view.sh_degree, kept);
+    if (!packing.is_packed()) return;
+    arrays_->packed.resize(packing.rows() * packing.stride());
+    arrays_->labels.assign(packing.labels().begin(), packing.labels().end());
+    unsigned char* const to = arrays_->packed.data();
+    backend.for_each(Count(packing.rows()),
+                     [&](std::size_t i) { packing.write(i, to + i * packing.stride()); });
+    arrays_->view.sh_rest = packing.rows_at(to, arrays_->labels.data());
+  }
+
   void make_own() {
     arrays_->own = *arrays_->of_caller;
     arrays_->of_caller.reset();
+    const HarmonicRows packed = arrays_->view.sh_rest;
     for_each_array(
         [](const char*, std::size_t, const auto& values, auto& rows) { rows.data = values.data(); },
         arrays_->own, arrays_->view);
+    if (packed.is_packed()) arrays_->view.sh_rest = packed, arrays_->own.sh_rest = std::vector<float>();
   }
 
   template <class B>

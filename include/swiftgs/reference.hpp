@@ -17,8 +17,8 @@
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/math.hpp>
+#include <swiftgs/parallel.hpp>
 #include <swiftgs/reference/blending.hpp>
-#include <swiftgs/reference/parallel.hpp>
 #include <swiftgs/reference/projection.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/span.hpp>

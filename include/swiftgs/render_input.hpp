@@ -102,6 +102,20 @@ inline void validate(const View& view) {
   detail::require_finite_background(view.background);
 }
 
+namespace detail {
+/// What a row of an array takes. @units{bytes}
+struct RowLayout {
+  std::size_t bytes, alignment;
+};
+template <class T>
+RowLayout layout_of(const StridedSpan<T>&, std::size_t each) {
+  return {each * sizeof(T), sizeof(float)};
+}
+inline RowLayout layout_of(const HarmonicRows& rows, std::size_t each) {
+  return {each * size_of(rows.format), rows.is_packed() ? harmonic_alignment : sizeof(float)};
+}
+}  // namespace detail
+
 /// Throws `std::invalid_argument` where nothing can be rendered from `scene`. Reads no Gaussian.
 inline void validate(const SceneView& scene) {
   const std::size_t n = scene.size();
@@ -115,14 +129,15 @@ inline void validate(const SceneView& scene) {
                              "0 or more features a Gaussian");
   for_each_array(
       [n](const char* name, std::size_t each, const auto& array) {
-        const std::size_t bytes = each * sizeof(*array.data);
-        if (n == 0 || bytes == 0) return;
-        if (!array.data || array.size != n || array.stride < bytes || array.stride % sizeof(float) != 0)
+        const detail::RowLayout row = detail::layout_of(array, each);
+        if (n == 0 || row.bytes == 0) return;
+        if (!array.data || array.size != n || array.stride < row.bytes || array.stride % row.alignment != 0)
           throw std::invalid_argument("render: " + std::string(name) +
                                       " of the scene: " + std::to_string(array.data ? array.size : 0) +
                                       " values, " + std::to_string(array.stride) + " bytes apart; expected " +
-                                      std::to_string(n) + " values, " + std::to_string(bytes) +
-                                      " bytes or more apart, in multiples of 4");
+                                      std::to_string(n) + " values, " + std::to_string(row.bytes) +
+                                      " bytes or more apart, in multiples of " +
+                                      std::to_string(row.alignment));
       },
       scene);
 }

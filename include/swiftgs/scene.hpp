@@ -8,20 +8,16 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/count.hpp>
+#include <swiftgs/harmonics.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/span.hpp>
 
 namespace swiftgs {
-
-/// Highest degree of spherical harmonics that is rendered.
-inline constexpr int max_sh_degree = 3;
-
-/// SH coefficients a channel above band 0: 0, 3, 8, 15 for degree 0 to 3.
-SWIFTGS_HD constexpr int sh_rest_count(int degree) { return (degree + 1) * (degree + 1) - 1; }
 
 /// Most features a Gaussian may have.
 inline constexpr int max_feature_channels = 1 << 24;
@@ -88,7 +84,7 @@ struct SceneView {
   StridedSpan<const Quaternion> rotations{};
   StridedSpan<const float> opacities{};
   StridedSpan<const vec3> sh0{};
-  StridedSpan<const float> sh_rest{};  ///< points to the first coefficient of each Gaussian; the rest follow
+  HarmonicRows sh_rest{};
   /// Must match the arrays whenever a frame is drawn. Empty: no chunk is skipped.
   /// @shape{ceil(N / chunk_size)}
   Span<const ChunkBounds> chunks{};
@@ -114,6 +110,8 @@ template <class Array>
 constexpr std::size_t floats_of_value(const Array& array) {
   if constexpr (requires { array.data(); })
     return sizeof(*array.data()) / sizeof(float);
+  else if constexpr (std::is_same_v<Array, HarmonicRows>)
+    return std::size_t(1);
   else
     return sizeof(*array.data) / sizeof(float);
 }

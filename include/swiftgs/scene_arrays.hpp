@@ -104,13 +104,14 @@ inline SceneView view(const SceneArrays& arrays) {
                 .feature_channels = arrays.feature_channels,
                 .any_rotations = arrays.any_rotations,
                 .plain_colours = arrays.plain_colours};
-  const auto look = [&]<class T>(const char* name, std::size_t floats, const FloatArray& array,
-                                 StridedSpan<T>& rows) {
+  const auto look = [&](const char* name, std::size_t floats, const FloatArray& array, auto& rows) {
     const std::size_t stride = array.stride != 0 ? std::size_t(array.stride) : floats * sizeof(float);
     if (stride > std::numeric_limits<std::uint32_t>::max())
       throw std::invalid_argument("scene: " + std::string(name) + ": stride is " + std::to_string(stride) +
                                   " bytes, expected less than 2^32");
-    if (arrays.count != 0 && floats != 0) rows = {reinterpret_cast<T*>(array.data), arrays.count, stride};
+    const void* const first = array.data;
+    if (arrays.count != 0 && floats != 0)
+      rows = {static_cast<decltype(rows.data)>(first), arrays.count, stride};
   };
   for_each_array(look, arrays, out);
   return out;
@@ -141,6 +142,14 @@ void validate_update(const SceneLike& scene, std::size_t first, const SceneArray
 /// What updates of scenes that are not the renderer's say.
 inline constexpr const char* update_of_borrowed =
     "update: the scene's arrays are the caller's, expected a scene that was uploaded: write to the arrays";
+
+/// Throws `std::invalid_argument` where `arrays` would replace harmonics that are not kept as floats: views
+/// hold the address and format of their rows.
+inline void require_replaceable(const HarmonicRows& rows, const SceneArrays& arrays) {
+  if (arrays.sh_rest.data && rows.is_packed())
+    throw std::invalid_argument("update: the scene keeps sh_rest as " + std::string(name_of(rows)) +
+                                ", expected floats: upload it with HarmonicsKept::floats");
+}
 
 /// The chunks whose bounds may change when `arrays` replace Gaussians from number `first` on.
 inline ChunkRange chunks_to_bound(std::size_t first, const SceneArrays& arrays) {

@@ -39,8 +39,12 @@ class Serial {
   static bool usable() { return true; }
   std::string device_name() const { return processor_name(); }
 
-  SceneOn upload(Scene scene) const { return SceneOn(*this, std::move(scene)); }
-  SceneOn upload(std::shared_ptr<const Scene> scene) const { return SceneOn(*this, std::move(scene)); }
+  SceneOn upload(Scene scene, HarmonicsKept kept = HarmonicsKept::smallest) const {
+    return SceneOn(*this, std::move(scene), kept);
+  }
+  SceneOn upload(std::shared_ptr<const Scene> scene, HarmonicsKept kept = HarmonicsKept::smallest) const {
+    return SceneOn(*this, std::move(scene), kept);
+  }
   SceneOn upload(const SceneArrays& arrays, std::optional<SceneOn>& reuse) const {
     return SceneOn::copy(*this, arrays, reuse);
   }

@@ -49,9 +49,10 @@ SWIFTGS_HD void sh_basis(int degree, glm::vec<3, T> d, T* basis) {
   basis[14] = T(sh::c36) * x * (xx - 3 * yy);
 }
 
-/// Colour seen in the unit direction `d`, before it is cut below at 0: 0.5 + sum of bands. `rest` holds the
+/// Colour seen in the unit direction `d`, before it is cut below at 0: 0.5 + sum of bands. `rest[k]` are the
 /// coefficients of bands 1 to `degree`, RGB innermost.
-SWIFTGS_HD inline vec3 sh_colour(int degree, vec3 sh0, const float* rest, vec3 d) {
+template <class Rest>
+SWIFTGS_HD vec3 sh_colour(int degree, vec3 sh0, const Rest& rest, vec3 d) {
   float basis[sh_rest_count(max_sh_degree)];
   sh_basis(degree, d, basis);
   vec3 colour = vec3(0.5f) + float(sh::c0) * sh0;
@@ -62,7 +63,8 @@ SWIFTGS_HD inline vec3 sh_colour(int degree, vec3 sh0, const float* rest, vec3 d
 
 /// The same where a term or a partial sum leaves the range of float though the colour does not: infinite or
 /// not a number only if the colour is.
-SWIFTGS_HD inline vec3 large_sh_colour(int degree, vec3 sh0, const float* rest, vec3 d) {
+template <class Rest>
+SWIFTGS_HD vec3 large_sh_colour(int degree, vec3 sh0, const Rest& rest, vec3 d) {
   const float smaller = 0x1p-6f;  // 16 terms of at most 2.9 times the largest float, a sixty-fourth of each
   float basis[sh_rest_count(max_sh_degree)];
   sh_basis(degree, d, basis);
@@ -85,7 +87,7 @@ SWIFTGS_HD inline vec3 sh0_of(const SceneView& scene, std::size_t i) {
 
 /// Colour of Gaussian `i` seen in the unit direction `d`, before it is cut below at 0.
 SWIFTGS_HD inline vec3 sh_colour(const SceneView& scene, std::size_t i, vec3 d) {
-  return sh_colour(scene.sh_degree, sh0_of(scene, i), scene.sh_rest.at(i), d);
+  return sh_colour(scene.sh_degree, sh0_of(scene, i), scene.sh_rest[i], d);
 }
 
 }  // namespace swiftgs

@@ -19,8 +19,7 @@ namespace swiftgs {
 SWIFTGS_HD inline SplatColour large_splat_colour(const ViewConstants& camera, const SceneView& scene,
                                                  std::size_t i, float depth) {
   const vec3 direction = view_direction(camera, scene.means[i]);
-  return splat_colour(large_sh_colour(scene.sh_degree, sh0_of(scene, i), scene.sh_rest.at(i), direction),
-                      depth);
+  return splat_colour(large_sh_colour(scene.sh_degree, sh0_of(scene, i), scene.sh_rest[i], direction), depth);
 }
 
 /// Evaluates the colour of splat i: the only place that reads spherical harmonics.

@@ -327,7 +327,26 @@ void test_renderer_errors(void) {
   const swiftgs_renderer_options forgotten = {.size = 0};
   CHECK_INVALID(swiftgs_renderer_create(small_renderer, &forgotten, &renderer),
                 "swiftgs_renderer_options: size is 0");
+  const swiftgs_renderer_options unknown = {.size = sizeof(unknown), .harmonics = 3};
+  CHECK_INVALID(swiftgs_renderer_create(small_renderer, &unknown, &renderer),
+                "swiftgs_renderer_options: harmonics is 3, expected 0 to 2");
+  const swiftgs_renderer_options newer = {.size = sizeof(newer), .reserved = 1};
+  CHECK_INVALID(swiftgs_renderer_create(small_renderer, &newer, &renderer),
+                "swiftgs_renderer_options: reserved is 1, expected 0");
   CHECK(renderer == NULL);
+
+  /* Halves cannot be replaced, and other arrays can. */
+  const swiftgs_renderer_options half = {.size = sizeof(half), .harmonics = SWIFTGS_HARMONICS_HALF};
+  CHECK_OK(swiftgs_renderer_create(small_renderer, &half, &renderer));
+  swiftgs_scene* const scene = make_scene();
+  swiftgs_gaussians arrays = {.size = sizeof(arrays)};
+  CHECK_OK(swiftgs_scene_get_arrays(scene, &arrays));
+  CHECK_OK(swiftgs_renderer_set_scene(renderer, scene));
+  CHECK_INVALID(swiftgs_renderer_update_scene(renderer, 0, 0, &arrays),
+                "update: the scene keeps sh_rest as halves, expected floats");
+  arrays.sh_rest.data = NULL;
+  CHECK_OK(swiftgs_renderer_update_scene(renderer, 0, 0, &arrays));
+  swiftgs_scene_free(scene), swiftgs_renderer_free(renderer);
 
   CHECK_OK(swiftgs_renderer_create(small_renderer, NULL, &renderer));
   const char* name = NULL;

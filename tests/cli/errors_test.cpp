@@ -53,6 +53,9 @@ TEST_CASE("cli errors: an unknown renderer brings up the valid words") {
 
 TEST_CASE("cli errors: options that make no sense say what was expected") {
   const TemporaryFolder place;
+  for (const std::string command : {"render", "bench"})
+    fails(place, command + " builtin:10 --harmonics double",
+          {"--harmonics 'double'", "expected smallest, float or half"});
   for (const std::string views :
        {"25", "0,", "every:0", "every:x", "-1", "some", "0,1,99", "3-", "7-3", "0-25", "1-2-3"})
     fails(place, "render builtin:10 --views=" + views, {"--views '" + views + "'", "numbers from 0 to 24"});

@@ -79,7 +79,9 @@ TEST_CASE("cli json: info says what it prints") {
                                                   "scene",       "cameras", "lenses",    "photos",
                                                   "file_format", "bytes",   "seconds",   "gaussians",
                                                   "stored",      "dropped", "sh_degree", "used_sh_degree",
-                                                  "antialiased", "origin",  "notes",     "percentiles"});
+                                                  "antialiased", "origin",  "notes",     "percentiles",
+                                                  "harmonics"});
+  CHECK(info["harmonics"] == json({{"kept", "floats"}, {"bytes_a_gaussian", 192}}));
   check_members(info, R"({"scene": "scene", "cameras": null, "gaussians": 9, "stored": 10, "dropped": 1})");
   CHECK(info["sh_degree"] == 3);
   CHECK(info["file_format"] == "INRIA PLY (binary_little_endian)");

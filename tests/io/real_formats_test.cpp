@@ -3,6 +3,8 @@
 #include <set>
 
 #include <swiftgs/edit/order.hpp>
+#include <swiftgs/harmonic_packing.hpp>
+#include <swiftgs/serial.hpp>
 
 #include "scenes.hpp"
 #include "support/skip.hpp"
@@ -118,6 +120,21 @@ TEST_CASE("real files: a scene that was once an SPZ is written as SPZ without lo
     CHECK(apart.sh0 < 1e-6);
     CHECK(apart.scales < 1e-5);
   }
+}
+
+TEST_CASE("real files: harmonics are kept as bytes of an SPZ and as the palette of a SOG") {
+  if (skipped()) return;
+  if (scenes.empty()) return test::skip("no folder of real scenes");
+  const auto kept = [](const Scene& scene) {
+    const HarmonicPacking packing(Serial(), scene, 3, HarmonicsKept::smallest);
+    return std::string(name_of(packing.rows_at(nullptr, packing.labels().data)));
+  };
+  CHECK(kept(load_scene(folder / "fox_5k.ply")) == "bytes");  // was once an SPZ
+  const Scene scene = load_scene(scenes / "fox/fox.spz");
+  CHECK(kept(scene) == "bytes");
+  const TemporaryFolder temporary;
+  write_scene(temporary / "a.sog", scene);
+  CHECK(kept(load_scene(temporary / "a.sog")) == "palette");
 }
 
 TEST_CASE("real files: a scene loses no more in a SOG than bytes for its numbers explain") {

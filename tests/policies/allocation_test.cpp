@@ -143,7 +143,7 @@ TEST_CASE("cpu: an upload moves arrays to large pages only if asked to") {
   copy.emplace(cpu.upload(arrays, copy));
   copy.emplace(cpu.upload(arrays, copy));
   CHECK(moves == 0);
-  (void)cpu.upload(scene, LargePages::now);
+  (void)cpu.upload(scene, HarmonicsKept::smallest, LargePages::now);
   CHECK(moves == 5);  // the opacities fill no page
 #else
   skip("large pages are advised on Linux alone");

@@ -62,6 +62,11 @@ std::vector<std::remove_const_t<T>> to_host(const B& backend, const StridedSpan<
   return to;
 }
 
+template <class B>
+std::vector<float> to_host(const B& backend, const HarmonicRows& floats, std::size_t each) {
+  return to_host(backend, floats.floats(), each);
+}
+
 template <class T>
 bool same_bits(const std::vector<T>& a, const std::vector<T>& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0);

@@ -57,6 +57,13 @@ def test_a_renderer_tells_what_it_is(renderer):
     assert "2 threads" in swiftgs.Renderer("cpu", threads=2).device_name or os.cpu_count() < 2
 
 
+def test_scenes_are_uploaded_with_the_harmonics_that_were_asked_for(scene, camera):
+    images = [swiftgs.Renderer("cpu", scene=scene, harmonics=kept).render(camera).colour
+              for kept in ("smallest", "float", "half")]
+    assert np.array_equal(images[0], images[1]) and not np.array_equal(images[1], images[2])
+    assert np.abs(images[1] - images[2]).max() < 1e-2
+
+
 def test_images_are_those_of_the_command_line_tool(tmp_path):
     tool = os.environ.get("SWIFTGS_TOOL")
     if not tool:
@@ -280,6 +287,7 @@ def test_what_cannot_be_drawn_is_refused(renderer, camera, scene):
             (lambda: swiftgs.Renderer("cpu").render(camera), swiftgs.OrderError, "expected a scene before"),
             (lambda: swiftgs.Renderer("cpu/a/b/c"), swiftgs.InvalidArgument, "cpu/a/b/c"),
             (lambda: swiftgs.Renderer("cpu", threads=-1), ValueError, "threads is -1, expected 0 or more"),
+            (lambda: swiftgs.Renderer("cpu", harmonics="double"), ValueError, "expected one of smallest, float, half"),
             (lambda: swiftgs.Renderer("cpu", stream="a"), TypeError, "stream is of type str"),
             (lambda: swiftgs.Renderer("serial").share_scene(renderer), swiftgs.InvalidArgument, "another backend")]:
         with pytest.raises(kind, match=re.escape(text)):

@@ -13,7 +13,7 @@ from typing import Any
 
 from ._errors import exception_of
 
-ABI_MAJOR, ABI_MINOR = 1, 9
+ABI_MAJOR, ABI_MINOR = 1, 10
 
 MEASURE_COUNTS, MEASURE_TIMES = 1, 2
 HOST, DEVICE = 0, 1
@@ -23,6 +23,7 @@ FOOTPRINTS = ("alpha", "three-sigma-square")
 DEPTHS = ("of-lens", "z", "distance")
 DEPTHS_AT = ("centre", "ray")
 LENSES = ("perspective", "fisheye", "orthographic", "equirectangular")
+HARMONICS = ("smallest", "float", "half")
 NOTHING: int = 0xffffffff  #: in place of the index of a Gaussian: there is none
 MAX_PICK_SIDE = 64
 SPZ_AXES = ("specified", "rub", "rdf", "luf", "raw")
@@ -105,7 +106,7 @@ class RendererEntry(_Sized):
 
 class RendererOptions(_Sized):
     _fields_ = [("size", c_uint32), ("threads", c_int32), ("stream", c_void_p), ("allocate", c_void_p),
-                ("release", c_void_p), ("context", c_void_p)]
+                ("release", c_void_p), ("context", c_void_p), ("harmonics", c_int32), ("reserved", c_uint32)]
 
 
 class Placement(_Sized):

@@ -126,19 +126,25 @@ class Renderer:
     """
 
     def __init__(self, name: Optional[str] = None, *, scene: Optional[Scene] = None, threads: int = 0,
-                 stream: Any = None) -> None:
+                 stream: Any = None, harmonics: str = "smallest") -> None:
         """`name` is BACKEND/SORT/RASTER/BOUNDS, as in `list_renderers`, or a backend alone, whose usual choice it then
         is; without one it is that of the quickest backend that runs here.
 
         `threads` are those of the backend `cpu`, 0 for all. `stream` is that of the backend `cuda`: of PyTorch, of
         CuPy, any object with `__cuda_stream__`, or the number of a cudaStream_t; the default stream without one. The
         renderer belongs to the CUDA device that is current now.
+
+        `harmonics` says how a `Scene` is uploaded: "smallest", in the fewest bytes that hold its harmonics exactly;
+        "float", so that `update_scene` may replace them; or "half", rounded. Those of arrays stay floats.
         """
         entry = find_renderer(name)
         if threads < 0:
             raise ValueError(f"threads is {threads}, expected 0 or more")
+        if harmonics not in _c.HARMONICS:
+            raise ValueError(f"harmonics is '{harmonics}', expected one of {', '.join(_c.HARMONICS)}")
         self._stream = _arrays.stream_handle(stream)
-        options = _c.RendererOptions(threads=threads, stream=self._stream)
+        options = _c.RendererOptions(threads=threads, stream=self._stream,
+                                     harmonics=_c.HARMONICS.index(harmonics))
         self._handle: Optional[Handle] = Handle(lib.renderer_free, lib.renderer_create, entry.name.encode(),
                                                 ctypes.byref(options), outlived_by=stream)
         self.name = entry.name  #: BACKEND/SORT/RASTER/BOUNDS

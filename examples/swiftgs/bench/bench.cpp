@@ -35,7 +35,7 @@ struct BenchOptions {
   std::string json, images;
   Plan plan;
   int batch = 1;
-  std::string planes;
+  std::string planes, harmonics = "smallest";
   bool profile = false;
 };
 
@@ -103,7 +103,8 @@ class Matrix {
         enlarge_(numbers_of("--enlarge", options.enlarge)),
         gaussians_(counts_or_one_case("--gaussians", options.gaussians)),
         threads_(counts_or_one_case("--threads", options.threads)),
-        conventions_(list_of("--conventions", options.conventions)) {
+        conventions_(list_of("--conventions", options.conventions)),
+        harmonics_(harmonics_of(options.harmonics)) {
     check_values();
     // In results a scene goes by its name and its number of Gaussians.
     std::set<std::pair<std::string, std::size_t>> names;
@@ -137,6 +138,7 @@ class Matrix {
       for (const std::optional<std::size_t> count : gaussians_)
         for (const double factor : enlarge_) {
           Session session;
+          session.harmonics = harmonics_;
           session.gaussians = std::make_shared<const Scene>(variant(original, count, factor));
           session.scene = {name_of(input), session.gaussians->size(), original.size(),
                            factor,         original.sh_degree,        original.antialiased};
@@ -207,6 +209,7 @@ class Matrix {
   std::vector<double> scales_, enlarge_;
   std::vector<std::optional<std::size_t>> gaussians_, threads_;
   std::vector<std::string> conventions_;
+  HarmonicsKept harmonics_;
   std::vector<Input> inputs_;
 };
 
@@ -281,6 +284,7 @@ void add_bench(CLI::App& app) {
   command->add_option("--max-frames", options->plan.max_frames, "Most frames to time")->capture_default_str();
   add_batch(*command, options->batch);
   add_planes(*command, options->planes);
+  add_harmonics(*command, options->harmonics);
   command->add_option("--seed", options->plan.seed, "Seed of the renderers' order and of thinned scenes")
       ->capture_default_str();
   add_json(*command, options->json);

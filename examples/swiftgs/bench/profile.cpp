@@ -53,7 +53,7 @@ void profile(const std::vector<RendererEntry>& entries, const Session& session, 
   for (const RendererEntry& entry : entries) {
     progress.start(session.scene.scene + " " + entry.name);
     const std::unique_ptr<AnyRenderer> renderer = entry.make();
-    renderer->set_scene(session.gaussians);
+    renderer->set_scene(session.gaussians, session.harmonics);
     draw_marked(*renderer, session, mark_of(*renderer));
     progress.clear();
     print_frames(*renderer, session);

@@ -83,7 +83,7 @@ std::vector<Runner::Subject> Runner::prepare(const Session& session, std::size_t
     if (!subjects.empty() && !fits_memory(renderer, largest)) break;
     if (std::none_of(subjects.begin(), subjects.end(),
                      [&](const Subject& other) { return renderer.share_scene(*other.renderer); }))
-      renderer.set_scene(session.gaussians);
+      renderer.set_scene(session.gaussians, session.harmonics);
     release_free_memory();
     const std::uint64_t device = device_bytes(renderer), host = resident_memory();
     // Every frame once, so that nothing grows later.

@@ -25,6 +25,7 @@ namespace swiftgs::cli {
 struct Session {
   SceneResult scene;
   std::shared_ptr<const Scene> gaussians;
+  HarmonicsKept harmonics{};
   std::vector<View> views;
   std::vector<std::optional<Image>> photos;  ///< of each view, or empty
   double scale = 1;

@@ -39,6 +39,7 @@ struct RenderOptions {
   std::string renderer;  ///< empty for `default_renderer()`
   std::string out = "renders";
   std::string format = "png";
+  std::string harmonics = "smallest";
   std::string calibration;  ///< file that `calibrate` wrote, or empty
   std::string json;         ///< file for the results, or empty
   int batch = 1;
@@ -125,6 +126,7 @@ void render(RenderOptions options) {
     throw std::invalid_argument(
         "--planes: expected --format exr, whose channels hold them, or alpha in a PNG");
   require_batch(options.batch);
+  const HarmonicsKept harmonics = harmonics_of(options.harmonics);
   validate(options.lens);
   const std::vector<ListedScene> listed = scenes_of(options.scenes, options.place);
   if (listed.size() > 1 && !options.calibration.empty())
@@ -156,8 +158,10 @@ void render(RenderOptions options) {
   head.notes = std::move(notes);
   Numbered<RenderResult> numbered;
   std::filesystem::create_directories(options.out);
-  for (const auto& each : drawn.gaussians) renderer->add_scene(each);
+  for (const auto& each : drawn.gaussians) renderer->add_scene(each, harmonics);
   renderer->place({drawn.placements.data(), drawn.placements.size()});
+  for (std::size_t i = 0; i < drawn.gaussians.size() && options.stats; ++i)
+    std::printf("%s: harmonics as %s\n", listed[i].file.c_str(), renderer->harmonics(i));
   if (!options.calibration.empty()) use_calibration(*renderer, options.calibration, *scene, views);
 
   const std::size_t batch = std::min(std::size_t(options.batch), views.size());
@@ -279,6 +283,7 @@ void add_render(CLI::App& app) {
   command->add_option("--format", options->format, "Format of the images: png, pfm or exr")
       ->capture_default_str();
   add_batch(*command, options->batch);
+  add_harmonics(*command, options->harmonics);
   command->add_option("--calibration", options->calibration,
                       "For renderers with the sort 'adaptive': a file of 'swiftgs calibrate'");
   add_json(*command, options->json);

@@ -12,17 +12,19 @@
 #include <CLI/CLI.hpp>
 
 #include <swiftgs/error.hpp>
+#include <swiftgs/harmonic_packing.hpp>
 #include <swiftgs/io/cameras.hpp>
+#include <swiftgs/parallel.hpp>
 
 #include "commands.hpp"
-#include "read/distinct_files.hpp"
-#include "json_text.hpp"
 #include "draw/lenses.hpp"
+#include "json_text.hpp"
 #include "notes.hpp"
 #include "options.hpp"
+#include "read/distinct_files.hpp"
+#include "read/scene_input.hpp"
 #include "result_file.hpp"
 #include "result_head.hpp"
-#include "read/scene_input.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -101,6 +103,18 @@ std::map<std::string, std::size_t> lenses_in(const std::string& folder, std::vec
   return found;
 }
 
+/// How a device keeps the scene's harmonics.
+struct KeptHarmonics {
+  std::string format;
+  double bytes = 0;  ///< a Gaussian
+
+  explicit KeptHarmonics(const Scene& scene) {
+    const HarmonicPacking packing(HostThreads(), scene, used_sh_degree(scene), HarmonicsKept::smallest);
+    format = name_of(packing.rows_at(nullptr, packing.labels().data));
+    if (scene.size() != 0) bytes = double(packing.bytes()) / double(scene.size());
+  }
+};
+
 std::string count_text(const std::map<std::string, std::size_t>& lenses) {
   std::string text;
   for (const auto& [words, count] : lenses)
@@ -124,6 +138,9 @@ void print_info(const std::string& name, const SceneFile& file, double seconds, 
   const int used = used_sh_degree(scene);
   std::printf("%-15s %d%s\n", "SH degree", scene.sh_degree,
               used < scene.sh_degree ? (" (bands above " + std::to_string(used) + " are zero)").c_str() : "");
+  if (const KeptHarmonics harmonics(scene); harmonics.bytes > 0)
+    std::printf("%-15s %s, %.3g bytes a Gaussian on a device\n", "harmonics", harmonics.format.c_str(),
+                harmonics.bytes);
   std::printf("%-15s %s\n", "anti-aliased", scene.antialiased ? "yes" : "no");
   for (const std::string& note : file.notes) std::printf("%-15s %s\n", "note", note.c_str());
 }
@@ -132,6 +149,7 @@ Json or_null(const std::string& text) { return text.empty() ? Json() : Json(text
 
 std::string to_json(const std::string& scene, const std::string& path, const SceneFile& file, double seconds,
                     const Beside& beside, const std::vector<Distribution>& distributions) {
+  const KeptHarmonics harmonics(file.scene);
   Json json{{"scene", scene},
             {"cameras", or_null(beside.cameras)},
             {"lenses", beside.lenses.empty() ? Json() : Json(beside.lenses)},
@@ -144,6 +162,7 @@ std::string to_json(const std::string& scene, const std::string& path, const Sce
             {"dropped", file.dropped_nonfinite},
             {"sh_degree", file.scene.sh_degree},
             {"used_sh_degree", used_sh_degree(file.scene)},
+            {"harmonics", {{"kept", harmonics.format}, {"bytes_a_gaussian", rounded(harmonics.bytes, 4)}}},
             {"antialiased", file.scene.antialiased},
             {"origin", {file.scene.origin.x, file.scene.origin.y, file.scene.origin.z}}};
   Json percentiles{{"percent", Json::array()}};
@@ -177,9 +196,9 @@ void info(const InfoOptions& options) {
 }
 
 constexpr const char* info_help =
-    R"(Prints format, size of the file and time to read it, count, SH degree, how many Gaussians
-were dropped because they are not finite, the origin of a scene far from zero, and percentiles of
-positions (relative to the origin), opacities and scales;
+    R"(Prints format, size of the file and time to read it, count, SH degree, how a device keeps
+harmonics, how many Gaussians were dropped because they are not finite, the origin of a scene
+far from zero, and percentiles of positions (relative to the origin), opacities and scales;
 of a capture's folder also where its cameras and photographs are, and the cameras' lenses.
 
 Example:

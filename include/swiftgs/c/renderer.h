@@ -46,6 +46,16 @@ typedef void* (*swiftgs_allocate)(void* context, size_t bytes);
 /// Takes back what `swiftgs_allocate` returned for as many bytes.
 typedef void (*swiftgs_release)(void* context, void* memory, size_t bytes);
 
+/// How a renderer keeps harmonics above band 0 of the scenes that it uploads. Those of arrays stay floats.
+enum {
+  /// In the fewest bytes that hold them exactly; on hosts, which share a scene, as they are.
+  SWIFTGS_HARMONICS_SMALLEST = 0,
+  SWIFTGS_HARMONICS_FLOAT = 1,  ///< so that `swiftgs_renderer_update_scene` may replace them
+  /// Rounded to the nearest half: a coefficient c is off by at most 2^-11 |c| or 2^-25. Those beyond 65504
+  /// are refused.
+  SWIFTGS_HARMONICS_HALF = 2
+};
+
 typedef struct swiftgs_renderer_options {
   uint32_t size;              ///< `sizeof(swiftgs_renderer_options)`
   int32_t threads;            ///< of the backend `cpu`; 0: all
@@ -53,6 +63,8 @@ typedef struct swiftgs_renderer_options {
   swiftgs_allocate allocate;  ///< of all the renderer's memory; NULL: the backend's own. With `release` only.
   swiftgs_release release;    ///< on a device in stream order, as docs/embedding.md says
   void* context;              ///< of both; outlives the renderer and those that share its scene
+  int32_t harmonics;          ///< `SWIFTGS_HARMONICS_...`
+  uint32_t reserved;          ///< 0
 } swiftgs_renderer_options;
 
 /// Makes the renderer called `name`, such as "cpu/early/axis-shared-threshold-float-cholesky/ellipse".
@@ -124,7 +136,8 @@ typedef struct swiftgs_placement {
 /// lie where the renderer draws; arrays that are NULL stay as they are, `origin` and `antialiased` are not
 /// looked at. Renderers that share the scene show the update too, as do all later and recorded frames. On a
 /// device it is in stream order, as `swiftgs_renderer_set_gaussians`, and numbers are not checked; a scene
-/// that was uploaded from the host has no bands there above the highest one with a number other than 0. On
+/// that was uploaded from the host has no bands there above the highest one with a number other than 0, and
+/// its `sh_rest` stays unless it is kept as floats (`swiftgs_renderer_options`). On
 /// hosts no frame of the scene may be under way, in no renderer, and numbers that are not finite are refused;
 /// the `swiftgs_scene` stays as it is. Errors: `SWIFTGS_INVALID_ARGUMENT`, and nothing changes.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_update_scene(swiftgs_renderer* renderer, uint64_t scene,

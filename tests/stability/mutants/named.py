@@ -18,9 +18,30 @@ CONVERSION = "policies/contract_test --test-case=conversion*Serial*"
 BANDS = "mpi/mpi_strips_test"
 PLACED = "policies/contract_placed_test --test-case=*reference*Serial*"
 CPU_PLACED = "policies/contract_placed_test --test-case=*reference*Cpu*"
+HARMONICS = "policies/contract_harmonics_test --test-case=*Serial*"
+CPU_HARMONICS = "policies/contract_harmonics_test --test-case=*Cpu*"
+PACKING = "policies/contract_harmonics_test"
 REFERENCE = "reference/reference_test --test-case=*placed*"
 
 NAMED = [
+    # Harmonics in fewer bytes.
+    Mutant("harmonics: bytes have no sign", I + "harmonics.hpp", "static_cast<const signed char*>(values)[k]",
+           "static_cast<const unsigned char*>(values)[k]", test=HARMONICS),
+    Mutant("harmonics: Gaussians of a palette have rows of their own", I + "harmonics.hpp",
+           "return labels ? labels[i] : std::uint32_t(i);", "return std::uint32_t(i);", test=HARMONICS),
+    Mutant("harmonics: a range of a palette begins with its first label", I + "harmonics.hpp", "some.labels += first;",
+           "some.labels += 0;", test=HARMONICS),
+    Mutant("harmonics: bytes go up to 128", I + "harmonic_packing.hpp", "most <= 127 * scale()",
+           "most <= 128 * scale()", test=PACKING),
+    Mutant("harmonics: halves have twelve digits", I + "harmonic_packing.hpp", "return digits <= 11 && lowest >= -24",
+           "return digits <= 12 && lowest >= -24", test=PACKING),
+    Mutant("harmonics: subnormal halves reach 2^-25", I + "harmonic_packing.hpp", "digits <= 11 && lowest >= -24",
+           "digits <= 11 && lowest >= -25", test=PACKING),
+    Mutant("harmonics: palettes have 65,537 rows", I + "harmonic_packing.hpp", "/ row, 1 << 16)", "/ row, (1 << 16) + 1)",
+           test=PACKING),
+    Mutant("cpu harmonics: bytes have no scale", "backends/cpu/shade.cpp",
+           "hn::PromoteTo(integers, bytes)), hn::Set(F32x4(), scale))",
+           "hn::PromoteTo(integers, bytes)), hn::Set(F32x4(), 0.5f))", test=CPU_HARMONICS),
     # Chunks.
     Mutant("chunks: half the box 2e-4 too small", I + "chunks.hpp", "half[k] = 0.5 *", "half[k] = 0.4999 *",
            test=CHUNKS, quick=True),

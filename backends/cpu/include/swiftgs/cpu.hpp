@@ -71,11 +71,14 @@ class SWIFTGS_API Cpu {
   int threads_at_once() const;
   std::string device_name() const;
 
-  /// Shares `scene` without a copy. Reads all numbers once, to validate them and to bound chunks. Advises the
-  /// system to move the arrays, the caller's memory included, to large pages. @sync Complete when it returns,
-  /// but for `LargePages::later`.
-  SceneOn upload(std::shared_ptr<const Scene> scene, LargePages pages = LargePages::later) const;
-  SceneOn upload(Scene scene, LargePages pages = LargePages::later) const;
+  /// Shares `scene` without a copy, or takes it over: then harmonics are kept in the fewest bytes that are
+  /// exact. Reads all numbers once, to validate them and to bound chunks. Advises the system to move the
+  /// arrays, the caller's memory included, to large pages. @sync Complete when it returns, but for
+  /// `LargePages::later`.
+  SceneOn upload(std::shared_ptr<const Scene> scene, HarmonicsKept kept = HarmonicsKept::smallest,
+                 LargePages pages = LargePages::later) const;
+  SceneOn upload(Scene scene, HarmonicsKept kept = HarmonicsKept::smallest,
+                 LargePages pages = LargePages::later) const;
   /// As `HostScene::copy`.
   SceneOn upload(const SceneArrays& arrays, std::optional<SceneOn>& reuse) const;
   /// As `HostScene::update`.

@@ -12,7 +12,9 @@
 #include <thread>
 #include <vector>
 
-namespace swiftgs::reference {
+#include <swiftgs/count.hpp>
+
+namespace swiftgs {
 
 /// How many threads `requested` means: itself, or one a processor when 0. Throws `std::invalid_argument` when
 /// negative.
@@ -53,4 +55,12 @@ void for_each_index(std::size_t count, int threads, const Body& body) {
   if (error) std::rethrow_exception(error);
 }
 
-}  // namespace swiftgs::reference
+/// Loops of as many threads as there are processors, for backends that have none on the host.
+struct HostThreads {
+  template <class F>
+  void for_each(Count n, const F& f) const {
+    for_each_index(n.get(), thread_count(0), f);
+  }
+};
+
+}  // namespace swiftgs
