@@ -26,8 +26,8 @@ BackendOptions to_options(const swiftgs_renderer_options& from) {
   return options;
 }
 
-static_assert(int(HarmonicsKept::smallest) == SWIFTGS_HARMONICS_SMALLEST &&
-              int(HarmonicsKept::floats) == SWIFTGS_HARMONICS_FLOAT &&
+static_assert(int(HarmonicsKept::floats) == SWIFTGS_HARMONICS_FLOAT &&
+              int(HarmonicsKept::smallest) == SWIFTGS_HARMONICS_SMALLEST &&
               int(HarmonicsKept::halves) == SWIFTGS_HARMONICS_HALF);
 
 HarmonicsKept to_harmonics(const swiftgs_renderer_options& from) {

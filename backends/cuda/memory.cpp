@@ -76,10 +76,10 @@ void copy(const HarmonicPacking& packing, DeviceScene::Arrays& to, cudaStream_t 
 }  // namespace
 
 DeviceScene Cuda::upload(const Scene& scene, HarmonicsKept kept) const {
+  check_not_captured("upload");
   const SceneView host = swiftgs::view(scene);
   validate_numbers(HostThreads(), scene);
   const HarmonicPacking packing(HostThreads(), scene, host.sh_degree, kept);
-  check_not_captured("upload");
   const auto arrays = std::make_shared<DeviceScene::Arrays>();
   use_memory_of(*this, *arrays);
   const std::vector<ChunkBounds> chunks = chunk_bounds(host);

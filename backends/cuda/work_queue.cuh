@@ -171,8 +171,9 @@ struct WorkQueues {
     return reinterpret_cast<Planes*>(planes)[item - items];
   }
 
-  /// Reserves an item for a warp that blended, visited and left so many. Null if the traversal is short and
-  /// no helper idle or too little left to help, if too little is left, or if the queues are full.
+  /// Reserves an item for a warp that blended, visited and left so many. Null if fewer than
+  /// `least_left` are left, if the queues are full, or if the traversal is short and no helper is idle or
+  /// fewer than `least_left_to_help` are left.
   template <std::uint32_t least_left_to_help>
   __device__ WorkItem* reserve_item(std::uint32_t blended, std::uint32_t visited,
                                     std::uint32_t intersections_left) const {

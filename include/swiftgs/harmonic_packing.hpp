@@ -113,6 +113,7 @@ inline std::optional<Palette> find_palette(const UsedHarmonics& harmonics, std::
   const std::size_t bytes = harmonics.each * sizeof(float);
   std::vector<std::uint32_t> table(slots, none);
   Palette palette;
+  palette.labels.reserve(harmonics.scene.size());
   for (std::size_t i = 0; i < harmonics.scene.size(); ++i) {
     const auto* const row = reinterpret_cast<const char*>(harmonics.of(i));
     std::size_t slot = std::hash<std::string_view>()({row, bytes}) % slots;

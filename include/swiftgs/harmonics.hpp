@@ -16,7 +16,7 @@ inline constexpr int max_sh_degree = 3;
 /// SH coefficients a channel above band 0: 0, 3, 8, 15 for degree 0 to 3.
 SWIFTGS_HD constexpr int sh_rest_count(int degree) { return (degree + 1) * (degree + 1) - 1; }
 
-/// How a coefficient is stored. Each is exactly the float that it stands for.
+/// How a coefficient is stored. Each stands for one float exactly; bytes have no -0, which no colour shows.
 enum class HarmonicFormat : std::uint8_t {
   floats,
   halves,
@@ -28,7 +28,8 @@ SWIFTGS_HD constexpr std::size_t size_of(HarmonicFormat format) {
   return format == HarmonicFormat::floats ? 4 : format == HarmonicFormat::halves ? 2 : 1;
 }
 
-/// Rows of halves, bytes and palettes begin at multiples of this, and end before one. @units{bytes}
+/// Rows of halves, bytes and palettes begin at multiples of this, and are padded to a multiple of it.
+/// @units{bytes}
 inline constexpr std::size_t harmonic_alignment = 16;
 
 /// Size of the coefficients of a Gaussian where they are padded to that. @units{bytes}
@@ -113,9 +114,9 @@ inline const char* name_of(const HarmonicRows& rows) {
 
 /// How an upload keeps harmonics above band 0.
 enum class HarmonicsKept {
-  smallest,  ///< in the fewest bytes that are exact; a host leaves a scene that it shares as it is
   floats,    ///< so that `update` may replace them
-  /// Rounded to the nearest half, 96 bytes a Gaussian at degree 3 in place of 180. A coefficient c is off by
+  smallest,  ///< in the fewest bytes that are exact; a host leaves a scene that it shares as it is
+  /// Rounded to the nearest half, 96 bytes a Gaussian at degree 3. A coefficient c is off by
   /// at most max(2^-11 |c|, 2^-25), so a channel of a colour by no more than the sum of |basis_k| times that
   /// over all coefficients, of which each |basis_k| is below 1.2. Coefficients lie within -65504 and 65504.
   halves

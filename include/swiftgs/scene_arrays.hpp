@@ -148,7 +148,7 @@ inline constexpr const char* update_of_borrowed =
 inline void require_replaceable(const HarmonicRows& rows, const SceneArrays& arrays) {
   if (arrays.sh_rest.data && rows.is_packed())
     throw std::invalid_argument("update: the scene keeps sh_rest as " + std::string(name_of(rows)) +
-                                ", expected floats: upload it with HarmonicsKept::floats");
+                                ", expected floats: upload it so that they are kept as floats");
 }
 
 /// The chunks whose bounds may change when `arrays` replace Gaussians from number `first` on.

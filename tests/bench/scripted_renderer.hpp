@@ -17,10 +17,11 @@ class ScriptedRenderer final : public AnyRenderer {
       : name_(std::move(name)), total_(std::move(total)), calls_(calls) {}
 
   std::string_view name() const override { return name_; }
-  void set_scene(std::shared_ptr<const Scene>) override {}
+  void set_scene(std::shared_ptr<const Scene>, HarmonicsKept) override {}
   void set_scene(const SceneArrays&) override {}
   void borrow_scene(const SceneArrays&) override {}
-  std::size_t add_scene(std::shared_ptr<const Scene>) override { return 0; }
+  std::size_t add_scene(std::shared_ptr<const Scene>, HarmonicsKept) override { return 0; }
+  const char* harmonics(std::size_t) const override { return ""; }
   void place(Span<const Placement>) override {}
   bool share_scene(const AnyRenderer&) override { return true; }
   void update_scene(std::size_t, std::size_t, const SceneArrays&) override {}

@@ -287,7 +287,7 @@ def test_what_cannot_be_drawn_is_refused(renderer, camera, scene):
             (lambda: swiftgs.Renderer("cpu").render(camera), swiftgs.OrderError, "expected a scene before"),
             (lambda: swiftgs.Renderer("cpu/a/b/c"), swiftgs.InvalidArgument, "cpu/a/b/c"),
             (lambda: swiftgs.Renderer("cpu", threads=-1), ValueError, "threads is -1, expected 0 or more"),
-            (lambda: swiftgs.Renderer("cpu", harmonics="double"), ValueError, "expected one of smallest, float, half"),
+            (lambda: swiftgs.Renderer("cpu", harmonics="double"), ValueError, "expected one of float, smallest, half"),
             (lambda: swiftgs.Renderer("cpu", stream="a"), TypeError, "stream is of type str"),
             (lambda: swiftgs.Renderer("serial").share_scene(renderer), swiftgs.InvalidArgument, "another backend")]:
         with pytest.raises(kind, match=re.escape(text)):

@@ -160,8 +160,12 @@ void render(RenderOptions options) {
   std::filesystem::create_directories(options.out);
   for (const auto& each : drawn.gaussians) renderer->add_scene(each, harmonics);
   renderer->place({drawn.placements.data(), drawn.placements.size()});
-  for (std::size_t i = 0; i < drawn.gaussians.size() && options.stats; ++i)
-    std::printf("%s: harmonics as %s\n", listed[i].file.c_str(), renderer->harmonics(i));
+  if (options.stats) {
+    std::size_t next = 0;  // each file once
+    for (std::size_t i = 0; i < listed.size(); ++i)
+      if (drawn.placements[i].scene == next)
+        std::printf("%s: harmonics as %s\n", listed[i].file.c_str(), renderer->harmonics(next++));
+  }
   if (!options.calibration.empty()) use_calibration(*renderer, options.calibration, *scene, views);
 
   const std::size_t batch = std::min(std::size_t(options.batch), views.size());

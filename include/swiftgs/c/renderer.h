@@ -48,9 +48,9 @@ typedef void (*swiftgs_release)(void* context, void* memory, size_t bytes);
 
 /// How a renderer keeps harmonics above band 0 of the scenes that it uploads. Those of arrays stay floats.
 enum {
+  SWIFTGS_HARMONICS_FLOAT = 0,  ///< so that `swiftgs_renderer_update_scene` may replace them
   /// In the fewest bytes that hold them exactly; on hosts, which share a scene, as they are.
-  SWIFTGS_HARMONICS_SMALLEST = 0,
-  SWIFTGS_HARMONICS_FLOAT = 1,  ///< so that `swiftgs_renderer_update_scene` may replace them
+  SWIFTGS_HARMONICS_SMALLEST = 1,
   /// Rounded to the nearest half: a coefficient c is off by at most 2^-11 |c| or 2^-25. Those beyond 65504
   /// are refused.
   SWIFTGS_HARMONICS_HALF = 2
@@ -136,10 +136,10 @@ typedef struct swiftgs_placement {
 /// lie where the renderer draws; arrays that are NULL stay as they are, `origin` and `antialiased` are not
 /// looked at. Renderers that share the scene show the update too, as do all later and recorded frames. On a
 /// device it is in stream order, as `swiftgs_renderer_set_gaussians`, and numbers are not checked; a scene
-/// that was uploaded from the host has no bands there above the highest one with a number other than 0, and
-/// its `sh_rest` stays unless it is kept as floats (`swiftgs_renderer_options`). On
+/// that was uploaded from the host has no bands there above the highest one with a number other than 0. On
 /// hosts no frame of the scene may be under way, in no renderer, and numbers that are not finite are refused;
-/// the `swiftgs_scene` stays as it is. Errors: `SWIFTGS_INVALID_ARGUMENT`, and nothing changes.
+/// the `swiftgs_scene` stays as it is. Errors: `SWIFTGS_INVALID_ARGUMENT`, also for `sh_rest` of a scene that is
+/// not kept as floats (`swiftgs_renderer_options`), and nothing changes.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_update_scene(swiftgs_renderer* renderer, uint64_t scene,
                                                            uint64_t first,
                                                            const swiftgs_gaussians* gaussians);

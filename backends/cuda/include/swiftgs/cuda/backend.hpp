@@ -131,8 +131,8 @@ class SWIFTGS_API Cuda {
   /// capture it. Arrays stay where they are: views and copies of the scene, and recorded work that runs
   /// again, show the update. Other streams must have drawn the scene before, and wait before they draw it
   /// again or overwrite the arrays, which do not lie in the scene. Does not check numbers. `sh_rest` has the
-  /// bands that the device stores, `view().sh_degree`, and stays unless it is kept as floats. Throws
-  /// `std::invalid_argument` as `validate_update` and `require_replaceable` do.
+  /// bands that the device stores, `view().sh_degree`. Throws `std::invalid_argument` as `validate_update`
+  /// and `require_replaceable` do.
   void update(SceneOn& scene, std::size_t first, const SceneArrays& arrays) const;
 
   /// Copies after all work submitted before, and waits for the copy.

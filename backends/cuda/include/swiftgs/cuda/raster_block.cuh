@@ -103,7 +103,7 @@ enum class Extras {
   row,            ///< and depth: up to four attributes
   row_and_picks,  ///< and depth
   rows,           ///< and depth: up to sixteen attributes
-  all,            ///< and picks and counts; no attributes
+  all,            ///< and picks, with depths along the ray, and counts; no attributes
 };
 
 /// Whether kernels remember splats.
@@ -182,7 +182,7 @@ inline bool some_view_converts(const RasterJob& job) {
 /// `raster_blocks_of`.
 template <class F>
 void with_raster_input(Cuda& cuda, const RasterJob& job, const F& f) {
-  // No kernel has registers for picks and several rows.
+  // The kernels of warps have no registers for picks and several rows.
   if (job.attributes.rows > 1 && some_view_picks(job)) {
     RasterJob picks = job, rows = job;
     picks.attributes.rows = 0, rows.only_attributes = true;
