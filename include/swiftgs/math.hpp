@@ -58,6 +58,9 @@ SWIFTGS_HD Real dot(const Vector3<Real>& a, const Vector3<Real>& b) {
   return std::fma(a.x, b.x, std::fma(a.y, b.y, a.z * b.z));
 }
 
+/// a b + c, rounded once.
+SWIFTGS_HD inline double multiply_add(double a, double b, double c) { return std::fma(a, b, c); }
+
 /// 1 / sqrt(x) for x > 0, 2 units in the last place.
 SWIFTGS_HD inline float inverse_sqrt(float x) {
 #if defined(__CUDA_ARCH__)

@@ -7,6 +7,7 @@
 
 #include <swiftgs/activation.hpp>
 #include <swiftgs/bounds/bounds.hpp>
+#include <swiftgs/float_pair.hpp>
 #include <swiftgs/lens/point.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/scene.hpp>
@@ -215,16 +216,18 @@ SWIFTGS_HD inline float part_slack(float half_width, float half_height) {
   return 2 * bounds_slack(half_width, half_height);
 }
 
-/// Camera-space position of a Gaussian, in double, so that distant worlds and long focal lengths keep their
-/// pixels.
+/// Camera-space position of a Gaussian, in double or pairs of floats, so that distant worlds and long focal
+/// lengths keep their pixels.
+template <class Real = double>
 struct CameraPoint {
-  double p[3];
+  Real p[3];
 
-  SWIFTGS_HD CameraPoint(const ViewConstants& v, vec3 mean) {
-    const double d[3] = {mean.x - v.centre[0], mean.y - v.centre[1], mean.z - v.centre[2]};
+  SWIFTGS_HD CameraPoint(const ViewConstants& view, vec3 mean) {
+    const PlacingConstants<Real> v(view);
+    const Real d[3] = {mean.x - v.centre(0), mean.y - v.centre(1), mean.z - v.centre(2)};
     for (int row = 0; row < 3; ++row)
-      p[row] =
-          std::fma(v.rotation[row][0], d[0], std::fma(v.rotation[row][1], d[1], v.rotation[row][2] * d[2]));
+      p[row] = multiply_add(v.rotation(row, 0), d[0],
+                            multiply_add(v.rotation(row, 1), d[1], v.rotation(row, 2) * d[2]));
   }
 };
 
@@ -287,22 +290,25 @@ SWIFTGS_HD inline ProjectedShape project_through_lens(const ViewConstants& v, co
 }
 
 /// `project_shape` of other views.
-SWIFTGS_HD inline ProjectedShape project_through_pinhole(const ViewConstants& v, const Gaussian& g) {
+template <class Real = PlacingReal>
+SWIFTGS_HD ProjectedShape project_through_pinhole(const ViewConstants& v, const Gaussian& g) {
   const float opacity = v.opacity * g.opacity;
   if (!is_opaque_enough(v, opacity)) return {};
-  const CameraPoint at_mean(v, g.mean);
-  const double* const p = at_mean.p;
-  const float z = float(v.depth_scale * p[2]);
+  const PlacingConstants<Real> placing(v);
+  const CameraPoint<Real> at_mean(v, g.mean);
+  const Real* const p = at_mean.p;
+  const float z = float(placing.depth_scale() * p[2]);
   if (!(z > v.near_plane && z <= v.far_plane)) return {};
-  const double inverse_z = inverse(p[2]), x_over_z = p[0] * inverse_z, y_over_z = p[1] * inverse_z;
+  const Real inverse_z = inverse(p[2]), x_over_z = p[0] * inverse_z, y_over_z = p[1] * inverse_z;
 
   // Linearise within the limits of the conventions.
-  const vec2 mean(float(std::fma(v.fx, x_over_z, v.cx)), float(std::fma(v.fy, y_over_z, v.cy)));
+  const vec2 mean(float(multiply_add(placing.fx(), x_over_z, placing.cx())),
+                  float(multiply_add(placing.fy(), y_over_z, placing.cy())));
   const float over_z = float(inverse_z);
   const Linearisation<float> at{v.clamped_x(float(x_over_z)), v.clamped_y(float(y_over_z)),
                                 v.focal_x * over_z, v.focal_y * over_z};
   const SplatFactor f = needs_double(at, g.scale, mean)
-                            ? factor_in_double(v, x_over_z, y_over_z, inverse_z, g)
+                            ? factor_in_double(v, double(x_over_z), double(y_over_z), double(inverse_z), g)
                             : factor(ImageAxes<float>(v, at, g.scale, g.rotation), v.blur);
   return visible_shape(v, mean, f, opacity, z);
 }
@@ -315,8 +321,10 @@ SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gau
 
 /// Unit direction from the camera towards `mean`. The largest component is scaled to 1 first, so that no
 /// square leaves the range of float.
-SWIFTGS_HD inline vec3 view_direction(const ViewConstants& v, vec3 mean) {
-  vec3 d(float(mean.x - v.centre[0]), float(mean.y - v.centre[1]), float(mean.z - v.centre[2]));
+template <class Real = PlacingReal>
+SWIFTGS_HD vec3 view_direction(const ViewConstants& view, vec3 mean) {
+  const PlacingConstants<Real> v(view);
+  vec3 d(float(mean.x - v.centre(0)), float(mean.y - v.centre(1)), float(mean.z - v.centre(2)));
   const float largest = std::fmax(std::fmax(std::fabs(d.x), std::fabs(d.y)), std::fabs(d.z));
   for (int k = 0; k < 3; ++k) d[k] /= largest;
   return d * (1 / std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z));

@@ -3,13 +3,35 @@
 
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
+#include <swiftgs/float_pair.hpp>
 #include <swiftgs/lens/limits.hpp>
 #include <swiftgs/math.hpp>
 
 namespace swiftgs {
+
+/// What places a Gaussian through a pinhole: pairs of floats on GPUs whose multiprocessors have two to four
+/// units for double beside 64 or 128 for float, double elsewhere. With SWIFTGS_PLACE_IN_PAIRS tests run the
+/// kernels in pairs on every GPU.
+#if defined(__CUDA_ARCH__) &&                                                           \
+    (defined(SWIFTGS_PLACE_IN_PAIRS) || __CUDA_ARCH__ == 750 || __CUDA_ARCH__ == 860 || \
+     __CUDA_ARCH__ == 870 || __CUDA_ARCH__ == 890 || __CUDA_ARCH__ == 1200 || __CUDA_ARCH__ == 1210)
+using PlacingReal = FloatPair;
+#else
+using PlacingReal = double;
+#endif
+inline constexpr bool places_in_pairs = std::is_same_v<PlacingReal, FloatPair>;
+
+/// Numbers of `ViewConstants` as pairs of floats, made once a view: units for double convert them, and pairs
+/// are for GPUs that have few. The high parts of the rotation and of the focal lengths are `axes`, `focal_x`
+/// and `focal_y`.
+struct PairConstants {
+  float axes_low[3][3], focal_x_low, focal_y_low;
+  FloatPair centre[3], depth_scale, cx, cy;
+};
 
 /// Constants of a camera and its conventions for projection, computed once a frame; or of the eye of a placed
 /// scene, whose world is the scene's own space.
@@ -21,7 +43,9 @@ struct ViewConstants {
   double depth_scale;              ///< depths for a unit of camera space; 1 but of a placed scene's eye
   float opacity;                   ///< of all Gaussians; 1 but of a placed scene's eye
   float focal_x, focal_y;          ///< fx and fy in float @units{pixels}
-  double fx, fy, cx, cy;           ///< @units{pixels}
+  double fx, fy;                   ///< @units{pixels}
+  PairConstants pairs;             ///< by `set_pairs`
+  double cx, cy;                   ///< @units{pixels}
   float width, height;             ///< of the image @units{pixels}
   float left, top, right, bottom;  ///< part of it that is shown @units{pixels}
   float tan_x_min, tan_x_max;      ///< limits of x/z where the projection is linearised
@@ -38,6 +62,24 @@ struct ViewConstants {
   double panorama_middle;  ///< column whose nearest copy of a splat a panorama shows
   Lens lens;
   LensLimits limits;
+
+  static constexpr unsigned pair_count = 17;
+  /// Sets one of `pairs`: the rotation, the centre, focal lengths, scale, principal point.
+  SWIFTGS_HD void set_pair(unsigned k) {
+    if (k < 9)
+      pairs.axes_low[k / 3][k % 3] = FloatPair::from(rotation[k / 3][k % 3]).low;
+    else if (k < 12)
+      pairs.centre[k - 9] = FloatPair::from(centre[k - 9]);
+    else if (k < 14)
+      (k == 12 ? pairs.focal_x_low : pairs.focal_y_low) = FloatPair::from(k == 12 ? fx : fy).low;
+    else if (k == 14)
+      pairs.depth_scale = FloatPair::from(depth_scale);
+    else
+      (k == 15 ? pairs.cx : pairs.cy) = FloatPair::from(k == 15 ? cx : cy);
+  }
+  SWIFTGS_HD void set_pairs() {
+    for (unsigned k = 0; k < pair_count; ++k) set_pair(k);
+  }
 
   /// Column of the copy of a panorama's column `x` that is nearest to `panorama_middle`.
   SWIFTGS_HD double nearest_copy(double x) const {
@@ -59,6 +101,33 @@ struct ViewConstants {
   SWIFTGS_HD static Real clamped(Real tangent, Real least, Real most) {
     return tangent < least ? least : tangent > most ? most : tangent;
   }
+};
+
+/// The numbers that place a Gaussian in an image as `Real`, double or `FloatPair`.
+template <class Real>
+class PlacingConstants {
+ public:
+  SWIFTGS_HD explicit PlacingConstants(const ViewConstants& view) : v_(view) {}
+
+  SWIFTGS_HD Real rotation(int row, int column) const {
+    return chosen(v_.rotation[row][column], {v_.axes[row][column], v_.pairs.axes_low[row][column]});
+  }
+  SWIFTGS_HD Real centre(int k) const { return chosen(v_.centre[k], v_.pairs.centre[k]); }
+  SWIFTGS_HD Real depth_scale() const { return chosen(v_.depth_scale, v_.pairs.depth_scale); }
+  SWIFTGS_HD Real fx() const { return chosen(v_.fx, {v_.focal_x, v_.pairs.focal_x_low}); }
+  SWIFTGS_HD Real fy() const { return chosen(v_.fy, {v_.focal_y, v_.pairs.focal_y_low}); }
+  SWIFTGS_HD Real cx() const { return chosen(v_.cx, v_.pairs.cx); }
+  SWIFTGS_HD Real cy() const { return chosen(v_.cy, v_.pairs.cy); }
+
+ private:
+  SWIFTGS_HD static Real chosen(double in_double, FloatPair in_pairs) {
+    if constexpr (std::is_same_v<Real, double>)
+      return in_double;
+    else
+      return in_pairs;
+  }
+
+  const ViewConstants& v_;
 };
 
 inline bool depth_is_distance(LensModel model, const Conventions& conventions) {
@@ -83,6 +152,7 @@ inline ViewConstants view_constants(const Camera& camera, const Conventions& con
   v.depth_scale = 1, v.opacity = 1;
   v.fx = camera.fx, v.fy = camera.fy, v.cx = camera.cx, v.cy = camera.cy;
   v.focal_x = float(v.fx), v.focal_y = float(v.fy);
+  v.set_pairs();
   v.width = float(camera.width), v.height = float(camera.height);
   v.left = v.top = 0, v.right = v.width, v.bottom = v.height;
 

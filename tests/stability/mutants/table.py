@@ -86,16 +86,18 @@ MUTANTS = [
            "rounded((x - v.panorama_middle) / v.turn)", "rounded((x - v.panorama_middle) / v.turn - 0.4)"),
     # Projection.
     Mutant("project: camera space in float", I + "project.hpp",
-           "p[row] =\n          std::fma(v.rotation[row][0], d[0], std::fma(v.rotation[row][1], d[1], v.rotation[row][2] * d[2]));",
-           "p[row] = float(std::fma(float(v.rotation[row][0]), float(d[0]), std::fma(float(v.rotation[row][1]), "
-           "float(d[1]), float(v.rotation[row][2]) * float(d[2]))));",
+           "p[row] = multiply_add(v.rotation(row, 0), d[0],\n                            "
+           "multiply_add(v.rotation(row, 1), d[1], v.rotation(row, 2) * d[2]));",
+           "p[row] = float(std::fma(float(v.rotation(row, 0)), float(d[0]), std::fma(float(v.rotation(row, 1)), "
+           "float(d[1]), float(v.rotation(row, 2)) * float(d[2]))));",
            quick=True),
     Mutant("project: camera space rounded to float after the rotation", I + "project.hpp",
            "inverse(p[2]), x_over_z = p[0] * inverse_z, y_over_z = p[1] * inverse_z;",
            "inverse(float(p[2])), x_over_z = float(p[0]) * inverse_z, y_over_z = float(p[1]) * inverse_z;"),
     Mutant("project: camera's centre in float", I + "project.hpp",
-           "{mean.x - v.centre[0],", "{mean.x - float(v.centre[0]),"),
-    Mutant("project: depth by a float sum", I + "project.hpp", "const float z = float(v.depth_scale * p[2]);",
+           "{mean.x - v.centre(0),", "{mean.x - float(v.centre(0)),"),
+    Mutant("project: depth by a float sum", I + "project.hpp",
+           "const float z = float(placing.depth_scale() * p[2]);",
            "const vec3 from_camera(float(g.mean.x - v.centre[0]), float(g.mean.y - v.centre[1]),\n"
            "                       float(g.mean.z - v.centre[2]));\n"
            "  const float z = dot(vec3(v.axes[2][0], v.axes[2][1], v.axes[2][2]), from_camera);"),
@@ -361,9 +363,10 @@ MUTANTS = [
            "ClampedFloor(last, among)"),
     # The cuda backend.
     Mutant("cuda project: camera space in float", I + "project.hpp",
-           "p[row] =\n          std::fma(v.rotation[row][0], d[0], std::fma(v.rotation[row][1], d[1], v.rotation[row][2] * d[2]));",
-           "p[row] = float(std::fma(float(v.rotation[row][0]), float(d[0]), std::fma(float(v.rotation[row][1]), "
-           "float(d[1]), float(v.rotation[row][2]) * float(d[2]))));",
+           "p[row] = multiply_add(v.rotation(row, 0), d[0],\n                            "
+           "multiply_add(v.rotation(row, 1), d[1], v.rotation(row, 2) * d[2]));",
+           "p[row] = float(std::fma(float(v.rotation(row, 0)), float(d[0]), std::fma(float(v.rotation(row, 1)), "
+           "float(d[1]), float(v.rotation(row, 2)) * float(d[2]))));",
            "cuda", STAGES),
     Mutant("cuda project: means on 1/4096 pixel", I + "project.hpp", "s.l0 = f.l0,",
            "s.mean = vec2(std::round(s.mean.x * 4096) / 4096, std::round(s.mean.y * 4096) / 4096);\n  s.l0 = f.l0,",

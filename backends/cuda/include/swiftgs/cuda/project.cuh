@@ -83,7 +83,7 @@ struct SharedCamera {
   }
   /// As `eye` makes it, by threads that each find a number.
   __device__ void load_eye(const ViewConstants& camera, const PlacedScene& placed) {
-    constexpr unsigned pose_words = offsetof(ViewConstants, cx) / sizeof(std::uint32_t);
+    constexpr unsigned pose_words = offsetof(ViewConstants, pairs.cx) / sizeof(std::uint32_t);
     const Similarity& pose = placed.world_from_scene;
     const bool moved = !pose.is_identity();
     const unsigned k = threadIdx.x;
@@ -100,6 +100,11 @@ struct SharedCamera {
       eye.fx = eye_focal(camera, pose, camera.fx), eye.focal_x = float(eye.fx);
     } else if (k == 13) {
       eye.fy = eye_focal(camera, pose, camera.fy), eye.focal_y = float(eye.fy);
+    }
+    if constexpr (places_in_pairs) {
+      // Number k is the thread's own, and the depth's scale that of the first.
+      if (k < 14) eye.set_pair(k);
+      if (k == 0) eye.set_pair(14);
     }
   }
   __device__ const ViewConstants& camera() const { return reinterpret_cast<const ViewConstants&>(of_camera); }
