@@ -42,7 +42,7 @@ Section encode_section(const Scene& scene, std::size_t begin, std::size_t end, i
       for (int axis = 1; axis <= 3; ++axis) append(section.buckets, float(b) * float(axis));
   }
   const auto number = [&](float value) {
-    level == 0 ? append(section.records, value) : append(section.records, to_half(value));
+    level == 0 ? append(section.records, value) : append(section.records, test::to_half(value));
   };
   const auto rest = std::size_t(sh_rest_count(scene.sh_degree));
   for (std::size_t i = begin; i < end; ++i) {
