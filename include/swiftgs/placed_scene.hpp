@@ -109,7 +109,8 @@ SWIFTGS_HD inline double eye_focal(const ViewConstants& camera, const Similarity
 /// moved and scaled together, so the eye sees the scene's own numbers as the camera sees the placed ones.
 /// Only parallel rays need other focal lengths. Harmonics turn with the scene: directions are in its own
 /// space. Depths are those of the world.
-/// `pairs` are set where projection reads them.
+/// Only devices that place Gaussians by `pairs` set them: a host whose eye goes to a device calls
+/// `set_pairs`.
 SWIFTGS_HD inline ViewConstants eye(const ViewConstants& camera, const PlacedScene& placed) {
   ViewConstants out = camera;
   out.opacity = placed.opacity;

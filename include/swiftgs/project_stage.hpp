@@ -76,8 +76,10 @@ template <BackendPolicy B>
   const auto append = [&](std::size_t v, const PlacedScene& placed) {
     const std::size_t n = placed.size();
     scratch.projected.reset(n), scratch.slots.reset(n);
-    b.for_each(n, ProjectShapes{eye(views.each[v].camera, placed), placed.scene, placed.clip,
-                                scratch.projected.data(), scratch.slots.data()});
+    ViewConstants camera = eye(views.each[v].camera, placed);
+    camera.set_pairs();  // a backend may run the loop on a device that reads them
+    b.for_each(
+        n, ProjectShapes{camera, placed.scene, placed.clip, scratch.projected.data(), scratch.slots.data()});
     const std::size_t visible = std::size_t(b.exclusive_scan(Span{scratch.slots.data(), n}));
     const std::size_t before = splats.count;
     splats.visible += visible;
