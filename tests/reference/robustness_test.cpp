@@ -74,9 +74,9 @@ TEST_CASE("reference: invalid arguments are refused") {
 TEST_CASE("reference: an exception on any thread reaches the caller") {
   for (const int threads : {1, 4})
     CHECK_THROWS_AS(for_each_index(100, threads,
-                                              [](std::size_t i) {
-                                                if (i == 57) throw std::length_error("57");
-                                              }),
+                                   [](std::size_t i) {
+                                     if (i == 57) throw std::length_error("57");
+                                   }),
                     std::length_error);
 }
 

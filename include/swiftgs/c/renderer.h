@@ -138,8 +138,8 @@ typedef struct swiftgs_placement {
 /// device it is in stream order, as `swiftgs_renderer_set_gaussians`, and numbers are not checked; a scene
 /// that was uploaded from the host has no bands there above the highest one with a number other than 0. On
 /// hosts no frame of the scene may be under way, in no renderer, and numbers that are not finite are refused;
-/// the `swiftgs_scene` stays as it is. Errors: `SWIFTGS_INVALID_ARGUMENT`, also for `sh_rest` of a scene that is
-/// not kept as floats (`swiftgs_renderer_options`), and nothing changes.
+/// the `swiftgs_scene` stays as it is. Errors: `SWIFTGS_INVALID_ARGUMENT`, also for `sh_rest` of a scene that
+/// is not kept as floats (`swiftgs_renderer_options`), and nothing changes.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_update_scene(swiftgs_renderer* renderer, uint64_t scene,
                                                            uint64_t first,
                                                            const swiftgs_gaussians* gaussians);
