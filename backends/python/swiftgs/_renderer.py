@@ -288,7 +288,8 @@ class Renderer:
         stays as it is.
 
         Arrays are as `Scene.from_arrays` takes them, of the scene's degree and number of features (a device keeps no
-        bands of a `Scene` above the highest one with a number other than 0). They lie where the renderer draws: on the
+        bands of a `Scene` above the highest one with a number other than 0, and replaces harmonics only of renderers
+        with `harmonics="float"`). They lie where the renderer draws: on the
         host, or on its CUDA device, where nothing waits. Renderers that share the scene show the update too, and all
         later and recorded frames. On the host none of them may be drawing, and the `Scene` stays as it is. If something
         is refused, nothing changes.
