@@ -60,7 +60,7 @@ void copy(const HarmonicPacking& packing, DeviceScene::Arrays& to, cudaStream_t 
   const auto written = std::make_unique_for_overwrite<unsigned char[]>(std::min(rows, block) * stride);
   for (std::size_t first = 0; first < rows; first += block) {
     const std::size_t count = std::min(block, rows - first);
-    // The copy before reads what is written now.
+    // The copy of the block before reads from `written`.
     if (first != 0) check_cuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
     HostThreads().for_each(Count((count + part - 1) / part), [&](std::size_t p) {
       for (std::size_t i = p * part; i < std::min((p + 1) * part, count); ++i)

@@ -15,8 +15,8 @@ namespace swiftgs {
 /// arithmetic", and without terms in u^3.
 ///
 /// Bounds hold while every product is 0 or within 2^-102 and 2^127, and every sum below 2^127. A smaller
-/// product is off by up to 2^-147 besides; beyond 2^127 results are NaN or infinite, and so is what is made
-/// of them. Hosts keep the bounds unless they compile with -ffast-math.
+/// product is off by up to 2^-147 besides; beyond 2^127 results are NaN or infinite, as are results
+/// of these. Hosts keep the bounds unless they compile with -ffast-math.
 struct FloatPair {
   float high, low;
 

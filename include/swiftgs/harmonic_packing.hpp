@@ -50,7 +50,7 @@ struct DigitRange {
   }
 
   bool fit_halves() const { return digits <= 11 && lowest >= -24 && least >= -65504 && most <= 65504; }
-  /// The largest scale of which all are multiples. Any smaller one would make them larger multiples.
+  /// The largest that divides all of them. A smaller scale needs larger multiples.
   float scale() const { return std::ldexp(1.0f, lowest); }
   bool fit_bytes() const {
     return digits <= 8 && lowest >= -126 && lowest <= 96 && least >= -128 * scale() && most <= 127 * scale();
