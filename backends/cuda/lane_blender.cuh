@@ -104,11 +104,12 @@ struct LaneBlender {
   __device__ bool all_stopped() const { return kernels::all_stopped(pixels); }
 
  private:
+  __device__ float nearest_occluder() const {
+    return pixel_count == 2 ? fminf(occluders[0], occluders[pixel_count - 1]) : occluders[0];
+  }
   /// Whether an occluder of the warp lies before this depth, or at it.
   __device__ bool some_lie_behind(float depth) const {
-    float nearest = occluders[0];
-    if constexpr (pixel_count == 2) nearest = fminf(nearest, occluders[1]);
-    return __any_sync(whole_warp, depth >= nearest);
+    return __any_sync(whole_warp, depth >= nearest_occluder());
   }
 
   /// `occluded`: some splats may lie at occluders or behind.
@@ -186,10 +187,8 @@ struct LaneBlender {
   /// may fall, it goes on.
   __device__ unsigned hide(float (&alphas)[pixel_count][group_size], const float4* colours,
                            const Queue<Exponent, extras>& queue, unsigned first) const {
-    float nearest = occluders[0];
-    if constexpr (pixel_count == 2) nearest = fminf(nearest, occluders[1]);
     unsigned hidden = 0;
-    if (!(colours[group_size - 1].w >= nearest)) return hidden;
+    if (!(colours[group_size - 1].w >= nearest_occluder())) return hidden;
     if constexpr (Planes::rays)
       if (rays.depths) {
         hide_along_ray(alphas, queue, first);

@@ -133,7 +133,6 @@ template <bool some, unsigned pixel_count>
 struct LanePicks {
   __device__ explicit LanePicks(const View&) {}
   __device__ void start(unsigned, const PickLimits&) {}
-  __device__ void end(unsigned, float) {}
 };
 template <unsigned pixel_count>
 struct LanePicks<true, pixel_count> {

@@ -58,9 +58,9 @@ void add_json(CLI::App& command, std::string& file, const std::string& what = "t
 /// Adds the option that says how many views are rendered in one frame.
 void add_batch(CLI::App& command, int& batch);
 
-/// Adds the option that says how scenes are uploaded, and what it says. Throws `std::invalid_argument` for
-/// other words.
+/// Adds the option that says how an upload keeps harmonics.
 void add_harmonics(CLI::App& command, std::string& kept);
+/// What it says. Throws `std::invalid_argument` for an unknown word.
 HarmonicsKept harmonics_of(const std::string& kept);
 
 /// Throws `std::invalid_argument` for a number of views that no frame has.

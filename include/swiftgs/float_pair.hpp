@@ -88,8 +88,8 @@ SWIFTGS_HD inline FloatPair operator*(FloatPair a, FloatPair b) {
   return fast_two_sum(product.high, product.low);
 }
 
-/// a b + c, off by 13 u^2 |a b| + 3 u^2 |c|: 6 of the product, 3 and 1 of the sum of low parts, 4 and 2 of
-/// that sum with what the sum of high parts left. As after an fma of doubles, digits that cancel are lost.
+/// a b + c, off by 13 u^2 |a b| + 3 u^2 |c|: 6 and 0 of the product, 3 and 1 of adding the low parts, 4 and 2
+/// of adding their sum to the rest of the sum of high parts. Digits that cancel are lost, as in doubles.
 SWIFTGS_HD inline FloatPair multiply_add(FloatPair a, FloatPair b, FloatPair c) {
   using detail::rounded_sum;
   const FloatPair product = detail::unnormalised_product(a, b), sum = two_sum(product.high, c.high);
