@@ -22,6 +22,7 @@
 #pragma nv_diag_suppress 20012
 #endif
 #include <glm/mat3x3.hpp>
+#include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -31,20 +32,24 @@
 
 namespace swiftgs {
 
-using glm::dmat3;
-using glm::dvec3;
-using glm::vec2;
-using glm::vec3;
-using glm::vec4;
+#if defined(GLM_SWIZZLE_OPERATOR) && GLM_CONFIG_SWIZZLE == GLM_SWIZZLE_OPERATOR
+static_assert(GLM_CONFIG_SWIZZLE != GLM_SWIZZLE_OPERATOR,
+              "GLM_FORCE_SWIZZLE and GLM_FORCE_INTRINSICS change how functions take a vec3, expected the "
+              "vec3 that the libraries are compiled with: drop one of the two");
+#endif
+
+// Packed, whatever GLM_FORCE_DEFAULT_ALIGNED_GENTYPES and the like make of a program's own vectors: kernels
+// read arrays of these as plain floats, and compiled libraries take them. GLM converts between the two.
+using dmat3 = glm::mat<3, 3, double, glm::packed_highp>;
+using dmat4 = glm::mat<4, 4, double, glm::packed_highp>;
+using dvec3 = glm::vec<3, double, glm::packed_highp>;
+using vec2 = glm::vec<2, float, glm::packed_highp>;
+using vec3 = glm::vec<3, float, glm::packed_highp>;
+using vec4 = glm::vec<4, float, glm::packed_highp>;
 
 /// `vec3` or `dvec3`.
 template <class Real>
-using Vector3 = glm::vec<3, Real>;
-
-// Kernels of every backend read arrays of these as plain floats.
-static_assert(
-    sizeof(vec3) == 3 * sizeof(float) && alignof(vec3) == alignof(float),
-    "glm::vec3 is padded, expected 3 floats: drop GLM_FORCE_DEFAULT_ALIGNED_GENTYPES or GLM_FORCE_ALIGNED");
+using Vector3 = glm::vec<3, Real, glm::packed_highp>;
 
 /// Hamilton quaternion, scalar part first. It is not a vec4, so that its order is never in doubt.
 struct Quaternion {

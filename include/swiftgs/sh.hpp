@@ -28,7 +28,7 @@ inline constexpr double c36 = -0.5900435899266435;
 /// Values of bands 1 to `degree` in the unit direction `d`, from the camera towards the Gaussian.
 /// Writes sh_rest_count(degree) values.
 template <class T>
-SWIFTGS_HD void sh_basis(int degree, glm::vec<3, T> d, T* basis) {
+SWIFTGS_HD void sh_basis(int degree, Vector3<T> d, T* basis) {
   if (degree < 1) return;
   const T x = d.x, y = d.y, z = d.z;
   basis[0] = -T(sh::c1) * y, basis[1] = T(sh::c1) * z, basis[2] = -T(sh::c1) * x;

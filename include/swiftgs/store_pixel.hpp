@@ -70,8 +70,8 @@ SWIFTGS_HD inline void store_colour(const FrameView& frame, std::size_t x, std::
   }
   std::uint8_t* p = static_cast<std::uint8_t*>(row) + 4 * x;
   const int red = red_of(frame.format);
-  p[red] = to_unorm8(colour.r), p[1] = to_unorm8(colour.g);
-  p[2 - red] = to_unorm8(colour.b), p[3] = to_unorm8(colour.a);
+  p[red] = to_unorm8(colour.x), p[1] = to_unorm8(colour.y);
+  p[2 - red] = to_unorm8(colour.z), p[3] = to_unorm8(colour.w);
 }
 /// A channel multiplied by `alpha`, whose straight colour goes through a curve.
 SWIFTGS_HD inline float convert_channel(float channel, float alpha, bool encode) {
@@ -90,7 +90,7 @@ SWIFTGS_HD inline vec4 convert(const FrameView& frame, vec4 colour, float alpha,
 /// What the splats of a frame over an image are laid on, in the scene's values.
 SWIFTGS_HD inline vec4 load_below(const FrameView& frame, std::size_t x, std::size_t y) {
   const vec4 colour = load_colour(frame, x, y);
-  return frame.conversion == Conversion::as_is ? colour : convert(frame, colour, colour.a, true);
+  return frame.conversion == Conversion::as_is ? colour : convert(frame, colour, colour.w, true);
 }
 
 /// Whether colours of `frame` are not multiplied by its alpha.
@@ -103,7 +103,7 @@ SWIFTGS_HD inline vec4 lay_and_convert(const FrameView& frame, std::size_t x, st
                                        float transmittance, vec3 background) {
   const vec4 below = frame.over ? load_below(frame, x, y) : vec4(background, 0);
   const vec4 laid = splats + transmittance * below;
-  return convert(frame, laid, is_whole_picture(frame, background) ? 1.0f : laid.a, false);
+  return convert(frame, laid, is_whole_picture(frame, background) ? 1.0f : laid.w, false);
 }
 }  // namespace detail
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// expected: expected 3 floats: drop GLM_FORCE_DEFAULT_ALIGNED_GENTYPES
+// expected: GLM_FORCE_SWIZZLE and GLM_FORCE_INTRINSICS change how functions take a vec3
 #define GLM_FORCE_INTRINSICS
 #ifndef SWIFTGS_EXPECT_COMPILE
-#define GLM_FORCE_DEFAULT_ALIGNED_GENTYPES
+#define GLM_FORCE_SWIZZLE
 #endif
 #include <swiftgs/swiftgs.hpp>
