@@ -19,6 +19,8 @@ inline dvec3 cross(dvec3 a, dvec3 b) {
 
 /// Camera, OpenCV axes (x right, y down, z forward): p_camera = rotation p_world + translation. A
 /// rotation of determinant -1 is a mirror: it shows the image of the mirrored world.
+/// World axes are the scene's own, right-handed; scenes of captures and readers' results have y down, so that
+/// up is about -y. `camera_from` of <swiftgs/camera_matrices.hpp> takes matrices of other renderers.
 /// Pixel (column i, row j) is sampled at (i + 0.5, j + 0.5); the principal point may lie anywhere.
 struct Camera {
   dmat3 rotation{1.0};        ///< world to camera; GLM stores it by columns: rotation[column][row]
@@ -44,6 +46,9 @@ struct Camera {
 /// Valid focal lengths, and the largest distance of the principal point from the image's corner. Numbers
 /// beyond these would leave the range of float. @units{pixels}
 inline constexpr double min_focal_length = 1e-6, max_focal_length = 1e12, max_principal_point = 1e9;
+
+/// How far the products of a rotation's rows may be from 1 and 0.
+inline constexpr double max_rotation_error = 1e-3;
 
 /// Largest image side @units{pixels}.
 inline constexpr int max_image_side = 1 << 16;
@@ -82,7 +87,7 @@ inline void validate(const Camera& camera) {
     for (int j = 0; j < 3; ++j) {
       double dot = 0;
       for (int k = 0; k < 3; ++k) dot += camera.rotation[i][k] * camera.rotation[j][k];
-      require(std::abs(dot - (i == j ? 1.0 : 0.0)) < 1e-3, "a rotation with orthonormal rows");
+      require(std::abs(dot - (i == j ? 1.0 : 0.0)) < max_rotation_error, "a rotation with orthonormal rows");
     }
   }
 }
