@@ -9,8 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include <swiftgs/camera.hpp>
-
-#include "read/default_view.hpp"
+#include <swiftgs/scene_bounds.hpp>
 
 namespace swiftgs::cli {
 namespace {
@@ -83,7 +82,7 @@ Conventions::DepthAt depth_at_of(const LensOptions& options) {
 void use_lens(std::vector<View>& views, const LensOptions& options, const Scene& scene) {
   if (!options.panorama && options.lens.empty()) return;
   const LensModel model = options.panorama ? LensModel::equirectangular : lens_model_named(options.lens);
-  const dvec3 middle = model == LensModel::orthographic ? middle_of(scene) : dvec3(0.0);
+  const dvec3 middle = model == LensModel::orthographic ? robust_bounds(scene).centre : dvec3(0.0);
   for (View& view : views) {
     Camera& camera = view.camera;
     if (options.panorama) camera.height = std::max(1, camera.width / 2);

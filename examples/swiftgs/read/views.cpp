@@ -10,6 +10,7 @@
 #include <type_traits>
 
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/default_view.hpp>
 #include <swiftgs/edit/transform.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/io/cameras.hpp>
@@ -18,7 +19,6 @@
 #include "draw/team.hpp"
 #include "notes.hpp"
 #include "number_text.hpp"
-#include "read/default_view.hpp"
 #include "read/scene_input.hpp"
 #include "suggestion.hpp"
 
@@ -111,6 +111,13 @@ std::vector<View> views_numbered(const Cameras& cameras, const std::vector<std::
   return views;
 }
 
+/// The view of a scene that comes without cameras.
+Camera found_camera(const Scene& scene) {
+  Camera camera = default_view(scene).camera;
+  camera.name = "view";
+  return camera;
+}
+
 }  // namespace
 
 Cameras read_cameras_of(const SceneOptions& scene, const std::string& cameras,
@@ -126,7 +133,7 @@ Cameras read_cameras_of(const SceneOptions& scene, const std::string& cameras,
     result.all = builtin_cameras();
     result.all.insert(result.all.begin(), builtin_camera());
   } else {
-    result.all = {default_view(Scene())}, result.to_find = true;
+    result.all = {found_camera(Scene())}, result.to_find = true;
   }
   Team::here().require_same("the checksum of the cameras", std::to_string(checksum_of(result.all)));
   return result;
@@ -183,7 +190,7 @@ void place_views(std::vector<View>& views, const Scene& scene, const std::option
   for (View& view : views) {
     const bool found = view.to_find_at > 0, in_scene = found && !of_file;
     if (found)
-      view.camera = scaled(of_file ? *of_file : default_view(scene), view.to_find_at), view.to_find_at = 0;
+      view.camera = scaled(of_file ? *of_file : found_camera(scene), view.to_find_at), view.to_find_at = 0;
     if (moved && !in_scene) view.camera = transformed(view.camera, {.translation = -scene.origin});
     if (found || moved) validate(view.camera);
   }
