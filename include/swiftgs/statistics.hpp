@@ -12,10 +12,14 @@ struct Statistics {
   std::size_t gaussians = 0;      ///< in the scene
   std::size_t visible = 0;        ///< projected to splats; harmonics are evaluated for these
   std::size_t intersections = 0;  ///< pairs of splat and tile, of the tiles that the frame had
-  /// Those whose means lie at or behind an occluder in all pixels of their tile; zero unless requested. A
-  /// depth buffer that is taken for depths hides nearly all: see `FrameView::stored_depth`.
+  /// Those whose means lie at or behind an occluder in all pixels of their tile; zero unless requested.
   std::size_t intersections_hidden = 0;
   RasterCounts raster{};  ///< summed over raster blocks; zero unless requested
+
+  /// Whether occluders hide 99 % of the intersections or more. Mostly `FrameView::stored_depth` is missing.
+  bool nearly_all_hidden() const {
+    return intersections > 0 && 100 * (intersections - intersections_hidden) <= intersections;
+  }
 
   double intersections_a_visible() const { return visible ? double(intersections) / double(visible) : 0.0; }
   /// Time of the raster stage if its work were shared out evenly. @units{milliseconds}

@@ -129,11 +129,16 @@ SWIFTGS_CONTRACT("hidden: a depth buffer taken for depths hides all and its stor
   const Statistics raw = counted(renderer, scene.view(), {{buffer}});
   CHECK(raw.intersections > 1000);
   CHECK(raw.intersections_hidden == raw.intersections);
+  CHECK(raw.nearly_all_hidden());
+  CHECK_FALSE(Statistics().nearly_all_hidden());
+  CHECK_FALSE(Statistics{.intersections = 1000, .intersections_hidden = 989}.nearly_all_hidden());
+  CHECK(Statistics{.intersections = 1000, .intersections_hidden = 990}.nearly_all_hidden());
   CHECK(raw.raster.contributing_pairs == 0);
   const Statistics meant = counted(renderer, scene.view(), {{buffer, stored}});
   CHECK(meant.intersections == raw.intersections);
   CHECK(meant.intersections_hidden > 0);
   CHECK(meant.intersections_hidden < raw.intersections / 2);
+  CHECK_FALSE(meant.nearly_all_hidden());
 }
 
 SWIFTGS_CONTRACT("hidden: nothing is behind infinity or a depth that is not a number") {
