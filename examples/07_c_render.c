@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 
 /* The C interface: renders a scene and writes frame.png. `07_c_render SCENE CAMERAS` draws a file from the
-   first of its cameras, `07_c_render SCENE` from outside of what it holds, and without a word the built-in
+   first of its cameras, `07_c_render SCENE` from where most of it is seen, and without a word the built-in
    scene. */
-#include <math.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -47,21 +46,6 @@ static swiftgs_camera first_camera(const char* path, const swiftgs_scene_info* i
   return camera;
 }
 
-/* From outside of the scene's bounds to their middle. In the world of a capture y points down. */
-static swiftgs_camera camera_outside(const swiftgs_scene_info* info) {
-  swiftgs_look_at look = {
-      .size = sizeof(look), .width = 640, .height = 360, .up = {0, -1, 0}, .vertical_fov = 0.8};
-  double radius = 1e-3;
-  for (int axis = 0; axis < 3; ++axis) {
-    look.eye[axis] = look.target[axis] = 0.5 * ((double)info->lower[axis] + info->upper[axis]);
-    radius = fmax(radius, 0.5 * ((double)info->upper[axis] - info->lower[axis]));
-  }
-  look.eye[2] -= 3 * radius;
-  swiftgs_camera camera = {.size = sizeof(camera)};
-  check(swiftgs_camera_look_at(&look, &camera), "a camera");
-  return camera;
-}
-
 /* The table lists the backends from the simplest to the quickest: take the last that runs here. */
 static swiftgs_renderer* make_renderer(void) {
   static const char wanted[] = "/early/axis-shared-threshold-float-cholesky/ellipse";
@@ -87,7 +71,7 @@ int main(int argc, char** argv) {
   if (argc > 2)
     camera = first_camera(argv[2], &info);
   else if (argc > 1)
-    camera = camera_outside(&info);
+    check(swiftgs_scene_default_view(scene, 640, 360, &camera, NULL), "finding a view");
   else
     check(swiftgs_camera_builtin(640, 360, &camera), "the camera");
 

@@ -22,14 +22,6 @@ def middle_of(cameras):
     return np.linalg.solve(across.sum(axis=0), (across @ eyes[:, :, None]).sum(axis=0))[:, 0]
 
 
-def circle(middle, start, up, angles):
-    """Points around `middle` at the distance and the height of `start`, where the angle is 0."""
-    height = up * ((start - middle) @ up)
-    out = start - middle - height
-    right = np.cross(up, out)
-    return [middle + height + np.cos(angle) * out + np.sin(angle) * right for angle in angles]
-
-
 def swing(middle, start, up, cameras, frames):
     """Angles of a full turn, or to and fro where the cameras leave more than a sixth of it out."""
     out = start - middle - up * ((start - middle) @ up)
@@ -56,13 +48,12 @@ def path_around(scene, cameras, up, frames, width, height):
         start = middle + outs[0] * np.median(np.linalg.norm(outs, axis=1)) / np.linalg.norm(outs[0])
         if len(cameras) > 1:
             turn = swing(middle, start, up, cameras, frames)
+        view = swiftgs.OrbitView(swiftgs.Camera.look_at(start, middle, up=up, width=width, height=height,
+                                                        vertical_fov=fov), middle, up)
     else:
-        middle, up, fov = np.median(scene.means, axis=0), np.asarray(up) / np.linalg.norm(up), 0.8
-        aside = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
-        radius = np.percentile(np.linalg.norm(scene.means - middle, axis=1), 70)
-        start = middle + radius * (0.5 * up + 2.2 * aside / np.linalg.norm(aside))
-    return [swiftgs.Camera.look_at(eye, middle, up=up, width=width, height=height, vertical_fov=fov)
-            for eye in circle(middle, start, up, turn)]
+        view = scene.default_view(width, height, up=up)
+        view = view._replace(camera=view.orbit(0, distance=2))  # stands back, to go around what is there
+    return [view.orbit(angle) for angle in turn]
 
 
 def main():

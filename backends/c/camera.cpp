@@ -10,7 +10,9 @@
 #include <vector>
 
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/camera_matrices.hpp>
 #include <swiftgs/io/cameras.hpp>
+#include <swiftgs/orbit.hpp>
 
 #include "error.hpp"
 #include "structs.hpp"
@@ -29,7 +31,9 @@ static_assert(int(LensModel::perspective) == SWIFTGS_LENS_PERSPECTIVE &&
               int(LensModel::orthographic) == SWIFTGS_LENS_ORTHOGRAPHIC &&
               int(LensModel::equirectangular) == SWIFTGS_LENS_EQUIRECTANGULAR);
 
-dvec3 to_vector(const double (&v)[3]) { return dvec3(v[0], v[1], v[2]); }
+static_assert(int(ClipSpace::opengl) == SWIFTGS_CLIP_OPENGL &&
+              int(ClipSpace::vulkan) == SWIFTGS_CLIP_VULKAN &&
+              int(ClipSpace::direct3d) == SWIFTGS_CLIP_DIRECT3D);
 
 const CameraFile& file_of(const swiftgs_cameras* cameras) {
   require_pointer(cameras, "cameras");
@@ -48,7 +52,11 @@ const Camera& camera_at(const swiftgs_cameras* cameras, std::size_t index) {
   return at(file_of(cameras).cameras, index, "cameras");
 }
 
+swiftgs_stored_depth to_struct(const StoredDepth& from) { return {from.p, from.q, from.r, from.s}; }
+
 }  // namespace
+
+dvec3 to_vector(const double (&v)[3]) { return dvec3(v[0], v[1], v[2]); }
 
 Camera to_camera(const swiftgs_camera* given) {
   const swiftgs_camera from = read_struct(given, a_camera);
@@ -163,6 +171,54 @@ swiftgs_status swiftgs_camera_scale(swiftgs_camera* camera, double scale) {
     const swiftgs::Camera made = swiftgs::scaled(given, scale);
     validate(made);
     write_camera(camera, made);
+  });
+}
+
+swiftgs_stored_depth swiftgs_stored_perspective(double at_0, double at_1) {
+  return to_struct(swiftgs::StoredDepth::perspective(at_0, at_1));
+}
+
+swiftgs_stored_depth swiftgs_stored_orthographic(double at_0, double at_1) {
+  return to_struct(swiftgs::StoredDepth::orthographic(at_0, at_1));
+}
+
+swiftgs_status swiftgs_camera_from_matrices(const swiftgs_matrices* from, swiftgs_camera* camera,
+                                            swiftgs_stored_depth* stored_depth) {
+  return guarded([&] {
+    const swiftgs_matrices given = read_struct(from, "swiftgs_matrices");
+    require_choice(given.clip_space, 3, "swiftgs_matrices: clip_space");
+    const swiftgs::HostCamera host = swiftgs::camera_from(given.view, given.projection, given.width,
+                                                          given.height, swiftgs::ClipSpace(given.clip_space));
+    write_camera(camera, host.camera);
+    if (stored_depth) *stored_depth = to_struct(host.stored_depth);
+  });
+}
+
+swiftgs_status swiftgs_camera_to_matrices(const swiftgs_camera* camera, int32_t clip_space, double at_0,
+                                          double at_1, swiftgs_matrices* matrices) {
+  return guarded([&] {
+    require_choice(clip_space, 3, "clip_space");
+    const swiftgs::Camera given = to_camera(camera);
+    const swiftgs::CameraMatrices made = swiftgs::matrices(given, at_0, at_1, swiftgs::ClipSpace(clip_space));
+    swiftgs_matrices to{};
+    to.clip_space = clip_space, to.width = given.width, to.height = given.height;
+    std::copy_n(&made.view[0][0], 16, to.view);
+    std::copy_n(&made.projection[0][0], 16, to.projection);
+    write_struct(matrices, to, "swiftgs_matrices");
+  });
+}
+
+swiftgs_status swiftgs_camera_orbit(swiftgs_camera* camera, const swiftgs_orbit* by) {
+  return guarded([&] {
+    const swiftgs_orbit orbit = read_struct(by, "swiftgs_orbit");
+    require_zero(orbit.reserved, "swiftgs_orbit");
+    swiftgs::OrbitView view{to_camera(camera), to_vector(orbit.target)};
+    validate(view.camera);
+    if (const swiftgs::dvec3 up = to_vector(orbit.up); up != swiftgs::dvec3(0.0)) view.up = up;
+    const swiftgs::Camera moved =
+        swiftgs::orbit(view, orbit.turn, orbit.rise, orbit.distance != 0 ? orbit.distance : 1);
+    validate(moved);
+    write_camera(camera, moved);
   });
 }
 

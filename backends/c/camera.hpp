@@ -6,6 +6,8 @@
 
 namespace swiftgs::c {
 
+dvec3 to_vector(const double (&v)[3]);
+
 /// Throws as `read_struct`. The camera itself is not validated.
 Camera to_camera(const swiftgs_camera* given);
 

@@ -13,7 +13,9 @@
 #include <vector>
 
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/default_view.hpp>
 #include <swiftgs/io/scene_file.hpp>
+#include <swiftgs/scene_bounds.hpp>
 
 #include "camera.hpp"
 #include "error.hpp"
@@ -92,6 +94,10 @@ swiftgs_scene_info info_of(const swiftgs_scene& from) {
     found = true;
   }
   return info;
+}
+
+void copy_vector(double (&to)[3], const dvec3& from) {
+  for (int axis = 0; axis < 3; ++axis) to[axis] = from[axis];
 }
 
 /// `size`: of the caller's struct. One that has no place for features is told of none.
@@ -186,6 +192,32 @@ swiftgs_status swiftgs_scene_get_camera(const swiftgs_scene* scene, swiftgs_came
       write_camera(camera, *scene->camera);
     else
       write_struct(camera, swiftgs_camera{}, "swiftgs_camera");
+  });
+}
+
+swiftgs_status swiftgs_scene_robust_bounds(const swiftgs_scene* scene, swiftgs_scene_bounds* bounds) {
+  return guarded([&] {
+    require_pointer(scene, "scene");
+    check_struct(bounds, "swiftgs_scene_bounds");
+    const swiftgs::SceneBounds found = swiftgs::robust_bounds(*scene->scene);
+    swiftgs_scene_bounds to{};
+    copy_vector(to.low, found.low), copy_vector(to.high, found.high), copy_vector(to.centre, found.centre);
+    to.radius = found.radius;
+    write_struct(bounds, to, "swiftgs_scene_bounds");
+  });
+}
+
+swiftgs_status swiftgs_scene_default_view(const swiftgs_scene* scene, int32_t width, int32_t height,
+                                          swiftgs_camera* camera, swiftgs_orbit* orbit) {
+  return guarded([&] {
+    require_pointer(scene, "scene");
+    swiftgs_orbit given = read_options(orbit, "swiftgs_orbit");
+    require_zero(given.reserved, "swiftgs_orbit");
+    const swiftgs::OrbitView found = swiftgs::default_view(*scene->scene, width, height, to_vector(given.up));
+    validate(found.camera);
+    write_camera(camera, found.camera);
+    copy_vector(given.target, found.target), copy_vector(given.up, found.up);
+    if (orbit) write_struct(orbit, given, "swiftgs_orbit");
   });
 }
 

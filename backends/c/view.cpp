@@ -104,17 +104,6 @@ void read_views(const swiftgs_frame& frame, std::vector<View>& views) {
 
 using namespace swiftgs::c;
 
-namespace {
-swiftgs_stored_depth to_struct(const swiftgs::StoredDepth& from) { return {from.p, from.q, from.r, from.s}; }
-}  // namespace
-
-extern "C" swiftgs_stored_depth swiftgs_stored_perspective(double at_0, double at_1) {
-  return to_struct(swiftgs::StoredDepth::perspective(at_0, at_1));
-}
-extern "C" swiftgs_stored_depth swiftgs_stored_orthographic(double at_0, double at_1) {
-  return to_struct(swiftgs::StoredDepth::orthographic(at_0, at_1));
-}
-
 extern "C" swiftgs_status swiftgs_conventions_named(const char* name, swiftgs_conventions* conventions) {
   return guarded([&] {
     require_pointer(name, "name");

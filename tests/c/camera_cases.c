@@ -145,6 +145,43 @@ void test_camera_errors(void) {
   CHECK_NULLS(swiftgs_camera_look_at, &look, "swiftgs_look_at", &camera, "swiftgs_camera");
 }
 
+void test_matrices(void) {
+  /* OpenGL, symmetric, from (0, 0, 4) to the origin with y up: near 1, far 3, and 90 degrees of a square. */
+  swiftgs_matrices from = {
+      .size = sizeof(from), .clip_space = SWIFTGS_CLIP_OPENGL, .width = 200, .height = 200};
+  from.view[0] = from.view[5] = from.view[10] = from.view[15] = 1, from.view[14] = -4;
+  from.projection[0] = from.projection[5] = 1, from.projection[10] = -2, from.projection[11] = -1;
+  from.projection[14] = -3;
+  swiftgs_camera camera = {.size = sizeof(camera)};
+  swiftgs_stored_depth depth = {0, 0, 0, 0};
+  CHECK_OK(swiftgs_camera_from_matrices(&from, &camera, &depth));
+  CHECK(camera.width == 200 && camera.height == 200 && camera.fx == 100 && camera.fy == 100);
+  CHECK(camera.cx == 100 && camera.cy == 100 && camera.translation[2] == 4);
+  CHECK(camera.rotation[0] == 1 && camera.rotation[4] == -1 && camera.rotation[8] == -1);
+  const swiftgs_stored_depth wanted = swiftgs_stored_perspective(1, 3);
+  CHECK(depth.p == 0 && depth.q == 1 && fabs(depth.r - wanted.r) < 1e-12 && fabs(depth.s - wanted.s) < 1e-12);
+  CHECK_OK(swiftgs_camera_from_matrices(&from, &camera, NULL));
+
+  swiftgs_matrices back = {.size = sizeof(back)};
+  CHECK_OK(swiftgs_camera_to_matrices(&camera, SWIFTGS_CLIP_OPENGL, 1, 3, &back));
+  CHECK(back.size == sizeof(back) && back.clip_space == SWIFTGS_CLIP_OPENGL && back.width == 200);
+  for (int i = 0; i < 16; ++i)
+    CHECK(back.view[i] == from.view[i] && fabs(back.projection[i] - from.projection[i]) < 1e-12);
+  CHECK_OK(swiftgs_camera_to_matrices(&camera, SWIFTGS_CLIP_DIRECT3D, INFINITY, 1, &back));
+  CHECK(back.clip_space == SWIFTGS_CLIP_DIRECT3D && back.projection[10] == 0 && back.projection[14] == 1);
+
+  CHECK_INVALID(swiftgs_camera_from_matrices(NULL, &camera, NULL), "swiftgs_matrices is NULL");
+  CHECK_INVALID(swiftgs_camera_from_matrices(&from, NULL, NULL), "swiftgs_camera is NULL");
+  CHECK_INVALID(swiftgs_camera_to_matrices(NULL, 0, 1, 3, &back), "swiftgs_camera is NULL");
+  CHECK_INVALID(swiftgs_camera_to_matrices(&camera, 0, 1, 3, NULL), "swiftgs_matrices is NULL");
+  CHECK_INVALID(swiftgs_camera_to_matrices(&camera, 3, 1, 3, &back), "clip_space is 3, expected 0 to 2");
+  CHECK_INVALID(swiftgs_camera_to_matrices(&camera, 0, 1, 1, &back), "expected two numbers above 0");
+  from.clip_space = -1;
+  CHECK_INVALID(swiftgs_camera_from_matrices(&from, &camera, NULL), "swiftgs_matrices: clip_space is -1");
+  from.clip_space = 0, from.view[0] = 2;
+  CHECK_INVALID(swiftgs_camera_from_matrices(&from, &camera, NULL), "view: row 0 is (2, 0, 0) of length 2");
+}
+
 void test_images(void) {
   /* Two rows of two pixels, in memory from the bottom up. */
   float pixels[2][8] = {{7, 8, 9, 10, 11, 12, -1, -1}, {1, 2, 3, 4, 5, 6, -1, -1}};

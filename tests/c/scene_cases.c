@@ -116,6 +116,59 @@ void test_scene_camera(void) {
   swiftgs_scene_free(scene), swiftgs_scene_free(made);
 }
 
+void test_orbit(void) {
+  /* Two Gaussians at each of two places, and one far away. */
+  static const float means[] = {1, 2, 3, 1, 2, 3, 3, 4, 3, 3, 4, 3, 1000, 0, 0};
+  static const float ones[] = {1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0};
+  static const float scales[15] = {0}, opacities[] = {1, 1, 1, 1, 0};
+  swiftgs_gaussians arrays = {.size = sizeof(arrays), .count = 5};
+  arrays.means.data = means, arrays.scales.data = scales, arrays.rotations.data = ones;
+  arrays.opacities.data = opacities, arrays.sh0.data = scales;
+  swiftgs_scene* scene = NULL;
+  CHECK_OK(swiftgs_scene_from_arrays(&arrays, &scene));
+  swiftgs_scene_bounds bounds = {.size = sizeof(bounds)};
+  CHECK_OK(swiftgs_scene_robust_bounds(scene, &bounds));
+  CHECK(bounds.low[0] == 1 && bounds.low[1] == 2 && bounds.low[2] == 3);
+  CHECK(bounds.high[0] == 3 && bounds.high[1] == 4 && bounds.high[2] == 3);
+  CHECK(bounds.centre[0] == 1 && bounds.centre[2] == 3 && bounds.radius > 0 && bounds.radius < 3);
+
+  swiftgs_camera camera = {.size = sizeof(camera)};
+  swiftgs_orbit orbit = {.size = sizeof(orbit), .up = {0, 0, 7}};
+  CHECK_OK(swiftgs_scene_default_view(scene, 80, 60, &camera, &orbit));
+  CHECK(camera.width == 80 && camera.height == 60 && orbit.size == sizeof(orbit));
+  CHECK(orbit.up[0] == 0 && orbit.up[1] == 0 && fabs(orbit.up[2] - 1) < 1e-12);
+  for (int axis = 0; axis < 3; ++axis) CHECK(orbit.target[axis] == bounds.centre[axis]);
+  double seen[3]; /* the target, which a movement keeps where it is but for its distance */
+  for (int row = 0; row < 3; ++row) {
+    seen[row] = camera.translation[row];
+    for (int axis = 0; axis < 3; ++axis) seen[row] += camera.rotation[3 * row + axis] * orbit.target[axis];
+  }
+  swiftgs_camera moved = camera;
+  CHECK_OK(swiftgs_camera_orbit(&moved, &orbit)); /* zeros move nothing */
+  for (int row = 0; row < 3; ++row) CHECK(fabs(moved.translation[row] - camera.translation[row]) < 1e-9);
+  orbit.turn = 1, orbit.rise = 0.2, orbit.distance = 2;
+  CHECK_OK(swiftgs_camera_orbit(&moved, &orbit));
+  CHECK(fabs(moved.rotation[0] - camera.rotation[0]) > 0.01);
+  for (int row = 0; row < 3; ++row) {
+    double now = moved.translation[row];
+    for (int axis = 0; axis < 3; ++axis) now += moved.rotation[3 * row + axis] * orbit.target[axis];
+    CHECK(fabs(now - 2 * seen[row]) < 1e-9);
+  }
+  CHECK_OK(swiftgs_scene_default_view(scene, 80, 60, &camera, NULL));
+
+  CHECK_NULLS(swiftgs_scene_robust_bounds, scene, "scene", &bounds, "swiftgs_scene_bounds");
+  CHECK_NULLS(swiftgs_camera_orbit, &camera, "swiftgs_camera", &orbit, "swiftgs_orbit");
+  CHECK_INVALID(swiftgs_scene_default_view(NULL, 80, 60, &camera, &orbit), "scene is NULL");
+  CHECK_INVALID(swiftgs_scene_default_view(scene, 80, 60, NULL, &orbit), "swiftgs_camera is NULL");
+  CHECK_INVALID(swiftgs_scene_default_view(scene, 0, 60, &camera, &orbit), "width and a height above 0");
+  orbit.distance = -1;
+  CHECK_INVALID(swiftgs_camera_orbit(&camera, &orbit), "a finite distance above 0");
+  orbit.reserved = 1;
+  CHECK_INVALID(swiftgs_camera_orbit(&camera, &orbit), "reserved is 1");
+  CHECK_INVALID(swiftgs_scene_default_view(scene, 80, 60, &camera, &orbit), "reserved is 1");
+  swiftgs_scene_free(scene);
+}
+
 struct heard {
   int calls, notes;
   double last;

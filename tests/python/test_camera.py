@@ -53,7 +53,46 @@ def test_a_camera_looks_where_it_is_told():
     assert (half.width, half.height) == (50, 25) and half.fx == pytest.approx(camera.fx / 2)
 
 
+def opengl(near=1.0, far=3.0):
+    """View and projection from (0, 0, 4) to the origin, y up, 90 degrees, the principal point a quarter aside."""
+    view = np.eye(4)
+    view[2, 3] = -4
+    projection = np.array([[1, 0, 0.5, 0], [0, 1, 0, 0], [0, 0, -(far + near) / (far - near),
+                                                          -2 * far * near / (far - near)], [0, 0, -1, 0]])
+    return view, projection
+
+
+def test_a_camera_comes_from_matrices_and_gives_them():
+    camera, stored = swiftgs.Camera.from_projection(*opengl(), 200, 100, "opengl", name="a")
+    assert (camera.fx, camera.fy, camera.cx, camera.cy, camera.name) == (100, 50, 50, 50, "a")
+    assert np.allclose(camera.position, [0, 0, 4]) and np.allclose(camera.rotation, np.diag([1, -1, -1]))
+    assert isinstance(stored, swiftgs.StoredDepth) and np.allclose(stored, swiftgs.StoredDepth.perspective(1, 3))
+    for found, wanted in zip(camera.matrices(1, 3, "opengl"), opengl()):
+        assert np.allclose(found, wanted)
+    for clip_space in ("opengl", "vulkan", "direct3d"):
+        for depths in ((0.1, np.inf), (1e4, 0.1)):
+            back, stored = swiftgs.Camera.from_projection(*camera.matrices(*depths, clip_space), 200, 100, clip_space)
+            assert np.allclose(back.viewmat, camera.viewmat) and np.allclose(back.K, camera.K)
+            assert np.allclose(stored, swiftgs.StoredDepth.perspective(*depths), rtol=1e-9)
+
+
+def test_a_camera_moves_around_a_point():
+    camera = swiftgs.Camera.look_at((0, 0, -4), (0, 0, 0), width=100, height=50, vertical_fov=1)
+    view = swiftgs.OrbitView(camera, (0, 0, 0))
+    assert np.allclose(view.orbit(np.pi / 2).position, [4, 0, 0])
+    assert np.allclose(view.orbit(0, np.pi / 4, 0.5).position, [0, -2**0.5, -2**0.5])
+    assert np.allclose(swiftgs.OrbitView(camera, [0, 0, 1], [0, 3, 0]).orbit(np.pi / 2).position, [-5, 0, 1])
+
+
 @pytest.mark.parametrize("make, text", [
+    (lambda: swiftgs.Camera.from_projection(np.eye(3), np.eye(4), 4, 4, "opengl"), "view has shape (3, 3)"),
+    (lambda: swiftgs.Camera.from_projection(*opengl(), 4, 4, "metal"),
+     "clip_space is 'metal', expected one of opengl, vulkan, direct3d"),
+    (lambda: swiftgs.Camera.from_projection(opengl()[0].T, opengl()[1], 4, 4, "opengl"),
+     "view: row 3 is (0, 0, -4, 1), expected (0, 0, 0, 1)"),
+    (lambda: swiftgs.Camera(4, 4, 1).matrices(1, 1, "vulkan"), "expected two numbers above 0 that differ"),
+    (lambda: swiftgs.OrbitView(swiftgs.Camera(4, 4, 1), (0, 0, 1), (0, 0, 0)).orbit(1), "up is (0.0, 0.0, 0.0)"),
+    (lambda: swiftgs.OrbitView(swiftgs.Camera(4, 4, 1), (0, 0, 1)).orbit(np.nan), "finite angles"),
     (lambda: swiftgs.Camera(0, 4, 1), "expected a width and a height above 0"),
     (lambda: swiftgs.Camera(4, 1 << 17, 1), "65536 pixels"),
     (lambda: swiftgs.Camera(4, 4, np.nan), "focal length"),

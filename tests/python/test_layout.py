@@ -56,7 +56,7 @@ def test_numbers_are_those_of_the_record():
     for index, name in enumerate(_c.SPZ_AXES):
         assert int(values[f"SPZ_{name.upper()}"]) == index
     for kind, names in (("CLAMP", _c.CLAMPS), ("FOOTPRINT", _c.FOOTPRINTS), ("DEPTH", _c.DEPTHS),
-                        ("LENS", _c.LENSES), ("HARMONICS", _c.HARMONICS)):
+                        ("LENS", _c.LENSES), ("CLIP", _c.CLIP_SPACES), ("HARMONICS", _c.HARMONICS)):
         for index, name in enumerate(names):
             assert int(values[f"{kind}_{name.upper().replace('-', '_')}"]) == index
     assert f"abi {_c.ABI_MAJOR}.{_c.ABI_MINOR}" in RECORD

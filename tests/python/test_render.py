@@ -202,8 +202,9 @@ def test_over_and_occluder_and_first_pixel(renderer, camera, expected):
     assert not hidden.alpha.any()
     renderer.render(camera, occluder=np.full((HEIGHT, WIDTH), 1e-3, np.float32), counts=True)
     assert renderer.statistics.intersections_hidden == renderer.statistics.intersections > 0
+    assert renderer.statistics.nearly_all_hidden
     renderer.render(camera, occluder=np.full((HEIGHT, WIDTH), np.inf, np.float32), counts=True)
-    assert renderer.statistics.intersections_hidden == 0
+    assert renderer.statistics.intersections_hidden == 0 and not renderer.statistics.nearly_all_hidden
     window_depth = np.full((HEIGHT, WIDTH), 1 - 1e-3 / 2, np.float32)  # of what stands at the depth 2
     stored = swiftgs.StoredDepth.perspective(1e-3, np.inf)
     depths = np.full((HEIGHT, WIDTH), 1 / (stored.r * np.float64(window_depth[0, 0]) + stored.s), np.float32)

@@ -32,6 +32,17 @@ def test_a_scene_tells_what_it_holds(scene):
     assert repr(scene) == "<swiftgs.Scene of 2,000 Gaussians, SH degree 3>"
 
 
+def test_a_scene_tells_where_it_lies_and_where_to_start(scene):
+    bounds, view = scene.robust_bounds(), scene.default_view(64, 48)
+    assert np.all(bounds.low < bounds.centre) and np.all(bounds.centre < bounds.high) and bounds.radius > 0
+    least, greatest = scene.bounds
+    assert np.all(bounds.high - bounds.low < 1.1 * (greatest - least)) and bounds.radius < 5
+    assert (view.camera.width, view.camera.height) == (64, 48) and np.array_equal(view.target, bounds.centre)
+    assert np.linalg.norm(view.up) == pytest.approx(1) and view.up[1] < -0.9
+    assert np.allclose(scene.default_view(up=(0, 0, -2)).up, (0, 0, -1))
+    assert view.orbit(0.5).width == 64 and view.orbit(0.5) != view.camera
+
+
 def test_arrays_are_the_scenes_memory_and_outlive_it():
     scene = swiftgs.Scene.builtin(5000)
     means = scene.means

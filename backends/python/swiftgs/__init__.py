@@ -9,22 +9,22 @@
 """
 from ._arrays import DeviceArray, LentArray
 from ._c import NOTHING, lib as _lib
-from ._camera import Camera, Cameras, Conventions, load_cameras
+from ._camera import Camera, Cameras, Conventions, OrbitView, StoredDepth, load_cameras
 from ._errors import (Cancelled, CapacityError, DeviceError, Error, FileError, FormatError, InternalError,
                       InvalidArgument, OrderError, OutOfMemory, Unavailable)
-from ._frame import Frame, StoredDepth, load_image
+from ._frame import Frame, load_image
 from ._gsplat import rasterization
 from ._placement import Clip, Placement, RecordedScenes
 from ._renderer import (Memory, Picked, Renderer, RendererEntry, Report, Statistics, Times, find_renderer,
                         list_renderers)
-from ._scene import Scene, load
+from ._scene import Scene, SceneBounds, load
 
 __version__ = _lib.version().decode()
 
 __all__ = [
     "Camera", "Cameras", "Cancelled", "CapacityError", "Clip", "Conventions", "DeviceArray", "DeviceError", "Error",
     "FileError", "FormatError", "Frame", "InternalError", "InvalidArgument", "LentArray", "Memory", "NOTHING",
-    "OrderError", "OutOfMemory", "Picked", "Placement", "RecordedScenes", "Renderer", "RendererEntry", "Report",
-    "Scene", "Statistics", "StoredDepth", "Times", "Unavailable", "find_renderer", "list_renderers", "load",
-    "load_cameras", "load_image", "rasterization"
+    "OrbitView", "OrderError", "OutOfMemory", "Picked", "Placement", "RecordedScenes", "Renderer", "RendererEntry",
+    "Report", "Scene", "SceneBounds", "Statistics", "StoredDepth", "Times", "Unavailable", "find_renderer",
+    "list_renderers", "load", "load_cameras", "load_image", "rasterization"
 ]

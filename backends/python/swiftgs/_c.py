@@ -23,6 +23,7 @@ FOOTPRINTS = ("alpha", "three-sigma-square")
 DEPTHS = ("of-lens", "z", "distance")
 DEPTHS_AT = ("centre", "ray")
 LENSES = ("perspective", "fisheye", "orthographic", "equirectangular")
+CLIP_SPACES = ("opengl", "vulkan", "direct3d")
 HARMONICS = ("float", "smallest", "half")
 NOTHING: int = 0xffffffff  #: in place of the index of a Gaussian: there is none
 MAX_PICK_SIDE = 64
@@ -60,6 +61,16 @@ class Camera(_Sized):
 class LookAt(_Sized):
     _fields_ = [("size", c_uint32), ("width", c_int32), ("height", c_int32), ("reserved", c_uint32),
                 ("eye", c_double * 3), ("target", c_double * 3), ("up", c_double * 3), ("vertical_fov", c_double)]
+
+
+class Matrices(_Sized):
+    _fields_ = [("size", c_uint32), ("clip_space", c_int32), ("width", c_int32), ("height", c_int32),
+                ("view", c_double * 16), ("projection", c_double * 16)]
+
+
+class Orbit(_Sized):
+    _fields_ = [("size", c_uint32), ("reserved", c_uint32), ("target", c_double * 3), ("up", c_double * 3),
+                ("turn", c_double), ("rise", c_double), ("distance", c_double)]
 
 
 class Conventions(_Sized):
@@ -180,6 +191,11 @@ class SceneInfo(_Sized):
                 ("feature_channels", c_int32), ("format", c_char_p), ("origin", c_double * 3)]
 
 
+class SceneBounds(_Sized):
+    _fields_ = [("size", c_uint32), ("reserved", c_uint32), ("low", c_double * 3), ("high", c_double * 3),
+                ("centre", c_double * 3), ("radius", c_double)]
+
+
 def _load():
     """The library that SWIFTGS_LIBRARY names, or else that of this package, or else that of the system."""
     beside = pathlib.Path(__file__).with_name(f"libswiftgs_c.so.{ABI_MAJOR}")
@@ -230,6 +246,9 @@ for _name, _arguments in {
         "cameras_note": (c_void_p, c_size_t, c_void_p),
         "camera_look_at": (c_void_p, c_void_p),
         "camera_scale": (c_void_p, c_double),
+        "camera_from_matrices": (c_void_p, c_void_p, c_void_p),
+        "camera_to_matrices": (c_void_p, c_int32, c_double, c_double, c_void_p),
+        "camera_orbit": (c_void_p, c_void_p),
         "camera_builtin": (c_int32, c_int32, c_void_p),
         "conventions_named": (c_char_p, c_void_p),
         "device_current": (c_void_p,),
@@ -273,6 +292,8 @@ for _name, _arguments in {
         "scene_get_info": (c_void_p, c_void_p),
         "scene_get_arrays": (c_void_p, c_void_p),
         "scene_get_camera": (c_void_p, c_void_p),
+        "scene_robust_bounds": (c_void_p, c_void_p),
+        "scene_default_view": (c_void_p, c_int32, c_int32, c_void_p, c_void_p),
         "scene_write": (c_void_p, c_char_p, c_void_p)}.items():
     lib.add(_name, check, *_arguments)
 for _name in ("cameras_free", "picture_free", "renderer_free", "scene_free", "device_free"):

@@ -4,7 +4,7 @@ import ctypes
 import dataclasses
 import functools
 import os
-from typing import Any, List, Optional, Sequence, Tuple, Union
+from typing import Any, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
@@ -12,8 +12,33 @@ from . import _c
 from ._c import Handle, count_of, lib, text_of
 
 
+class StoredDepth(NamedTuple):
+    """How values of a depth buffer stand for depths: value d for (p d + q) / (r d + s)."""
+    p: float
+    q: float
+    r: float
+    s: float
+
+    @classmethod
+    def perspective(cls, at_0: float, at_1: float) -> "StoredDepth":
+        """That of a perspective projection of OpenGL (its window depth), Vulkan or Direct3D, by the depths at the
+        values 0 and 1: those of the near and the far plane, or with reversed depth of the far and the near one. Either
+        may be infinite."""
+        return cls._of(lib.stored_perspective(at_0, at_1))
+
+    @classmethod
+    def orthographic(cls, at_0: float, at_1: float) -> "StoredDepth":
+        """That of an orthographic projection."""
+        return cls._of(lib.stored_orthographic(at_0, at_1))
+
+    @classmethod
+    def _of(cls, found: Any) -> "StoredDepth":
+        return cls(found.p, found.q, found.r, found.s)
+
+
 class Camera:
-    """A camera with OpenCV's axes: x right, y down, z forward. It never changes.
+    """A camera with OpenCV's axes: x right, y down, z forward. It never changes. World axes are the scene's own,
+    right-handed; in scenes of captures y points down, so that up is about -y.
 
     A point p of the world is at (x, y, z) = `rotation @ p + translation`. The lens shows it at (u, v), distortion moves
     that, and the image has it at (fx u + cx, fy v + cy). Pixel (column i, row j) is sampled at (i + 0.5, j + 0.5).
@@ -74,6 +99,31 @@ class Camera:
                              "(3, 3)")
         return cls(width, height, intrinsics[0, 0], intrinsics[1, 1], intrinsics[0, 2], intrinsics[1, 2],
                    rotation=view[:3, :3], translation=view[:3, 3], name=name, **lens)
+
+    @classmethod
+    def from_projection(cls, view: Any, projection: Any, width: int, height: int, clip_space: str, *,
+                        name: str = "") -> Tuple["Camera", StoredDepth]:
+        """Of the matrices [4, 4] of a renderer that draws a point of the world at `projection @ view @ point`, and what
+        its depth buffer holds, for `Frame`. `clip_space` is "opengl", "vulkan" or "direct3d". Either matrix may be
+        right-handed or left-handed, and the projection off-centre, jittered, flipped, reversed or infinite. A matrix
+        whose points are rows is the transpose of one of these. InvalidArgument names the row of what is no pinhole."""
+        matrices = {"view": np.asarray(view, np.float64), "projection": np.asarray(projection, np.float64)}
+        for what, matrix in matrices.items():
+            if matrix.shape != (4, 4):
+                raise ValueError(f"camera: {what} has shape {matrix.shape}, expected (4, 4)")
+        given = _c.Matrices(clip_space=_clip_space(clip_space), width=width, height=height,
+                            **{what: tuple(matrix.T.ravel()) for what, matrix in matrices.items()})
+        struct, depth = _c.Camera(), _c.StoredDepth()
+        lib.camera_from_matrices(ctypes.byref(given), ctypes.byref(struct), ctypes.byref(depth))
+        return cls.__new__(cls)._take(struct, name), StoredDepth._of(depth)
+
+    def matrices(self, at_0: float, at_1: float, clip_space: str) -> Tuple[np.ndarray, np.ndarray]:
+        """View and projection [4, 4] of a renderer that draws as this pinhole sees. The view looks along -z with y up,
+        or along z if the rotation's determinant is -1. The depth buffer holds 0 and 1 at the depths `at_0` and `at_1`:
+        near and far, or far and near for reversed depth; the far one may be infinite."""
+        made = _c.Matrices()
+        lib.camera_to_matrices(ctypes.byref(self._struct), _clip_space(clip_space), at_0, at_1, ctypes.byref(made))
+        return tuple(np.array(matrix).reshape(4, 4).T for matrix in (made.view, made.projection))
 
     @classmethod
     def look_at(cls, eye: Any, target: Any, *, width: int, height: int, vertical_fov: float, up: Any = (0, -1, 0),
@@ -207,6 +257,32 @@ class Camera:
         focal = f"{self.fx:g}" if self.fx == self.fy else f"{self.fx:g} and {self.fy:g}"
         at = ", ".join(f"{x + 0.0:.3g}" for x in self.position + 0.0)
         return f"<swiftgs.Camera{named} {self.width}x{self.height}{lens}, f {focal}, at ({at})>"
+
+
+class OrbitView(NamedTuple):
+    """A camera and the point that it turns around."""
+
+    camera: Camera
+    target: Any  #: [3]
+    up: Any = (0, -1, 0)  #: [3] of any length; y points down in the world of most captures
+
+    def orbit(self, turn: float, rise: float = 0, distance: float = 1) -> Camera:
+        """The camera moved around the target, which stays where it is in the image: to its right by `turn`
+        about the axis `up`, by `rise` towards `up`, never within a degree of the axis, in radians, and to `distance`
+        times its distance."""
+        axis = tuple(map(float, self.up))
+        if not any(axis) or not distance:  # zeros have defaults in C
+            raise ValueError(f"orbit: up is {axis} and distance {distance}, expected a length and a number above 0")
+        by = _c.Orbit(target=tuple(map(float, self.target)), up=axis, turn=turn, rise=rise, distance=distance)
+        struct = _c.Camera.from_buffer_copy(self.camera._struct)
+        lib.camera_orbit(ctypes.byref(struct), ctypes.byref(by))
+        return Camera.__new__(Camera)._take(struct, self.camera.name)
+
+
+def _clip_space(name: str) -> int:
+    if name not in _c.CLIP_SPACES:
+        raise ValueError(f"camera: clip_space is '{name}', expected one of {', '.join(_c.CLIP_SPACES)}")
+    return _c.CLIP_SPACES.index(name)
 
 
 def _coefficients(name: str, given: Any) -> Tuple[float, ...]:

@@ -3,13 +3,13 @@
 import ctypes
 import operator
 import os
-from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
+from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
 from . import _arrays, _c
 from ._c import Handle, OwnedFloats, lib
-from ._camera import Camera, Conventions, check_cameras, conventions_of, size_of
+from ._camera import Camera, Conventions, StoredDepth, check_cameras, conventions_of, size_of
 from ._planes import FORMATS, PLANES, read_planes
 
 _VIEW = np.dtype(_c.View)
@@ -23,30 +23,6 @@ def _column_and_row(first_pixel: Any) -> Tuple[int, int]:
     except (TypeError, ValueError):
         raise TypeError(f"first_pixel is {first_pixel!r}, expected two whole numbers, column and row") from None
     return column, row
-
-
-class StoredDepth(NamedTuple):
-    """How values of a depth buffer stand for depths: value d for (p d + q) / (r d + s)."""
-    p: float
-    q: float
-    r: float
-    s: float
-
-    @classmethod
-    def perspective(cls, at_0: float, at_1: float) -> "StoredDepth":
-        """That of a perspective projection of OpenGL (its window depth), Vulkan or Direct3D, by the depths at the
-        values 0 and 1: those of the near and the far plane, or with reversed depth of the far and the near one. Either
-        may be infinite."""
-        return cls._of(_c.lib.stored_perspective(at_0, at_1))
-
-    @classmethod
-    def orthographic(cls, at_0: float, at_1: float) -> "StoredDepth":
-        """That of an orthographic projection."""
-        return cls._of(_c.lib.stored_orthographic(at_0, at_1))
-
-    @classmethod
-    def _of(cls, found: Any) -> "StoredDepth":
-        return cls(found.p, found.q, found.r, found.s)
 
 
 class Frame:

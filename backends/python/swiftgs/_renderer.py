@@ -42,6 +42,11 @@ class Statistics(NamedTuple):
     #: taken for depths themselves, because `stored_depth` is missing
     intersections_hidden: int
 
+    @property
+    def nearly_all_hidden(self) -> bool:
+        """Whether occluders hide 99 % of the intersections or more: mostly the sign of a missing `stored_depth`."""
+        return 0 < self.intersections >= 100 * (self.intersections - self.intersections_hidden)
+
 
 class Picked(NamedTuple):
     """What a pixel shows. Weights are alpha times transmittance, as axis-shared-threshold-float-cholesky blends with

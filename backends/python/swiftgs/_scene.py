@@ -5,13 +5,13 @@ import os
 import signal
 import threading
 import warnings
-from typing import Any, Callable, List, Optional, Tuple, Union
+from typing import Any, Callable, List, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 
 from . import _c
 from ._c import Handle, OwnedFloats, lib
-from ._camera import Camera
+from ._camera import Camera, OrbitView
 from ._gaussians import gaussians_of
 
 Path = Union[str, "os.PathLike[str]"]
@@ -210,6 +210,21 @@ class Scene:
         """Least and greatest coordinates of all means, less `origin`."""
         return np.array(self._info.lower), np.array(self._info.upper)
 
+    def robust_bounds(self) -> "SceneBounds":
+        """Where most of the scene lies, whatever strays about it, less `origin`."""
+        found = _c.SceneBounds()
+        lib.scene_robust_bounds(self._open(), ctypes.byref(found))
+        return SceneBounds(np.array(found.low), np.array(found.high), np.array(found.centre), found.radius)
+
+    def default_view(self, width: int = 1280, height: int = 720, *, up: Any = None) -> OrbitView:
+        """Where to start to look at a scene without cameras, less `origin`: at its middle, from where most of it is
+        seen and nothing stands in the way. `up` is where up is in the scene's world; without it up is guessed, mostly
+        as -y."""
+        orbit = _c.Orbit(up=(0, 0, 0) if up is None else tuple(map(float, up)))
+        camera = _c.Camera()
+        lib.scene_default_view(self._open(), width, height, ctypes.byref(camera), ctypes.byref(orbit))
+        return OrbitView(Camera.__new__(Camera)._take(camera, ""), np.array(orbit.target), np.array(orbit.up))
+
     @property
     def origin(self) -> np.ndarray:
         """[3], where the means' zero lies in the world. It is other than 0 in scenes far from the world's zero; draw
@@ -249,6 +264,15 @@ class Scene:
         source = f" from {self._format}" if self._format else ""
         state = ", closed" if self._handle is None else ""
         return f"<swiftgs.Scene of {len(self):,} Gaussians, SH degree {self.sh_degree}{source}{state}>"
+
+
+class SceneBounds(NamedTuple):
+    """Where most of a scene lies, by its solid Gaussians."""
+
+    low: np.ndarray  #: [3], least coordinates of all but the outermost 2 % along each axis
+    high: np.ndarray  #: [3], greatest
+    centre: np.ndarray  #: [3], the median along each axis
+    radius: float  #: half of the Gaussians are as near to the centre
 
 
 def load(path: Path, *, spz_axes: str = "specified", level: int = 0, progress: Optional[Progress] = None) -> Scene:

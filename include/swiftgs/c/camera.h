@@ -3,7 +3,7 @@
 #define SWIFTGS_C_CAMERA_H
 
 /// @file
-/// Cameras: plain structs, and lists of them from files.
+/// Cameras: plain structs, from files and from matrices of other renderers, and what depth buffers hold.
 
 #include <stddef.h>
 #include <stdint.h>
@@ -22,7 +22,8 @@ enum {
   SWIFTGS_LENS_EQUIRECTANGULAR = 3  ///< azimuth atan2(x, z), elevation atan2(y, |(x, z)|) @units{radians}
 };
 
-/// Camera, OpenCV axes (x right, y down, z forward): p_camera = rotation p_world + translation. The lens
+/// Camera, OpenCV axes (x right, y down, z forward): p_camera = rotation p_world + translation. World axes
+/// are the scene's own, right-handed; in scenes of captures y points down, so that up is about -y. The lens
 /// shows p_camera at (u, v), distortion moves that, and the image shows it at (fx u + cx, fy v + cy). Pixel
 /// (column i, row j) is sampled at (i + 0.5, j + 0.5); the principal point may lie anywhere. Numbers have no
 /// default, but a lens of zeros is that of a pinhole.
@@ -88,6 +89,65 @@ SWIFTGS_C_API swiftgs_status swiftgs_camera_look_at(const swiftgs_look_at* from,
 /// Changes `camera` to the same view at `scale` times the size; sides are rounded to whole pixels, at least
 /// one. `SWIFTGS_INVALID_ARGUMENT` for what is no camera.
 SWIFTGS_C_API swiftgs_status swiftgs_camera_scale(swiftgs_camera* camera, double scale);
+
+/// How values of a depth buffer stand for depths: value d for (p d + q) / (r d + s), or for nothing where
+/// r d + s is not above 0. All 0: d is the depth.
+typedef struct swiftgs_stored_depth {
+  double p, q, r, s;
+} swiftgs_stored_depth;
+
+/// That of a perspective projection of OpenGL (its window depth), Vulkan or Direct3D, by the depths at the
+/// values 0 and 1: those of the near and the far plane, or with reversed depth of the far and the near one.
+/// Either may be infinite.
+SWIFTGS_C_API swiftgs_stored_depth swiftgs_stored_perspective(double at_0, double at_1);
+/// That of an orthographic projection.
+SWIFTGS_C_API swiftgs_stored_depth swiftgs_stored_orthographic(double at_0, double at_1);
+
+/// Where a graphics library has the image's top and the ends of its depth.
+enum {
+  SWIFTGS_CLIP_OPENGL = 0,   ///< y up, depth from -1 to 1
+  SWIFTGS_CLIP_VULKAN = 1,   ///< y down, depth from 0 to 1
+  SWIFTGS_CLIP_DIRECT3D = 2  ///< y up, depth from 0 to 1; of Metal, WebGPU and OpenGL's glClipControl too
+};
+
+/// The matrices of a program that draws a point of the world at projection view point. Points are columns,
+/// and matrices lie column by column, as OpenGL takes them; row vectors row by row, as Direct3D's, are the
+/// same numbers.
+typedef struct swiftgs_matrices {
+  uint32_t size;          ///< `sizeof(swiftgs_matrices)`
+  int32_t clip_space;     ///< `SWIFTGS_CLIP_...`
+  int32_t width, height;  ///< of the image @units{pixels}
+  double view[16];        ///< world to camera, right-handed or left-handed, a rotation and a translation
+  double projection[16];  ///< perspective: off-centre, jittered, flipped, reversed or infinite as it may be
+} swiftgs_matrices;
+
+/// Fills `camera`, whose size is set, and `stored_depth`, that of the program's depth buffer, or NULL.
+/// `SWIFTGS_INVALID_ARGUMENT` with matrix and row for what is no pinhole: an orthographic or sheared
+/// projection, a scaled or mirrored view, a wrong bottom row, a NaN.
+SWIFTGS_C_API swiftgs_status swiftgs_camera_from_matrices(const swiftgs_matrices* from,
+                                                          swiftgs_camera* camera,
+                                                          swiftgs_stored_depth* stored_depth);
+
+/// Fills `matrices`, whose size is set, with those that draw as `camera` sees: y up, looking along -z, or
+/// along z if the camera's determinant is -1. The depth buffer holds 0 and 1 at the depths `at_0` and `at_1`:
+/// near and far, or far and near for reversed depth; the far one may be infinite. `SWIFTGS_INVALID_ARGUMENT`
+/// for a camera that is no pinhole and for other depths.
+SWIFTGS_C_API swiftgs_status swiftgs_camera_to_matrices(const swiftgs_camera* camera, int32_t clip_space,
+                                                        double at_0, double at_1, swiftgs_matrices* matrices);
+
+/// A movement of a camera around a point.
+typedef struct swiftgs_orbit {
+  uint32_t size;      ///< `sizeof(swiftgs_orbit)`
+  uint32_t reserved;  ///< 0
+  double target[3];   ///< the point, which stays where it is in the image
+  double up[3];       ///< the axis, of any length; zeros: -y
+  double turn;        ///< about the axis, to the camera's right @units{radians}
+  double rise;        ///< towards `up`, never within a degree of the axis @units{radians}
+  double distance;    ///< times the camera's distance; 0: 1
+} swiftgs_orbit;
+
+/// Moves `camera`.
+SWIFTGS_C_API swiftgs_status swiftgs_camera_orbit(swiftgs_camera* camera, const swiftgs_orbit* by);
 
 /// Fills `camera`, whose size is set, with the view that the built-in scene is composed for.
 SWIFTGS_C_API swiftgs_status swiftgs_camera_builtin(int32_t width, int32_t height, swiftgs_camera* camera);

@@ -299,8 +299,8 @@ typedef struct swiftgs_statistics {
   uint64_t pixels_joined;          ///< pixels of those segments that were joined with what lies in front
   uint64_t longest_item;           ///< most intersections that one core, warp or block worked off alone
   double balanced_ms;  ///< the raster stage if its work were shared out evenly @units{milliseconds}
-  /// Those of `intersections` whose means lie at or behind an occluder in all pixels of their tile. A depth
-  /// buffer that is taken for depths hides nearly all: see `stored_depth` of the view.
+  /// Those of `intersections` whose means lie at or behind an occluder in all pixels of their tile. Where
+  /// it is 99 % of them, `stored_depth` of the view is mostly missing.
   uint64_t intersections_hidden;
 } swiftgs_statistics;
 

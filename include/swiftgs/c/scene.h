@@ -146,6 +146,28 @@ SWIFTGS_C_API swiftgs_status swiftgs_scene_get_arrays(const swiftgs_scene* scene
 /// Where the file has none, all members but the size are zero: no renderer takes a camera of width 0.
 SWIFTGS_C_API swiftgs_status swiftgs_scene_get_camera(const swiftgs_scene* scene, swiftgs_camera* camera);
 
+/// Where most of a scene lies, in the coordinates of its means: less `origin`.
+typedef struct swiftgs_scene_bounds {
+  uint32_t size;           ///< `sizeof(swiftgs_scene_bounds)`
+  uint32_t reserved;       ///< 0
+  double low[3], high[3];  ///< box of all but the outermost 2 % to each side along each axis
+  double centre[3];        ///< median along each axis
+  double radius;           ///< half of the Gaussians are as near to the centre; above 0
+} swiftgs_scene_bounds;
+
+/// Fills `bounds`, whose size is set, by solid Gaussians, or by all where none is solid. A scene without
+/// Gaussians has the bounds of a ball of radius 1.
+SWIFTGS_C_API swiftgs_status swiftgs_scene_robust_bounds(const swiftgs_scene* scene,
+                                                         swiftgs_scene_bounds* bounds);
+
+/// Fills `camera`, whose size is set, with a view to start with, in the coordinates of means: of the middle
+/// of the scene, from where most of it is seen and none stands in the way. `orbit`, or NULL, says by its `up`
+/// where up is in the scene's world, or by zeros that it is to be guessed, which may be wrong; its `target`
+/// and `up` are filled, for `swiftgs_camera_orbit`.
+SWIFTGS_C_API swiftgs_status swiftgs_scene_default_view(const swiftgs_scene* scene, int32_t width,
+                                                        int32_t height, swiftgs_camera* camera,
+                                                        swiftgs_orbit* orbit);
+
 typedef struct swiftgs_write_options {
   uint32_t size;              ///< `sizeof(swiftgs_write_options)`
   int32_t spz_version;        ///< of an SPZ file, 4 or 3; 0: 4

@@ -87,19 +87,6 @@ typedef struct swiftgs_plane {
   int64_t pitch;  ///< from a row to the one below it in the image, negative where rows go up @units{bytes}
 } swiftgs_plane;
 
-/// How values of a depth buffer stand for depths: value d for (p d + q) / (r d + s), or for nothing where
-/// r d + s is not above 0. All 0: d is the depth.
-typedef struct swiftgs_stored_depth {
-  double p, q, r, s;
-} swiftgs_stored_depth;
-
-/// That of a perspective projection of OpenGL (its window depth), Vulkan or Direct3D, by the depths at the
-/// values 0 and 1: those of the near and the far plane, or with reversed depth of the far and the near one.
-/// Either may be infinite.
-SWIFTGS_C_API swiftgs_stored_depth swiftgs_stored_perspective(double at_0, double at_1);
-/// That of an orthographic projection.
-SWIFTGS_C_API swiftgs_stored_depth swiftgs_stored_orthographic(double at_0, double at_1);
-
 /// In place of a Gaussian's index: there is none.
 #define SWIFTGS_NOTHING UINT32_C(0xffffffff)
 
