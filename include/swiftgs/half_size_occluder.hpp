@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include <swiftgs/frame.hpp>
+
+namespace swiftgs {
+
+/// The occluder of a frame through `scaled(camera, 0.5)`, from that of the whole frame, on the host: the
+/// farthest depth of each two by two pixels, so that no splat which one of them shows is lost. Rows lie
+/// densely, and values are depths themselves. @shape{(height + 1) / 2, (width + 1) / 2}
+inline std::vector<float> half_size_occluder(const FrameView& whole) {
+  const std::size_t width = std::size_t(whole.width), height = std::size_t(whole.height);
+  std::vector<float> depths;
+  depths.reserve((width + 1) / 2 * ((height + 1) / 2));
+  for (std::size_t y = 0; y < height; y += 2)
+    for (std::size_t x = 0; x < width; x += 2) {
+      float farthest = -std::numeric_limits<float>::infinity();
+      for (std::size_t row = y; row < std::min(y + 2, height); ++row)
+        for (std::size_t column = x; column < std::min(x + 2, width); ++column) {
+          const float depth = whole.occluder_at(column, row);
+          farthest = std::isnan(depth) ? std::numeric_limits<float>::infinity() : std::max(farthest, depth);
+        }
+      depths.push_back(farthest);
+    }
+  return depths;
+}
+
+}  // namespace swiftgs
