@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Composition: splats among the surfaces of another renderer. The host, here the small ray tracer of
-// analytic_scene.hpp, draws into its own RGBA8 image and depth buffer; the splats are then laid over the
-// image, without those that lie at the host's depth or behind, so that surfaces hide splats and splats hide
-// surfaces.
+// analytic_scene.hpp, has matrices, an RGBA8 image and a depth buffer as OpenGL programs do; the splats are
+// then laid over the image, without those that lie at the host's depth or behind, so that surfaces hide
+// splats and splats hide surfaces.
 //
 //     03_composite                      checks the frame
 //     03_composite OUT.png              writes it too
@@ -14,7 +14,11 @@
 #include <string_view>
 #include <vector>
 
+#include <glm/ext/matrix_clip_space.hpp>
+#include <glm/ext/matrix_transform.hpp>
+
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/camera_matrices.hpp>
 #include <swiftgs/cpu.hpp>
 #include <swiftgs/io/image.hpp>
 #include <swiftgs/swiftgs.hpp>
@@ -30,16 +34,18 @@ constexpr int width = 1280, height = 720;
 /// What the host has drawn before splats come.
 struct HostFrame {
   std::vector<analytic::Rgba8> image;
-  std::vector<float> depth;
+  std::vector<float> depth;  ///< 0 at the near plane, 1 where nothing is
 };
 
-HostFrame draw(const Camera& camera) {
+HostFrame draw(const Camera& camera, const glm::mat4& projection) {
   HostFrame host;
   const analytic::View view = analytic::view_of(camera);
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const analytic::Surface surface = analytic::draw_pixel(view, x, y);
-      host.image.push_back(surface.colour), host.depth.push_back(surface.depth);
+      const glm::dvec4 clip = glm::dmat4(projection) * glm::dvec4(0, 0, -double(surface.depth), 1);
+      host.image.push_back(surface.colour);
+      host.depth.push_back(surface.depth == analytic::nowhere ? 1 : float(0.5 * clip.z / clip.w + 0.5));
     }
   return host;
 }
@@ -47,8 +53,12 @@ HostFrame draw(const Camera& camera) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  const Camera camera = builtin_camera(width, height);
-  const HostFrame host = draw(camera);
+  // The host's matrices. In the world of the built-in scene y points down.
+  const glm::mat4 view =
+      glm::lookAt(glm::vec3(-0.9f, -1.5f, -4.0f), glm::vec3(0.03f, -0.9f, 0), glm::vec3(0, -1, 0));
+  const glm::mat4 projection = glm::perspective(0.76f, float(width) / height, 0.1f, 500.0f);
+  const auto [camera, stored_depth] = camera_from(view, projection, width, height, ClipSpace::opengl);
+  const HostFrame host = draw(camera, projection);
 
   // Lay the splats over a copy of the host's image, so that the two can be compared below.
   Renderer<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer;
@@ -68,6 +78,7 @@ int main(int argc, char** argv) {
                         .alpha = {alpha.data(), sizeof(float) * width},
                         .depth = {depth.data(), sizeof(float) * width},
                         .occluder = {host.depth.data(), sizeof(float) * width},
+                        .stored_depth = stored_depth,
                         .over = true});
 
   if (argc > 1) {
@@ -81,8 +92,9 @@ int main(int argc, char** argv) {
   // surface. Depths are rounded.
   std::size_t wrong = 0, hosts = 0, mixed = 0;
   for (std::size_t i = 0; i < image.size(); ++i) {
-    wrong += alpha[i] == 0 ? image[i] != host.image[i] : depth[i] > 1.00001f * host.depth[i];
-    hosts += alpha[i] == 0, mixed += alpha[i] > 0 && host.depth[i] != analytic::nowhere;
+    const float surface = stored_depth.depth(host.depth[i]);
+    wrong += alpha[i] == 0 ? image[i] != host.image[i] : depth[i] > 1.00001f * surface;
+    hosts += alpha[i] == 0, mixed += alpha[i] > 0 && host.depth[i] < 1;
   }
   std::cout << hosts << " pixels show the host's surfaces alone, " << mixed << " have splats before them, "
             << wrong << " are wrong\n";
