@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <limits>
@@ -132,6 +133,8 @@ TEST_CASE("default view: most of a scene is seen in an image of any shape") {
       inside += at.z > 0 && at.x > 0 && at.x < width && at.y > 0 && at.y < height;
     }
     CHECK(inside > scene.size() / 3);
+    const double shorter_fov = 2 * std::atan(0.5 * std::min(width, height) / view.camera.fx);
+    CHECK(shorter_fov == doctest::Approx(0.8));
     const dvec3 middle = seen(view.camera, view.target);
     CHECK(middle.x == doctest::Approx(width / 2.0));
     CHECK(middle.y == doctest::Approx(height / 2.0));

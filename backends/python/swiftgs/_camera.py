@@ -123,7 +123,7 @@ class Camera:
         near and far, or far and near for reversed depth; the far one may be infinite."""
         made = _c.Matrices()
         lib.camera_to_matrices(ctypes.byref(self._struct), _clip_space(clip_space), at_0, at_1, ctypes.byref(made))
-        return tuple(np.array(matrix).reshape(4, 4).T for matrix in (made.view, made.projection))
+        return np.array(made.view).reshape(4, 4).T, np.array(made.projection).reshape(4, 4).T
 
     @classmethod
     def look_at(cls, eye: Any, target: Any, *, width: int, height: int, vertical_fov: float, up: Any = (0, -1, 0),

@@ -22,6 +22,7 @@ HARMONICS = "policies/contract_harmonics_test --test-case=*Serial*"
 CPU_HARMONICS = "policies/contract_harmonics_test --test-case=*Cpu*"
 PACKING = "policies/contract_harmonics_test"
 REFERENCE = "reference/reference_test --test-case=*placed*"
+CAMERAS = "cameras/cameras_test"
 
 NAMED = [
     # Harmonics in fewer bytes.
@@ -211,6 +212,20 @@ NAMED = [
            "frame.over ? load_colour(frame, x, y) : vec4(background, 0)", test=CONVERSION),
     Mutant("conversion: premultiplied colours go through the curve", I + "store_pixel.hpp",
            "const float straight = channel / alpha;", "const float straight = channel;", test=CONVERSION),
+    # Cameras of other renderers, and where to look.
+    Mutant("camera matrices: jitter moves the image the other way", I + "camera_matrices.hpp",
+           "0.5 * width * (1 + forward * m[0][2])", "0.5 * width * (1 - forward * m[0][2])", test=CAMERAS),
+    Mutant("camera matrices: a flipped y turns no axis", I + "camera_matrices.hpp",
+           "std::copysign(1, down * m[1][1])", "std::copysign(1, down)", test=CAMERAS),
+    Mutant("camera matrices: OpenGL has the depth of Vulkan", I + "camera_matrices.hpp",
+           "if (clip == ClipSpace::opengl) a = 0.5 * (a + 1), b = 0.5 * b;", "", test=CAMERAS),
+    Mutant("orbit: the camera rises about an axis that did not turn", I + "orbit.hpp",
+           "turned(turned(axis, right, -rise), up, turn)", "turned(turned(axis, up, turn), right, -rise)",
+           test=CAMERAS),
+    Mutant("bounds: strays count", I + "scene_bounds.hpp", "constexpr double outside = 0.02;",
+           "constexpr double outside = 0;", test=CAMERAS),
+    Mutant("half size: the nearest of four pixels hides", I + "half_size_occluder.hpp",
+           "std::max(farthest, depth)", "std::min(farthest, depth)", test=CAMERAS),
     # Files.
     Mutant("spz: bytes that are rounded to the ends count as clamped", "backends/io/spz_encode.cpp",
            "!(value > -0.5f && value < 255.5f);\n    *to_++", "!(value > 0 && value < 255);\n    *to_++",
