@@ -92,8 +92,8 @@ inline void validate(const Camera& camera) {
   }
 }
 
-/// The same view at `scale` times the size: what is at pixel p is at scale p, corners and centres alike. Sides
-/// are rounded to whole pixels, at least one, so the last ones may show a little more or less.
+/// The same view at `scale` times the size: what is at pixel p is at scale p, corners and centres alike.
+/// Sides are rounded to whole pixels, at least one, so the last ones may show a little more or less.
 inline Camera scaled(Camera camera, double scale) {
   if (!(scale > 0) || !std::isfinite(scale))
     throw std::invalid_argument("camera: expected a finite scale above 0");

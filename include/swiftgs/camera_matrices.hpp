@@ -157,8 +157,8 @@ inline void validate_projection(const Matrix4& projection) {
       refuse_matrix(name, row_of(projection, row),
                     "0 in column 3: the projection moves the camera; move the view instead");
   }
-  if (!is_zero(2, 0, std::abs(m[2][2]) + std::abs(m[2][3])) ||
-      !is_zero(2, 1, std::abs(m[2][2]) + std::abs(m[2][3])) || m[2][3] == 0)
+  const double depth = std::abs(m[2][2]) + std::abs(m[2][3]);
+  if (!is_zero(2, 0, depth) || !is_zero(2, 1, depth) || m[2][3] == 0)
     refuse_matrix(name, row_of(projection, 2),
                   "(0, 0, a, b) with b not 0: depth does not go with the distance along the axis, as of an "
                   "oblique near plane");
