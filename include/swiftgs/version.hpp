@@ -4,18 +4,18 @@
 #include <string_view>
 
 /// @file
-/// The version of the library. The build reads it from here.
+/// The version of the library, stated here alone: CMake, pkg-config, C, Python and the command line take it from here.
 ///
-/// Until 1.0 the binary interface changes with each minor version, and shared libraries are named for it
-/// (libswiftgs.so.0.1). A program includes the headers of the library that it links: much of the library is
-/// templates that the program instantiates.
+/// Until 1.0 a minor version may change the C++ interface, and shared libraries are named for it (libswiftgs.so.0.2).
+/// A program includes the headers of the library that it links: much of the library is templates that the program
+/// instantiates.
 
 /// The version as the preprocessor knows it, for `#if`.
 #define SWIFTGS_VERSION_MAJOR 0
-#define SWIFTGS_VERSION_MINOR 1
+#define SWIFTGS_VERSION_MINOR 2
 #define SWIFTGS_VERSION_PATCH 0
 
-/// `SWIFTGS_VERSION_AT_LEAST(0, 1, 0)`
+/// `SWIFTGS_VERSION_AT_LEAST(0, 2, 0)`
 #define SWIFTGS_VERSION_AT_LEAST(major, minor, patch)                                        \
   (SWIFTGS_VERSION_MAJOR * 1000000 + SWIFTGS_VERSION_MINOR * 1000 + SWIFTGS_VERSION_PATCH >= \
    (major)*1000000 + (minor)*1000 + (patch))
@@ -28,6 +28,6 @@ inline constexpr int version_minor = SWIFTGS_VERSION_MINOR;  ///< raised by an a
 inline constexpr int version_patch = SWIFTGS_VERSION_PATCH;  ///< raised by a correction
 
 /// `major.minor.patch`.
-inline constexpr std::string_view version = "0.1.0";
+inline constexpr std::string_view version = "0.2.0";
 
 }  // namespace swiftgs

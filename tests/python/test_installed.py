@@ -27,6 +27,12 @@ def test_the_package_is_the_installed_one_with_its_own_library():
     assert str((package / "libswiftgs_c.so.1").resolve()) in maps
 
 
+def test_its_version_is_that_of_the_header():
+    """Which the library states, through the C interface."""
+    header = (pathlib.Path(PREFIX) / "include/swiftgs/version.hpp").read_text()
+    assert re.search(r'version = "([0-9.]+)"', header)[1] == swiftgs.__version__
+
+
 def test_its_library_is_not_searched_for_in_the_working_directory():
     if not shutil.which("readelf"):
         pytest.skip("no readelf")
