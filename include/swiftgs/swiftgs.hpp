@@ -5,6 +5,8 @@
 /// The core: types, policies, the serial backend and the renderer. Other backends and file formats are
 /// included on their own: `<swiftgs/cpu.hpp>`, `<swiftgs/io/scene_file.hpp>`, ...
 
+#include <bit>
+
 #include <swiftgs/bounds/all.hpp>
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
@@ -16,3 +18,6 @@
 #include <swiftgs/serial.hpp>
 #include <swiftgs/sort/all.hpp>
 #include <swiftgs/version.hpp>
+
+static_assert(std::endian::native == std::endian::little,
+              "SwiftGS: expected a little-endian processor: readers and pixels of 8 bits rely on it");
