@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Shell scripts of the repository, and the last lines of test.sh, with a program in place of cmake."""
+"""Licence lines and shell scripts of the repository, and the last lines of test.sh, with a program in place of cmake."""
 import os
 import pathlib
 import re
@@ -41,6 +41,24 @@ CMAKE = """#!/bin/sh
 mkdir -p "build/$3"
 [ "$3" != release ] || cp junit.txt build/release/junit.xml
 """
+
+
+SOURCES = (".c", ".cmake", ".cpp", ".css", ".cu", ".cuh", ".dox", ".h", ".hpp", ".html", ".in", ".inc", ".js", ".map",
+           ".py", ".sh", ".toml")
+
+
+class Licences(unittest.TestCase):
+    def test_every_source_file_names_its_licence(self):
+        """In its first lines, behind what a program or a browser wants to read first."""
+        folders = (".ci", "backends", "benchmarks", "cmake", "docs", "examples", "include", "tests")
+        files = [path for folder in folders for path in (ROOT / folder).rglob("*")] + list(ROOT.iterdir())
+        sources = [path for path in files if path.is_file() and
+                   (path.suffix in SOURCES or path.name in ("CMakeLists.txt", "packages.txt", "run"))]
+        self.assertGreater(len(sources), 900)
+        without = [str(path.relative_to(ROOT)) for path in sources
+                   if not any("SPDX-License-Identifier: Apache-2.0" in line
+                              for line in path.read_text(encoding="utf-8").splitlines()[:3])]
+        self.assertEqual(without, [])
 
 
 class Scripts(unittest.TestCase):
