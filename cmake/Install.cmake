@@ -3,7 +3,7 @@ include(CMakePackageConfigHelpers)
 set(package_dir "${CMAKE_INSTALL_LIBDIR}/cmake/swiftgs")
 
 include(cmake/PkgConfig.cmake)
-install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT licence)  # packages have one each
 
 # One export a component, so that find_package(swiftgs COMPONENTS core) asks for GLM alone.
 set(swiftgs_components)
@@ -16,15 +16,21 @@ foreach(component IN ITEMS core reference cpu cuda io mpi swiftgs c)
     continue()
   endif()
   list(APPEND swiftgs_components ${component})
-  set(headers FILE_SET HEADERS)
+  set(headers FILE_SET HEADERS COMPONENT dev)
   if(component STREQUAL swiftgs)
     set(headers)
   endif()
-  install(TARGETS ${target} EXPORT swiftgs-${component} ${headers})
+  # What a program loads: C apart, whose interface outlives those of C++, and kernels apart, which are large.
+  set(loaded runtime)
+  if(component MATCHES "^(c|cuda)$")
+    set(loaded ${component})
+  endif()
+  install(TARGETS ${target} EXPORT swiftgs-${component}
+    LIBRARY COMPONENT ${loaded} NAMELINK_COMPONENT dev ARCHIVE COMPONENT dev ${headers})
   if(component STREQUAL cuda)
     install(TARGETS swiftgs_cuda_kernels EXPORT swiftgs-cuda)
   endif()
-  install(EXPORT swiftgs-${component} NAMESPACE swiftgs:: DESTINATION "${package_dir}")
+  install(EXPORT swiftgs-${component} NAMESPACE swiftgs:: DESTINATION "${package_dir}" COMPONENT dev)
 
   # A static library hands its private dependencies on to whoever links it.
   set(dependencies_of_core glm)
@@ -52,4 +58,4 @@ configure_package_config_file(cmake/swiftgsConfig.cmake.in swiftgsConfig.cmake
 write_basic_package_version_file(swiftgsConfigVersion.cmake COMPATIBILITY SameMinorVersion)
 install(FILES "${PROJECT_BINARY_DIR}/swiftgsConfig.cmake" "${PROJECT_BINARY_DIR}/swiftgsConfigVersion.cmake"
               cmake/FindWebP.cmake cmake/Findlibzip.cmake
-        DESTINATION "${package_dir}")
+        DESTINATION "${package_dir}" COMPONENT dev)

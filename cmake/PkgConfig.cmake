@@ -29,7 +29,8 @@ function(swiftgs_pkg_config name target description)
   endif()
   list(JOIN needed " " requires)
   configure_file("${PROJECT_SOURCE_DIR}/cmake/swiftgs.pc.in" "${PROJECT_BINARY_DIR}/pkgconfig/${name}.pc" @ONLY)
-  install(FILES "${PROJECT_BINARY_DIR}/pkgconfig/${name}.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig")
+  install(FILES "${PROJECT_BINARY_DIR}/pkgconfig/${name}.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig"
+    COMPONENT dev)
 endfunction()
 
 swiftgs_pkg_config(swiftgs-core swiftgs_core "Headers of SwiftGS, which renders 3D Gaussian splatting")
