@@ -72,6 +72,10 @@ if(TARGET swiftgs_c)
 NumPy, PyTorch, CuPy and JAX." ${name}@ python3 python3-numpy)
     set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
     set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)
+    # Python's own files beside the sources come and go with them.
+    file(WRITE "${PROJECT_BINARY_DIR}/postinst" "#!/bin/sh\nset -e\npy3compile -p python3-swiftgs\n")
+    file(WRITE "${PROJECT_BINARY_DIR}/prerm" "#!/bin/sh\nset -e\npy3clean -p python3-swiftgs\n")
+    set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA "${PROJECT_BINARY_DIR}/postinst;${PROJECT_BINARY_DIR}/prerm")
   endif()
 endif()
 swiftgs_package(dev libswiftgs-dev libdevel "This package has the headers, and the files for CMake and pkg-config."

@@ -1,4 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <bit>
+#include <cstdint>
+
 #include <swiftgs/cpu.hpp>
 
 #include "parts.hpp"
@@ -21,7 +24,7 @@ struct HalfSplitTerms {
   using Cell = hwy::float16_t;
   static HWY_INLINE Vec Row(const Cell* HWY_RESTRICT terms) { return ToFloat(hn::Load(F16(), terms)); }
   static HWY_INLINE Vec All(const Cell& term) {
-    return ToFloat(hn::BitCast(F16(), hn::Set(U16(), term.bits)));
+    return ToFloat(hn::BitCast(F16(), hn::Set(U16(), std::bit_cast<std::uint16_t>(term))));
   }
   static HWY_INLINE Vec Joined(Vec s) { return s; }
   static HWY_INLINE Mask Valid(Vec s) { return hn::Ge(s, hn::Zero(F32())); }
