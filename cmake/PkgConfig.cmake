@@ -5,11 +5,11 @@
 file(RELATIVE_PATH to_prefix "/${CMAKE_INSTALL_LIBDIR}/pkgconfig" "/")
 string(REGEX REPLACE "/$" "" to_prefix "${to_prefix}")
 
-# swiftgs_pkg_config(name target description [REQUIRES packages...] [CFLAGS flags...] [LIBS flags...])
+# swiftgs_pkg_config(name target description [REQUIRES packages...] [VARIABLE line] [CFLAGS flags...] [LIBS flags...])
 #
 # LIBS: for what a static library rests on and has no such file.
 function(swiftgs_pkg_config name target description)
-  cmake_parse_arguments(PARSE_ARGV 3 arg "" "" "REQUIRES;CFLAGS;LIBS")
+  cmake_parse_arguments(PARSE_ARGV 3 arg "" "VARIABLE" "REQUIRES;CFLAGS;LIBS")
   set(needed ${arg_REQUIRES})
   list(JOIN arg_CFLAGS " " cflags)
   get_target_property(type ${target} TYPE)
@@ -49,10 +49,11 @@ if(TARGET swiftgs_io)
   list(APPEND all swiftgs-io)
 endif()
 if(TARGET swiftgs_cuda)
-  # The toolkit has no files for pkg-config that are always there: name the place of the one that was built with.
+  # The toolkit has no files for pkg-config that are always there: name the place of the one that was built with. Where it
+  # is another, `pkg-config --define-variable=cuda_headers=...` says so.
   list(GET CUDAToolkit_INCLUDE_DIRS 0 cuda_headers)
   swiftgs_pkg_config(swiftgs-cuda swiftgs_cuda "The backend of SwiftGS for NVIDIA GPUs" REQUIRES swiftgs-core
-    CFLAGS "-I${cuda_headers}" LIBS "-L${CUDAToolkit_LIBRARY_DIR}" -lcudart_static -ldl -lrt)
+    VARIABLE "cuda_headers=${cuda_headers}" CFLAGS "-I\${cuda_headers}" LIBS "-L${CUDAToolkit_LIBRARY_DIR}" -lcudart_static -ldl -lrt)
   list(APPEND all swiftgs-cuda)
 endif()
 swiftgs_pkg_config(swiftgs swiftgs "All of SwiftGS, and its table of renderers" REQUIRES ${all})
