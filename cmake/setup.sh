@@ -5,7 +5,7 @@
 #   cmake/setup.sh build    what the library, the command-line tool and the demo need
 #   cmake/setup.sh docs     what docs/site.sh needs
 #   cmake/setup.sh test     all of that, and what ./test.sh needs
-#   cmake/setup.sh release  what cmake/release_check.sh needs
+#   cmake/setup.sh release  all of that, and what cmake/release_check.sh needs
 # Fails where something that is needed cannot be installed; what is optional is only said to be missing.
 # SWIFTGS_SKIP_SETUP=1 leaves the system alone: for libraries that come from elsewhere.
 set -euo pipefail
@@ -15,7 +15,7 @@ case "${1:-}" in
   build) parts='^build[?]?$' ;;
   docs) parts='^docs[?]?$' ;;
   test) parts='^(build|docs|test)[?]?$' ;;
-  release) parts='^(build|release)[?]?$' ;;
+  release) parts='^(build|docs|test|release)[?]?$' ;;
   *) echo "usage: cmake/setup.sh build|docs|test|release" >&2; exit 2 ;;
 esac
 [ "${SWIFTGS_SKIP_SETUP:-0}" = 1 ] && exit 0

@@ -56,22 +56,18 @@ def patch(path, *what):
 
 def bundle(package, folder):
     """Copies what the package's library loads to `folder`; returns the packages of the system that they come from."""
-    places = dict(re.findall(r"^\t(\S+) \(libc6[^)]*\) => (\S+)$", licences.output("/sbin/ldconfig", "-p"), re.M))
     library = next(package.glob("libswiftgs_c.so.*"))
-    names, waiting, sources = {}, [library], set()
-    while waiting:
-        path = waiting.pop()
-        for name in needed(path):
-            if SYSTEM.fullmatch(name) or name in names:
-                continue
-            if name not in places:
-                sys.exit(f"wheel: {path.name} needs {name}, expected it among the libraries of the system")
-            source = pathlib.Path(places[name]).resolve()
-            stem, rest = name.split(".so", 1)
-            names[name] = f"{stem}-{hashlib.sha256(source.read_bytes()).hexdigest()[:8]}.so{rest}"
-            shutil.copyfile(source, folder / names[name])
-            sources.add(licences.package_of(source))
-            waiting.append(folder / names[name])
+    names, sources = {}, set()
+    for name, place in re.findall(r"^\t(\S+) => (.*?)(?: \(0x\w+\))?$", licences.output("ldd", library), re.M):
+        if SYSTEM.fullmatch(name):
+            continue
+        if not place.startswith("/"):
+            sys.exit(f"wheel: {library.name} needs {name}, expected it among the libraries of the system")
+        source = pathlib.Path(place).resolve()
+        stem, rest = name.split(".so", 1)
+        names[name] = f"{stem}-{hashlib.sha256(source.read_bytes()).hexdigest()[:8]}.so{rest}"
+        shutil.copyfile(source, folder / names[name])
+        sources.add(licences.package_of(source))
     for path in [library, *sorted(folder.iterdir())]:
         for name in needed(path):
             if name in names:
