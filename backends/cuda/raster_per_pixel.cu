@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/residency.cuh>
 
 #include "block.cuh"
 #include "box_touched.hpp"
@@ -20,7 +21,7 @@ struct FactorBatch {
 /// One thread block per raster block, one thread per pixel: the whole exponent and exponential of every
 /// listed splat, as gsplat has it.
 template <bool extras, class ViewSource>
-__global__ void __launch_bounds__(block_threads, extras ? 6 : 8)
+__global__ void __launch_bounds__(block_threads, resident_blocks(extras ? 6 : 8, block_threads))
     raster_per_pixel(const __grid_constant__ RasterInput<ViewSource> input, std::uint32_t warps_at_once) {
   __shared__ FactorBatch batch;
   const RasterJob& job = input.job;

@@ -11,6 +11,7 @@
 #include <swiftgs/cuda/chunk_list.cuh>
 #include <swiftgs/cuda/footprints.cuh>
 #include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/residency.cuh>
 #include <swiftgs/cuda/running_sum.cuh>
 #include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/error.hpp>
@@ -118,7 +119,8 @@ constexpr unsigned project_blocks(bool through_lens) { return through_lens ? 8 :
 /// Projects the Gaussians of one block in one view and appends the visible ones to those of the blocks before
 /// it. Without `through_lens` all views are pinholes whose depth is z.
 template <class Bounds, class ViewSource, class Scenes, bool through_lens>
-__global__ void __launch_bounds__(project_threads, project_blocks(through_lens))
+__global__ void __launch_bounds__(project_threads,
+                                  resident_blocks(project_blocks(through_lens), project_threads))
     project(const __grid_constant__ ViewSource views, const __grid_constant__ Scenes scenes,
             const Bounds bounds, const BlockList list, const std::uint32_t chunks_a_view,
             const ProjectOutput output, const EpochsView<FrameCounts> epochs) {
