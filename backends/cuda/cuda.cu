@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <new>
 #include <optional>
@@ -18,6 +20,14 @@
 #include "state.hpp"
 
 namespace swiftgs {
+
+namespace {
+void* allocate_pinned(std::size_t bytes) {
+  void* memory = nullptr;
+  check_cuda(cudaMallocHost(&memory, bytes), "cudaMallocHost");
+  return memory;
+}
+}  // namespace
 
 void Cuda::State::Side::make() {
   const auto event = [](auto& owner) {
@@ -39,10 +49,14 @@ void Cuda::State::join() {
 
 void Cuda::State::wait() const { check_cuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize"); }
 
-void Cuda::State::copy_to_host(const void* from, void* to, std::size_t bytes) const {
+void Cuda::State::copy_to_host(const void* from, void* to, std::size_t bytes) {
   if (bytes == 0) return;
-  check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToHost, stream), "cudaMemcpyAsync to the host");
+  const bool is_short = bytes <= staging_bytes;
+  if (is_short && !staging) staging.reset(static_cast<std::byte*>(allocate_pinned(staging_bytes)));
+  check_cuda(cudaMemcpyAsync(is_short ? staging.get() : to, from, bytes, cudaMemcpyDeviceToHost, stream),
+             "cudaMemcpyAsync to the host");
   wait();
+  if (is_short) std::memcpy(to, staging.get(), bytes);
 }
 
 bool Cuda::usable() {
@@ -236,11 +250,7 @@ void Cuda::settle(LastCounters<FrameCounts> counts, const Limits& limits, FrameT
     state_->raster.known_word = 0;
   } else {
     check_not_captured("settle");
-    if (!state_->mailbox) {
-      void* memory = nullptr;
-      check_cuda(cudaMallocHost(&memory, sizeof(Mailbox)), "cudaMallocHost");
-      state_->mailbox.reset(new (memory) Mailbox{});
-    }
+    if (!state_->mailbox) state_->mailbox.reset(new (allocate_pinned(sizeof(Mailbox))) Mailbox{});
     mailbox = state_->mailbox.get();
     // If nobody took the answer before, it must not be taken for this one's.
     if (state_->awaited) state_->wait();

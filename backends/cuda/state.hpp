@@ -57,20 +57,25 @@ struct Cuda::State {
     use_memory(memory, temporary, total, raster, sorts);
   }
 
+  /// Longest copy that goes through pinned memory. Measured on an H100: the 82 KB of a pick in 64x64 pixels
+  /// take 72 us to memory that is not pinned, kernel included, and 43 through this.
+  static constexpr std::size_t staging_bytes = 128 * 1024;
+
   bool being_captured(const char* call) const;
   void check_not_captured(const char* call) const;
   void join();
   void wait() const;
-  void copy_to_host(const void* from, void* to, std::size_t bytes) const;
+  void copy_to_host(const void* from, void* to, std::size_t bytes);
 
   cudaStream_t stream;
   MemoryHook memory;
   Side side;
-  std::array<OwnedEvent, 256> events;                  ///< a ring, made as they are needed
-  std::uint64_t points = 0;                            ///< taken so far
-  std::unique_ptr<Mailbox, detail::FreeHost> mailbox;  ///< made when it is needed
-  bool awaited = false;                                ///< whether a kernel may still post to it
-  int multiprocessors = 0, shared_memory = 0;          ///< 0: not yet asked for
+  std::array<OwnedEvent, 256> events;                    ///< a ring, made as they are needed
+  std::uint64_t points = 0;                              ///< taken so far
+  std::unique_ptr<Mailbox, detail::FreeHost> mailbox;    ///< made when it is needed
+  std::unique_ptr<std::byte, detail::FreeHost> staging;  ///< likewise, for short copies to the host
+  bool awaited = false;                                  ///< whether a kernel may still post to it
+  int multiprocessors = 0, shared_memory = 0;            ///< 0: not yet asked for
 
   DeviceBuffer<std::byte> temporary;  ///< of CUB
   DeviceBuffer<std::uint64_t> total;  ///< of a scan

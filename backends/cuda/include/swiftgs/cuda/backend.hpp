@@ -73,8 +73,8 @@ class SWIFTGS_API Cuda {
   /// that is submitted to the stream, or to a fork of it, between the calls of `allocate` and of `release`,
   /// and forks are joined before `release`. So `release` may be called while work that uses the memory is
   /// still under way. It must not hand the memory out again before that work is done. A scene is released
-  /// with its last copy: streams other than this one must have drawn it by then. A few bytes of pinned host
-  /// memory are not from `memory`.
+  /// with its last copy: streams other than this one must have drawn it by then. Pinned host memory, about
+  /// 128 KiB, is not from `memory`.
   explicit Cuda(cudaStream_t stream = nullptr, const MemoryHook& memory = hook_of<DeviceMemory>());
   ~Cuda();
   /// A moved-from backend may only be assigned or destroyed.
