@@ -87,7 +87,8 @@ class BoundRenderer {
       run(plan, measures);
       report_ = stages_.report(plan);
     } else {
-      report_ = capacity_.draw_until_it_fits([&](const Capacity& capacity) {
+      FrameCapacity& known = views[0].grid.side == default_tile_side ? capacity_ : coarse_capacity_;
+      report_ = known.draw_until_it_fits([&](const Capacity& capacity) {
         plan.limits = {capacity};
         run(plan, measures);
         return stages_.report(plan);
@@ -242,8 +243,8 @@ class BoundRenderer {
     trim_parts(b, raster_counts_, hidden_, attributes_, view_storage_, recorded_storage_, scene_storage_,
                recorded_scene_storage_, resident_, picking_);
     if constexpr (requires { b.trim(); }) b.trim();
-    views_ = {}, parts_ = {}, recorded_parts_ = {}, tiles_ = {}, capacity_ = {}, recorded_ = {},
-    recorded_scenes_ = {};
+    views_ = {}, parts_ = {}, recorded_parts_ = {}, tiles_ = {}, capacity_ = {}, coarse_capacity_ = {},
+    recorded_ = {}, recorded_scenes_ = {};
     counted_ = false;
     reserved_.reset();
   }
@@ -430,9 +431,11 @@ class BoundRenderer {
   std::array<typename B::TimePoint, 4> points_{};
   bool counted_ = false, timed_ = false;
   std::size_t gaussians_ = 0;
-  FrameReport report_;                           ///< of the last frame that was not recorded
-  TileChoice tiles_;                             ///< that learnt from it
-  FrameCapacity capacity_;                       ///< of a device's frames
+  FrameReport report_;      ///< of the last frame that was not recorded
+  TileChoice tiles_;        ///< that learnt from it
+  FrameCapacity capacity_;  ///< of a device's frames
+  /// Of those with other tiles. They have fewer intersections, and launches are as large as the capacity.
+  FrameCapacity coarse_capacity_;
   Views drawn_, recorded_;                       ///< in `view_storage_` and `recorded_storage_`
   PlacedScenes drawn_scenes_, recorded_scenes_;  ///< likewise
   bool recorded_alone_ = false;                  ///< whether `reserve` was for a scene alone
