@@ -22,6 +22,7 @@
 #include <swiftgs/hidden_stage.hpp>
 #include <swiftgs/pick_stage.hpp>
 #include <swiftgs/placed_scene.hpp>
+#include <swiftgs/recorded_frames.hpp>
 #include <swiftgs/resident_frames.hpp>
 #include <swiftgs/stages.hpp>
 #include <swiftgs/statistics.hpp>
@@ -47,8 +48,8 @@ class BoundRenderer {
  public:
   BoundRenderer(B backend, StagePolicies<B> policies)
       : stages_(std::move(backend), policies.bounds, std::move(policies.sort)), raster_(policies.raster) {
-    use_memory_of(this->backend(), raster_counts_, hidden_, attributes_, view_storage_, recorded_storage_,
-                  scene_storage_, recorded_scene_storage_, resident_, picking_);
+    use_memory_of(this->backend(), raster_counts_, hidden_, attributes_, view_storage_, scene_storage_,
+                  recorded_, resident_, picking_);
   }
 
   B& backend() { return stages_.backend(); }
@@ -108,13 +109,9 @@ class BoundRenderer {
   /// use coarser tiles, and its `statistics` are then too small. Draws nothing and waits. If it throws,
   /// `record` is refused until it succeeds.
   void reserve(const PlacedScenes& scenes, Span<const View> views, Capacity capacity = {}) {
-    for (const PlacedScene& placed : scenes.each()) validate(placed);
-    reserved_.reset(), last_ = LastFrame::none;
-    set_views(views);
-    recorded_scenes_ = {}, recorded_alone_ = scenes.is_alone();
-    recorded_scenes_ = store_scenes(backend(), scenes, recorded_.each, recorded_scene_storage_,
-                                    scenes.is_alone() ? ViewAccess::any : ViewAccess::stored);
-    FramePlan plan(recorded_, recorded_scenes_);
+    last_ = LastFrame::none;
+    recorded_.prepare(backend(), scenes, views);
+    FramePlan plan(recorded_.views(), recorded_.scenes());
     const auto rehearse = [&](const Capacity& within) {
       plan.limits = {within, false};
       run(plan, {});
@@ -129,17 +126,16 @@ class BoundRenderer {
     }
     capacity.splats = std::min(capacity.splats, std::max<std::size_t>(plan.candidates(), 1));
     capacity.intersections = std::min(capacity.intersections, std::size_t(max_intersections));
-    const Reservation reserved{recorded_scenes_.gaussians(), recorded_scenes_.chunks(), recorded_.size(),
-                               recorded_.tiles, capacity};
+    const Reservation reserved = recorded_.reservation(capacity);
     if constexpr (B::reaches_host_memory) {
       stages_.reserve(reserved);
-      attributes_.reserve(recorded_, reserved);
+      attributes_.reserve(recorded_.views(), reserved);
     } else {
       // Twice, because buffers change places.
       for (int k = 0; k < 2; ++k) rehearse(capacity);
       capacity_.at_least(capacity);
     }
-    reserved_ = reserved;
+    recorded_.reserve(reserved);
   }
 
   /// Sets the views that `record` renders, in stream order. Recorded work that runs again renders them too.
@@ -147,73 +143,22 @@ class BoundRenderer {
   /// and lenses if any of those reserved is no pinhole whose depth is z. Throws `std::invalid_argument`, and
   /// changes nothing, if more changes: the number of views, a size, which placed scenes show,
   /// which planes there are, whether colours are converted.
-  void set_views(Span<const View> views) {
-    for (const View& view : views) validate(view), detail::check_tiles(view);  // before anything changes
-    PanoramaParts parts;
-    views = parts.of(views);
-    if (reserved_) {
-      if (views.size != recorded_.size())
-        detail::refuse("set_views: the number of views", views.size,
-                       std::to_string(recorded_.size()) + " as reserved");
-      for (std::size_t i = 0; i < views.size; ++i) {
-        if (!same_shape(views[i], recorded_[i]))
-          throw std::invalid_argument("set_views: the size or the planes of view " + std::to_string(i) +
-                                      " changed, expected those that were reserved");
-        if (views[i].camera.through_lens && !recorded_.through_lens)
-          throw std::invalid_argument("set_views: view " + std::to_string(i) +
-                                      " is no pinhole whose depth is z, expected those alone as reserved");
-      }
-    }
-    check_ready(backend());
-    const bool through_lens = reserved_ && recorded_.through_lens;
-    recorded_ = {};
-    recorded_ = store_views(backend(), views, recorded_storage_, ViewAccess::stored);
-    recorded_.through_lens |= through_lens;
-    recorded_parts_ = std::move(parts);
-  }
+  void set_views(Span<const View> views) { recorded_.set_views(backend(), views); }
 
   /// Sets what `record(report)` renders, in stream order: the placed scenes of the latest `reserve`, moved,
   /// clipped or made fainter, or others of as many Gaussians. Recorded work that runs again renders them too.
   /// Throws `std::invalid_argument`, and changes nothing, if more changes, or if `reserve` was called for a
   /// scene alone (one placed scene where it stands by itself is that).
-  void set_scenes(const PlacedScenes& scenes) {
-    for (const PlacedScene& placed : scenes.each()) validate(placed);
-    detail::require_for_render(reserved_.has_value(), "reserve before set_scenes");
-    if (recorded_alone_ || scenes.size() != recorded_scenes_.size())
-      detail::refuse("set_scenes: the number of placed scenes", scenes.size(),
-                     recorded_alone_ ? "a scene alone as reserved"
-                                     : std::to_string(recorded_scenes_.size()) + " as reserved");
-    for (std::size_t i = 0; i < scenes.size(); ++i)
-      if (scenes.each()[i].size() != recorded_scenes_.each()[i].size())
-        throw std::invalid_argument("set_scenes: placed scene " + std::to_string(i) + " has " +
-                                    std::to_string(scenes.each()[i].size()) + " Gaussians, expected " +
-                                    std::to_string(recorded_scenes_.each()[i].size()) + " as reserved");
-    for (const View& view : recorded_.each) check_shown(scenes, view);
-    check_ready(backend());
-    if (scenes.each().data == recorded_scenes_.each().data) return;  // changed where they are
-    recorded_scenes_ =
-        store_scenes(backend(), scenes, recorded_.each, recorded_scene_storage_, ViewAccess::stored);
-  }
+  void set_scenes(const PlacedScenes& scenes) { recorded_.set_scenes(backend(), scenes); }
 
   /// The placed scenes that `record(report)` renders, in memory of the backend, until the next `reserve` or
   /// `trim`: work in stream order may write poses, opacities and clips there, and nothing else, for frames
   /// that are recorded or run again later. A device does not draw one that is not valid (NaN, no rotation),
   /// see `refused_scenes`; a host throws. Null on a device for a scene alone.
-  PlacedScene* recorded_scenes() {
-    if (!B::reaches_host_memory && !recorded_scenes_.is_stored()) return nullptr;
-    return const_cast<PlacedScene*>(recorded_scenes_.reachable());
-  }
+  PlacedScene* recorded_scenes() { return recorded_.stored_scenes(); }
   /// Which of them the last recorded frame did not draw, of those that its views show; complete when it
   /// returns.
-  std::vector<std::size_t> refused_scenes() const {
-    std::vector<std::size_t> refused;
-    if (!recorded_scenes_.is_stored()) return refused;
-    std::vector<PlacedScene> now(recorded_scenes_.size());
-    backend().download(Span<const PlacedScene>{recorded_scenes_.reachable(), now.size()}, now.data());
-    for (std::size_t i = 0; i < now.size(); ++i)
-      if (now[i].refused != 0) refused.push_back(i);
-    return refused;
-  }
+  std::vector<std::size_t> refused_scenes() const { return recorded_.refused_scenes(backend()); }
 
   /// Renders the views that were set. It never waits, allocates or queries the device, so a CUDA graph may
   /// capture it. Writes what the frame took to `report`, in memory that the backend reaches. A frame above
@@ -224,12 +169,12 @@ class BoundRenderer {
   /// A captured graph works in the renderer's memory. It must not be launched again after `reserve`, `trim`
   /// or a larger frame of `render_into`, which move that memory.
   void record(const SceneView& scene, FrameReport* report) {
-    for (const View& view : recorded_.each)
+    for (const View& view : recorded_.views().each)
       detail::require_for_render(PlacedScenes(scene).shown(view).size == 1, "views that show the scene");
     record_scenes(scene, report);
   }
   /// The same of the scenes of `reserve` or `set_scenes`.
-  void record(FrameReport* report) { record_scenes(recorded_scenes_, report); }
+  void record(FrameReport* report) { record_scenes(recorded_.scenes(), report); }
 
   /// Gives back all memory that the renderer and its backend keep, uploaded scenes excluded, after waiting
   /// for all work submitted so far. The next frame takes it again. Views that were set and what was reserved
@@ -240,13 +185,12 @@ class BoundRenderer {
     b.wait();
     last_ = LastFrame::none;
     stages_.trim();
-    trim_parts(b, raster_counts_, hidden_, attributes_, view_storage_, recorded_storage_, scene_storage_,
-               recorded_scene_storage_, resident_, picking_);
+    trim_parts(b, raster_counts_, hidden_, attributes_, view_storage_, scene_storage_, recorded_, resident_,
+               picking_);
     if constexpr (requires { b.trim(); }) b.trim();
-    views_ = {}, parts_ = {}, recorded_parts_ = {}, tiles_ = {}, capacity_ = {}, coarse_capacity_ = {},
-    recorded_ = {}, recorded_scenes_ = {};
+    views_ = {}, parts_ = {}, tiles_ = {}, capacity_ = {}, coarse_capacity_ = {};
+    recorded_.clear();
     counted_ = false;
-    reserved_.reset();
   }
 
   /// Renders into memory of the backend that the renderer keeps: the frames, one a camera, hold until the
@@ -310,10 +254,10 @@ class BoundRenderer {
   std::vector<PickedPixel> pick(const PickRectangle& rectangle) {
     check_ready(backend());
     const bool drawn = last_ == LastFrame::drawn;
-    const Views& views = drawn ? drawn_ : recorded_;
+    const Views& views = drawn ? drawn_ : recorded_.views();
     if (last_ == LastFrame::none || views.size() == 0)
       throw std::logic_error("pick: expected a frame before");
-    return picking_.pick(stages_, views, drawn ? parts_ : recorded_parts_, rectangle);
+    return picking_.pick(stages_, views, drawn ? parts_ : recorded_.parts(), rectangle);
   }
   /// At one pixel, from the top left of the view's frame.
   PickedPixel pick(int x, int y, std::size_t view = 0) { return pick({.x = x, .y = y, .view = view})[0]; }
@@ -361,7 +305,7 @@ class BoundRenderer {
   /// and are empty after `trim`.
   StageMemory memory() const {
     StageMemory memory = stages_.memory();
-    memory.project += bytes_of(view_storage_, recorded_storage_, scene_storage_, recorded_scene_storage_);
+    memory.project += bytes_of(view_storage_, scene_storage_, recorded_);
     memory.raster += bytes_of(resident_, raster_counts_, hidden_, attributes_, picking_);
     return memory;
   }
@@ -375,26 +319,10 @@ class BoundRenderer {
   const FrameTiles& tiles() const { return stages_.tiles(); }
 
  private:
-  /// Whether frames of both have the same size, placed scenes, planes for the same outputs, and colours to
-  /// convert or not.
-  static bool same_shape(const View& a, const View& b) {
-    bool same = a.frame.width == b.frame.width && a.frame.height == b.frame.height &&
-                a.grid.side == b.grid.side && !a.frame.occluder.data == !b.frame.occluder.data;
-    for_each_plane([&](std::size_t, auto& of_a, auto& of_b) { same = same && !of_a.data == !of_b.data; },
-                   a.frame, b.frame);
-    same = same && a.frame.feature_channels == b.frame.feature_channels;
-    same = same && (a.frame.conversion == Conversion::as_is) == (b.frame.conversion == Conversion::as_is);
-    same = same && a.shows.first == b.shows.first && a.shows.count == b.shows.count;
-    return same && attribute_count(a) == attribute_count(b);
-  }
-
   void record_scenes(const PlacedScenes& scenes, FrameReport* report) {
-    detail::require_for_render(reserved_ && recorded_.size() != 0, "reserve before record");
-    detail::require_for_render(report != nullptr, "memory for the report");
-    if (scenes.gaussians() > reserved_->gaussians)
-      throw CapacityError("Gaussians in a recorded frame", scenes.gaussians(), reserved_->gaussians);
+    const FramePlan plan = recorded_.plan(scenes, report);
     last_ = LastFrame::none;
-    run(FramePlan(recorded_, scenes, {reserved_->capacity, true, report}), {});
+    run(plan, {});
     last_ = LastFrame::recorded;
     if constexpr (B::reaches_host_memory)
       if (report->overflowed != 0) last_ = LastFrame::none;  // its lists were not made
@@ -422,12 +350,13 @@ class BoundRenderer {
   typename B::template Buffer<RasterCounts> raster_counts_;
   HiddenStage<B> hidden_;
   AttributeStage<B> attributes_;
-  ViewStorage<B> view_storage_, recorded_storage_;          ///< of `render_into` and of `record`
-  SceneStorage<B> scene_storage_, recorded_scene_storage_;  ///< likewise
+  ViewStorage<B> view_storage_;    ///< of `render_into`
+  SceneStorage<B> scene_storage_;  ///< likewise
+  RecordedFrames<B> recorded_;
   ResidentFrames<B> resident_;
   PickStage<B> picking_;
-  PanoramaParts parts_, recorded_parts_;  ///< likewise
-  std::vector<View> views_;               ///< of `render_resident` and `render`
+  PanoramaParts parts_;      ///< of the last frame that was not recorded
+  std::vector<View> views_;  ///< of `render_resident` and `render`
   std::array<typename B::TimePoint, 4> points_{};
   bool counted_ = false, timed_ = false;
   std::size_t gaussians_ = 0;
@@ -436,11 +365,9 @@ class BoundRenderer {
   FrameCapacity capacity_;  ///< of a device's frames
   /// Of those with other tiles. They have fewer intersections, and launches are as large as the capacity.
   FrameCapacity coarse_capacity_;
-  Views drawn_, recorded_;                       ///< in `view_storage_` and `recorded_storage_`
-  PlacedScenes drawn_scenes_, recorded_scenes_;  ///< likewise
-  bool recorded_alone_ = false;                  ///< whether `reserve` was for a scene alone
+  Views drawn_;                ///< in `view_storage_`
+  PlacedScenes drawn_scenes_;  ///< in `scene_storage_`
   enum class LastFrame { none, drawn, recorded } last_ = LastFrame::none;
-  std::optional<Reservation> reserved_;
 };
 
 }  // namespace swiftgs

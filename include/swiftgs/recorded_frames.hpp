@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include <swiftgs/backend.hpp>
+#include <swiftgs/frame_plan.hpp>
+#include <swiftgs/placed_scene.hpp>
+#include <swiftgs/plane/attributes.hpp>
+#include <swiftgs/tiles.hpp>
+#include <swiftgs/view.hpp>
+#include <swiftgs/views.hpp>
+
+namespace swiftgs {
+
+/// What recorded frames on backend `B` show, and what was reserved for them. Between two reservations only
+/// what replayed work reads from memory may change.
+template <class B>
+class RecordedFrames {
+ public:
+  const Views& views() const { return views_; }
+  const PanoramaParts& parts() const { return parts_; }
+  const PlacedScenes& scenes() const { return scenes_; }
+
+  /// Takes what to reserve for. Nothing is reserved until `reserve`.
+  void prepare(B& b, const PlacedScenes& scenes, Span<const View> views) {
+    for (const PlacedScene& placed : scenes.each()) validate(placed);
+    reserved_.reset();
+    set_views(b, views);
+    scenes_ = {}, alone_ = scenes.is_alone();
+    scenes_ =
+        store_scenes(b, scenes, views_.each, scene_storage_, alone_ ? ViewAccess::any : ViewAccess::stored);
+  }
+  Reservation reservation(const Capacity& capacity) const {
+    return {scenes_.gaussians(), scenes_.chunks(), views_.size(), views_.tiles, capacity};
+  }
+  void reserve(const Reservation& reserved) { reserved_ = reserved; }
+  /// Forgets views and reservation.
+  void clear() { views_ = {}, parts_ = {}, scenes_ = {}, reserved_.reset(); }
+
+  /// Throws `std::invalid_argument`, and changes nothing, for views that nothing can be rendered of, and for
+  /// those that what is reserved does not suit.
+  void set_views(B& b, Span<const View> views) {
+    for (const View& view : views) validate(view), detail::check_tiles(view);
+    PanoramaParts parts;
+    views = parts.of(views);
+    if (reserved_) check_suits(views);
+    check_ready(b);
+    const bool through_lens = reserved_ && views_.through_lens;
+    views_ = {};
+    views_ = store_views(b, views, view_storage_, ViewAccess::stored);
+    views_.through_lens |= through_lens;
+    parts_ = std::move(parts);
+  }
+
+  /// The same for placed scenes.
+  void set_scenes(B& b, const PlacedScenes& scenes) {
+    for (const PlacedScene& placed : scenes.each()) validate(placed);
+    detail::require_for_render(reserved_.has_value(), "reserve before set_scenes");
+    if (alone_ || scenes.size() != scenes_.size())
+      detail::refuse("set_scenes: the number of placed scenes", scenes.size(),
+                     alone_ ? "a scene alone as reserved" : std::to_string(scenes_.size()) + " as reserved");
+    for (std::size_t i = 0; i < scenes.size(); ++i)
+      if (scenes.each()[i].size() != scenes_.each()[i].size())
+        throw std::invalid_argument("set_scenes: placed scene " + std::to_string(i) + " has " +
+                                    std::to_string(scenes.each()[i].size()) + " Gaussians, expected " +
+                                    std::to_string(scenes_.each()[i].size()) + " as reserved");
+    for (const View& view : views_.each) check_shown(scenes, view);
+    check_ready(b);
+    if (scenes.each().data == scenes_.each().data) return;  // changed where they are
+    scenes_ = store_scenes(b, scenes, views_.each, scene_storage_, ViewAccess::stored);
+  }
+
+  /// Placed scenes in memory of the backend; null on a device for a scene alone.
+  PlacedScene* stored_scenes() {
+    if (!B::reaches_host_memory && !scenes_.is_stored()) return nullptr;
+    return const_cast<PlacedScene*>(scenes_.reachable());
+  }
+  /// Which of them the last frame did not draw; complete when it returns.
+  std::vector<std::size_t> refused_scenes(const B& b) const {
+    std::vector<std::size_t> refused;
+    if (!scenes_.is_stored()) return refused;
+    std::vector<PlacedScene> now(scenes_.size());
+    b.download(Span<const PlacedScene>{scenes_.reachable(), now.size()}, now.data());
+    for (std::size_t i = 0; i < now.size(); ++i)
+      if (now[i].refused != 0) refused.push_back(i);
+    return refused;
+  }
+
+  /// A frame of `scenes` that reports to `report`. Throws `std::invalid_argument` if nothing is reserved, and
+  /// `CapacityError` if it was reserved for fewer Gaussians.
+  FramePlan plan(const PlacedScenes& scenes, FrameReport* report) const {
+    detail::require_for_render(reserved_ && views_.size() != 0, "reserve before record");
+    detail::require_for_render(report != nullptr, "memory for the report");
+    if (scenes.gaussians() > reserved_->gaussians)
+      throw CapacityError("Gaussians in a recorded frame", scenes.gaussians(), reserved_->gaussians);
+    return FramePlan(views_, scenes, {reserved_->capacity, true, report});
+  }
+
+  static auto buffers(auto& self) { return std::tie(self.view_storage_, self.scene_storage_); }
+
+ private:
+  void check_suits(Span<const View> views) const {
+    if (views.size != views_.size())
+      detail::refuse("set_views: the number of views", views.size,
+                     std::to_string(views_.size()) + " as reserved");
+    for (std::size_t i = 0; i < views.size; ++i) {
+      if (!same_shape(views[i], views_[i]))
+        throw std::invalid_argument("set_views: the size or the planes of view " + std::to_string(i) +
+                                    " changed, expected those that were reserved");
+      if (views[i].camera.through_lens && !views_.through_lens)
+        throw std::invalid_argument("set_views: view " + std::to_string(i) +
+                                    " is no pinhole whose depth is z, expected those alone as reserved");
+    }
+  }
+
+  /// Whether frames of both have the same size, placed scenes, planes for the same outputs, and colours to
+  /// convert or not.
+  static bool same_shape(const View& a, const View& b) {
+    bool same = a.frame.width == b.frame.width && a.frame.height == b.frame.height &&
+                a.grid.side == b.grid.side && !a.frame.occluder.data == !b.frame.occluder.data;
+    for_each_plane([&](std::size_t, auto& of_a, auto& of_b) { same = same && !of_a.data == !of_b.data; },
+                   a.frame, b.frame);
+    same = same && a.frame.feature_channels == b.frame.feature_channels;
+    same = same && (a.frame.conversion == Conversion::as_is) == (b.frame.conversion == Conversion::as_is);
+    same = same && a.shows.first == b.shows.first && a.shows.count == b.shows.count;
+    return same && attribute_count(a) == attribute_count(b);
+  }
+
+  ViewStorage<B> view_storage_;
+  SceneStorage<B> scene_storage_;
+  Views views_;          ///< in `view_storage_`
+  PlacedScenes scenes_;  ///< in `scene_storage_`
+  PanoramaParts parts_;
+  bool alone_ = false;  ///< whether the reservation was for a scene alone
+  std::optional<Reservation> reserved_;
+};
+
+}  // namespace swiftgs
