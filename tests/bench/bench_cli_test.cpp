@@ -142,6 +142,15 @@ TEST_CASE("bench: images show the planes of the first view") {
   CHECK(measured(place, command).at("rows")[0].at("plane_images").empty());
 }
 
+TEST_CASE("bench: rows say how harmonics are kept") {
+  const TemporaryFolder place;
+  const auto kept = [&](const std::string& asked) {
+    return measured(place, "builtin:50 --views 0" + one + asked).at("rows")[0].at("harmonics");
+  };
+  CHECK(kept(" --harmonics float") == "floats");
+  CHECK(kept(" --harmonics half") == "halves");
+}
+
 TEST_CASE("bench: errors are left out of the views that are not asked for") {
   const TemporaryFolder place;
   const Json rows = measured(place, "builtin:500 --views 0,2 --errors 1" + one).at("rows");

@@ -50,6 +50,7 @@ Json json_of(const RowResult& r) {
   json["backend"] = words.backend, json["sort"] = words.sort;
   json["raster"] = words.raster, json["bounds"] = words.bounds;
   json["planes"] = r.planes;
+  json["harmonics"] = r.harmonics;
   json["frames"] = r.frames;
   json["batch"] = r.batch;
   json["ms"] = {{"project", json_of(r.ms.project)},

@@ -82,7 +82,8 @@ struct RowResult {
   Place place;
   int threads = 0;
   std::string renderer;
-  std::string planes;  ///< beside colour, as `--planes` has them
+  std::string planes;     ///< beside colour, as `--planes` has them
+  std::string harmonics;  ///< how they are kept, as `name_of` says it
   int frames = 0;
   std::size_t batch = 1;  ///< views of each frame; `ms` are its durations over their number
   Durations ms;
@@ -97,10 +98,11 @@ struct RowResult {
   std::vector<PlaneImage> plane_images;
 
   static auto members(auto& self) {
-    return std::tie(self.place, self.threads, self.renderer, self.planes, self.frames, self.batch, self.ms,
-                    self.errors, self.photo, self.visible, self.intersections, self.contributing_pairs,
-                    self.segments, self.pixels_joined, self.longest_item, self.counted_ms, self.bytes,
-                    self.device_bytes, self.host_bytes, self.image, self.error_image, self.plane_images);
+    return std::tie(self.place, self.threads, self.renderer, self.planes, self.harmonics, self.frames,
+                    self.batch, self.ms, self.errors, self.photo, self.visible, self.intersections,
+                    self.contributing_pairs, self.segments, self.pixels_joined, self.longest_item,
+                    self.counted_ms, self.bytes, self.device_bytes, self.host_bytes, self.image,
+                    self.error_image, self.plane_images);
   }
 };
 

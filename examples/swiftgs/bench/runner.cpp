@@ -143,6 +143,7 @@ RowResult Runner::row_of(const Session& session, std::size_t view, Subject& subj
   row.place = place_of(session, view);
   row.threads = session.threads;
   row.renderer = renderer.name(), row.planes = options_.planes;
+  row.harmonics = renderer.harmonics(0);
   row.frames = samples.frames();
   row.batch = options_.batch;
   row.ms = samples.summary();
