@@ -1,0 +1,240 @@
+#!/usr/bin/env bash
+# SPDX-License-Identifier: Apache-2.0
+#
+# Checks a release beyond what ./test.sh has time for. Works in build/release_check, says what is skipped and why, and
+# ends with one line, 'N passed, N failed, N skipped'. Fresh systems need root and the mirrors of Debian and Ubuntu.
+#   cmake/release_check.sh                       packages, wheel and reproducible
+#   cmake/release_check.sh packages              Debian packages: built, checked, and used in fresh systems
+#   cmake/release_check.sh wheel                 the Python wheel: built, and used in fresh systems
+#   cmake/release_check.sh reproducible          the libraries and the wheel have the same bytes wherever they are built
+#   cmake/release_check.sh kernels               no kernel spills more than tests/cuda/kernel_resources.csv says
+#   cmake/release_check.sh fuzz SECONDS          every fuzz target for SECONDS; writes executions and coverage
+set -uo pipefail
+source=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+out=$source/build/release_check
+roots=$out/roots  # fresh systems: made and removed here alone
+cd "$source" && cmake/setup.sh release && mkdir -p "$out" || exit 1
+
+# NAME SUITE SCRIPT MIRROR: systems that packages are tested on. Debian 12 has no debootstrap script for Ubuntu 24.04,
+# but one is the same for all of Ubuntu.
+systems='debian-12 bookworm bookworm http://deb.debian.org/debian
+ubuntu-24.04 noble gutsy http://archive.ubuntu.com/ubuntu'
+names=$(cut -d ' ' -f 1 <<<"$systems")
+export CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
+here=$(. /etc/os-release && echo "$ID-$VERSION_ID")
+
+passed=0 failed=0 skipped=0
+check() {  # check NAME COMMAND...: its words go to a file
+  local log=$out/${1//[^A-Za-z0-9.]/-}.log
+  if "${@:2}" >"$log" 2>&1; then
+    echo "ok: $1"
+    passed=$((passed + 1))
+  else
+    echo "FAILED: $1; see $log"
+    tail -n 5 "$log"
+    failed=$((failed + 1))
+    return 1
+  fi
+}
+skip() {  # skip NAME REASON
+  echo "skipped: $1: $2"
+  skipped=$((skipped + 1))
+}
+
+# The one line that removes folders: those of these names, which this script has made.
+remove() {
+  case $1 in
+    debian-12 | debian-12-build | ubuntu-24.04 | ubuntu-24.04-build | elsewhere) ;;
+    *) echo "release_check: expected a system's name, found '$1'" >&2; exit 1 ;;
+  esac
+  rm -rf --one-file-system "$source/build/release_check/roots/$1"
+}
+
+# make_root NAME [FOLDER]: a fresh minimal system in the folder of that name.
+make_root() {
+  local folder=${2:-$1} keys=/usr/share/keyrings/${1%%-*}-archive-keyring.gpg suite script mirror
+  read -r _ suite script mirror < <(grep "^$1 " <<<"$systems")
+  remove "$folder"
+  mkdir -p "$roots"
+  debootstrap --variant=minbase --components=main,universe --keyring="$keys" "$suite" "$roots/$folder" "$mirror" \
+    "/usr/share/debootstrap/scripts/$script"
+}
+
+# Why no fresh system of that name can be made; nothing where it can.
+missing_for_root() {
+  local suite mirror keys=/usr/share/keyrings/${1%%-*}-archive-keyring.gpg
+  read -r _ suite _ mirror < <(grep "^$1 " <<<"$systems")
+  if [ "$(id -u)" -ne 0 ]; then echo "root makes fresh systems"
+  elif ! command -v debootstrap >/dev/null; then echo "no debootstrap here (package debootstrap)"
+  elif [ ! -e "$keys" ]; then echo "no $keys here"
+  elif ! /usr/lib/apt/apt-helper download-file "$mirror/dists/$suite/Release" "$out/$1.release" >/dev/null 2>&1; then
+    echo "$mirror is out of reach"
+  fi
+}
+
+# inside FOLDER COMMAND...: in that system, whose mounts end with the command.
+inside() {
+  env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
+    CMAKE_BUILD_PARALLEL_LEVEL="$CMAKE_BUILD_PARALLEL_LEVEL" \
+    unshare --mount --pid --fork --mount-proc="$roots/$1/proc" chroot "$roots/$1" "${@:2}"
+}
+
+copy_sources() {  # copy_sources FOLDER
+  mkdir -p "$1"
+  git ls-files -z --cached --others --exclude-standard | tar --null -T - -c --ignore-failed-read | tar -x -C "$1"
+}
+
+build_packages() {  # build_packages FOLDER: also run within other systems, where $source is another folder
+  cmake --preset distribution -B "$1" -DSWIFTGS_BUILD_CUDA=OFF && cmake --build "$1" &&
+    (cd "$1" && rm -f packages/*.deb && cpack -B packages)
+}
+
+build_packages_in() {  # build_packages_in NAME FOLDER: what they need is installed from cmake/packages.txt
+  make_root "$1" "$1-build" && copy_sources "$roots/$1-build/swiftgs" &&
+    inside "$1-build" bash -ec "cd /swiftgs; apt-get -q update; apt-get -q install -y dpkg-dev file python3
+      cmake/setup.sh build; $(declare -f build_packages); build_packages /swiftgs/build/packages" &&
+    mkdir -p "$2/packages" && cp "$roots/$1-build/swiftgs/build/packages/packages"/*.deb "$2/packages"
+}
+
+no_file_twice() {  # no_file_twice PACKAGE...
+  local twice
+  twice=$(for package; do dpkg-deb --fsys-tarfile "$package" | tar -t; done | grep -v '/$' | sort | uniq -d)
+  [ -z "$twice" ] || { echo "in two packages: $twice"; return 1; }
+}
+
+use_packages() {  # use_packages NAME FOLDER: what people do with them, in a fresh system
+  make_root "$1" && mkdir -p "$roots/$1/check" &&
+    cp -r "$2/packages"/*.deb tests/install/consumer tests/install/c_consumer examples/00_readme.cpp \
+      examples/07_c_render.c "$roots/$1/check" &&
+    cp cmake/release_use.sh "$roots/$1/check/" && inside "$1" bash /check/release_use.sh packages
+}
+
+packages() {
+  local name reason folder
+  for name in $names; do
+    reason=$(missing_for_root "$name")
+    folder=$out/$name
+    if [ "$name" = "$here" ]; then
+      check "packages of $name: they build" build_packages "$folder" || continue
+    elif [ -n "$reason" ]; then
+      skip "packages of $name" "$reason"
+      continue
+    else
+      check "packages of $name: they build in a fresh system" build_packages_in "$name" "$folder" || continue
+      remove "$name-build"
+    fi
+    check "packages of $name: no file is in two" no_file_twice "$folder/packages"/*.deb
+    if command -v lintian >/dev/null; then
+      check "packages of $name: lintian finds no error" lintian --allow-root --fail-on error "$folder/packages"/*.deb
+    else
+      skip "packages of $name: lintian" "no lintian here (package lintian)"
+    fi
+    if [ -n "$reason" ]; then
+      skip "packages of $name: use" "$reason"
+    else
+      check "packages of $name: C++ and C and Python and the tool in a fresh system" \
+        use_packages "$name" "$folder"
+      remove "$name"
+    fi
+  done
+}
+
+build_wheel() {  # build_wheel SOURCES BUILD FOLDER
+  (cd "$1" && cmake --preset distribution -B "$2" -DBUILD_SHARED_LIBS=OFF -DSWIFTGS_BUILD_CUDA=OFF \
+    -DSWIFTGS_BUILD_EXAMPLES=OFF && cmake --build "$2" && rm -f "$3"/*.whl &&
+    python3 backends/python/wheel.py "$2" "$3")
+}
+
+use_wheel() {  # use_wheel NAME
+  make_root "$1" && mkdir -p "$roots/$1/check" &&
+    cp "$out/dist"/*.whl cmake/release_use.sh "$roots/$1/check" && inside "$1" bash /check/release_use.sh wheel
+}
+
+wheel() {
+  local name reason
+  check "wheel: it builds and loads nothing but its own and what every Linux has" \
+    build_wheel "$source" "$out/wheel" "$out/dist" || return
+  for name in $names; do
+    reason=$(missing_for_root "$name")
+    if [ -n "$reason" ]; then
+      skip "wheel: $name" "$reason"
+    else
+      check "wheel: it draws on a fresh $name" use_wheel "$name"
+      remove "$name"
+    fi
+  done
+}
+
+same_bytes() {
+  local again=$roots/elsewhere/sources dist=$roots/elsewhere/dist file other count=0
+  remove elsewhere
+  copy_sources "$again" && CCACHE_DISABLE=1 build_wheel "$again" "$again/build/again" "$dist" || return 1
+  for file in "$out/wheel"/backends/{,*/}*.a "$out/wheel"/backends/c/*.so.*.* "$out/dist"/*.whl; do
+    other=$again/build/again${file#"$out/wheel"}
+    [ "$file" = "${file#"$out/dist"}" ] || other=$dist${file#"$out/dist"}
+    cmp "$file" "$other" || return 1
+    count=$((count + 1))
+  done
+  [ "$count" -eq 5 ]  # three libraries of C++, the C interface, and the wheel
+}
+
+reproducible() {
+  check "reproducible: a build to compare with" build_wheel "$source" "$out/wheel" "$out/dist" || return
+  check "reproducible: another folder gives the same bytes" same_bytes
+  remove elsewhere
+}
+
+kernels() {
+  local table=tests/cuda/kernel_resources.csv
+  if [ -z "$(command -v nvcc || ls /usr/local/cuda/bin/nvcc 2>/dev/null)" ]; then
+    skip kernels "no nvcc here"
+    return
+  fi
+  check "kernels: a build for every kind of GPU" cmake --preset distribution -B "$out/kernels" || return
+  check "kernels: none spills more than $table says" python3 -B benchmarks/kernel_resources.py "$out/kernels" "$table"
+}
+
+# One target for SECONDS; writes a line of the table: executions, edges reached and edges in the program.
+fuzz_target() {  # fuzz_target PROGRAM SECONDS
+  local name folder
+  name=$(basename "$1")
+  folder=$(dirname "$1")
+  mkdir -p "$folder/${name}_corpus"
+  "$1" -max_total_time="$2" -timeout=10 -rss_limit_mb=2048 -print_final_stats=1 -artifact_prefix="$folder/$name-" \
+    "$folder/${name}_corpus" tests/fuzz/seeds/"${name#fuzz_}" >"$out/$name.log" 2>&1 || return 1
+  awk -v name="${name#fuzz_}" '
+    /^INFO: Loaded .*counters/ { match($0, /\([0-9]+ inline/); all = substr($0, RSTART + 1, RLENGTH - 8) }
+    /cov: [0-9]+ ft: [0-9]+/ { for (i = 1; i < NF; ++i) { if ($i == "cov:") cov = $(i + 1)
+                                                          if ($i == "ft:") ft = $(i + 1) }
+                               if (cov != last) { last = cov; split($1, at, "#"); grown = at[2] } }
+    /^stat::number_of_executed_units/ { executions = $2 }
+    END { printf "| %s | %d | %d | %d | %d | %d |\n", name, executions, cov, all, ft, grown }' "$out/$name.log" \
+    >"$out/$name.row"
+}
+
+fuzz() {  # fuzz SECONDS
+  local target
+  command -v clang++ >/dev/null || { skip fuzz "no clang++ here (package clang)"; return; }
+  check "fuzz: the targets build" bash -c 'cmake --preset fuzz && cmake --build --preset fuzz' || return
+  rm -f "$out"/fuzz_*.row
+  for target in build/fuzz/tests/fuzz/fuzz_*; do
+    [ -f "$target" ] && [ -x "$target" ] || continue
+    check "fuzz: $(basename "$target") survives $1 seconds" fuzz_target "$target" "$1"
+  done
+  {
+    echo "| target | executions | edges reached | edges | features | execution that last reached a new edge |"
+    echo "| --- | ---: | ---: | ---: | ---: | ---: |"
+    cat "$out"/fuzz_*.row
+  } | tee "$out/fuzz.md"
+}
+
+case "${1:-all}" in
+  all) packages; wheel; reproducible ;;
+  packages | wheel | reproducible | kernels) "$1" ;;
+  fuzz)
+    [[ "${2:-}" =~ ^[1-9][0-9]*$ ]] || { echo "usage: cmake/release_check.sh fuzz SECONDS" >&2; exit 2; }
+    fuzz "$2" ;;
+  *) sed -n 's/^#   //p' "$0" >&2; exit 2 ;;
+esac
+echo "$passed passed, $failed failed, $skipped skipped"
+[ "$failed" -eq 0 ]
