@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/residency.cuh>
 
 #include "lane_blender.cuh"
 
@@ -133,7 +134,8 @@ inline constexpr std::uint32_t least_left_to_help =
 /// Blends the list of one raster block: one thread block per raster block, one warp per warp block. If
 /// `shared`, pushes the rest of a long traversal to the work queues.
 template <class Exponent, bool threshold, Extras extras, bool shared, class ViewSource>
-__global__ void __launch_bounds__(raster_threads, (raster_occupancy<Exponent, extras>))
+__global__ void __launch_bounds__(raster_threads,
+                                  (resident_blocks(raster_occupancy<Exponent, extras>, raster_threads)))
     raster_warps(const __grid_constant__ RasterInput<ViewSource> input,
                  const __grid_constant__ WorkQueues work_queues, std::uint32_t warps_at_once) {
   if constexpr (shared) let_next_start();
