@@ -57,7 +57,8 @@ int main(int argc, char** argv) {
   const glm::mat4 view =
       glm::lookAt(glm::vec3(-0.9f, -1.5f, -4.0f), glm::vec3(0.03f, -0.9f, 0), glm::vec3(0, -1, 0));
   const glm::mat4 projection = glm::perspective(0.76f, float(width) / height, 0.1f, 500.0f);
-  const auto [camera, stored_depth] = camera_from(view, projection, width, height, ClipSpace::opengl);
+  const HostCamera host_camera = camera_from(view, projection, width, height, ClipSpace::opengl);
+  const Camera& camera = host_camera.camera;
   const HostFrame host = draw(camera, projection);
 
   // Lay the splats over a copy of the host's image, so that the two can be compared below.
@@ -78,7 +79,7 @@ int main(int argc, char** argv) {
                         .alpha = {alpha.data(), sizeof(float) * width},
                         .depth = {depth.data(), sizeof(float) * width},
                         .occluder = {host.depth.data(), sizeof(float) * width},
-                        .stored_depth = stored_depth,
+                        .stored_depth = host_camera.stored_depth,
                         .over = true});
 
   if (argc > 1) {
@@ -92,7 +93,7 @@ int main(int argc, char** argv) {
   // surface. Depths are rounded.
   std::size_t wrong = 0, hosts = 0, mixed = 0;
   for (std::size_t i = 0; i < image.size(); ++i) {
-    const float surface = stored_depth.depth(host.depth[i]);
+    const float surface = host_camera.stored_depth.depth(host.depth[i]);
     wrong += alpha[i] == 0 ? image[i] != host.image[i] : depth[i] > 1.00001f * surface;
     hosts += alpha[i] == 0, mixed += alpha[i] > 0 && host.depth[i] < 1;
   }

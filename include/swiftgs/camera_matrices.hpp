@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <concepts>
+#include <cstddef>
 #include <cstdio>
 #include <stdexcept>
 #include <string>
@@ -30,7 +31,23 @@ enum class ClipSpace {
 /// A program's own camera.
 struct HostCamera {
   Camera camera;
-  StoredDepth stored_depth;  ///< of its depth buffer, for `FrameView::stored_depth`
+  StoredDepth stored_depth;       ///< of its depth buffer, for `FrameView::stored_depth`
+  bool bottom_row_first = false;  ///< in its memory, as images of OpenGL lie there
+
+  /// A frame in the program's memory: `colour` of `format`, and its depth buffer as stored, or null. Rows lie
+  /// densely.
+  FrameView frame(void* colour, const float* depth, PixelFormat format = PixelFormat::rgba_8) const {
+    const auto plane = [&]<class T>(T* first, std::size_t bytes) {
+      const Plane<T> down{first, std::ptrdiff_t(bytes) * camera.width};
+      return bottom_row_first ? Plane<T>{down.from(0, camera.height - 1).data, -down.pitch} : down;
+    };
+    return {.width = camera.width,
+            .height = camera.height,
+            .colour = plane(colour, bytes_per_pixel(format)),
+            .format = format,
+            .occluder = plane(depth, sizeof(float)),
+            .stored_depth = stored_depth};
+  }
 };
 
 /// A program's matrices, for vectors that are columns: clip = projection * view * world.
@@ -188,6 +205,7 @@ inline HostCamera camera_of(const Matrix4& view, const Matrix4& projection, int 
   double a = forward * m[2][2], b = m[2][3];
   if (clip == ClipSpace::opengl) a = 0.5 * (a + 1), b = 0.5 * b;
   host.stored_depth = {0, 1, 1 / b, -a / b};
+  host.bottom_row_first = clip == ClipSpace::opengl;
   return host;
 }
 

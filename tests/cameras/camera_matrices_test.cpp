@@ -166,6 +166,32 @@ TEST_CASE("camera matrices: the camera that they are of comes back") {
   }
 }
 
+TEST_CASE("camera matrices: a frame lies as the program's images do") {
+  const Camera camera = look_at(eye, target, up, 0.9, width, height);
+  std::vector<unsigned char> image(8 * width * height);
+  std::vector<float> depth(width * height);
+  for (const ClipSpace clip : {ClipSpace::opengl, ClipSpace::vulkan, ClipSpace::direct3d}) {
+    CAPTURE(int(clip));
+    const CameraMatrices m = matrices(camera, 0.1, 50, clip);
+    const HostCamera host = camera_from(m.view, m.projection, width, height, clip);
+    const FrameView frame = host.frame(image.data(), depth.data(), PixelFormat::rgba_half);
+    CHECK(frame.width == width);
+    CHECK(frame.height == height);
+    CHECK(frame.format == PixelFormat::rgba_half);
+    CHECK(!frame.over);
+    const int top = clip == ClipSpace::opengl ? height - 1 : 0;
+    for (const int y : {0, 1, height - 1}) {
+      const int row = std::abs(top - y);
+      CHECK(frame.colour.row(std::size_t(y)) == &image[std::size_t(8 * width * row)]);
+      CHECK(frame.occluder.row(std::size_t(y)) == &depth[std::size_t(width * row)]);
+    }
+    depth[std::size_t(width * std::abs(top - 2) + 3)] = 1;
+    CHECK(frame.occluder_at(3, 2) == doctest::Approx(50));
+    CHECK(host.frame(image.data(), nullptr).occluder.data == nullptr);
+    CHECK(bytes_per_pixel(host.frame(image.data(), nullptr).format) == 4);
+  }
+}
+
 TEST_CASE("camera matrices: the near plane of a float matrix stays where it is") {
   // A depth of 0 or 1, at a ratio of 1e7 and whatever the far plane has become.
   const Camera camera = look_at(eye, target, up, 0.9, width, height);
