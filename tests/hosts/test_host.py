@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Runs an example that opens a window: XVFB EXAMPLE EXPECTED_PICTURE."""
+import contextlib
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+XVFB, EXAMPLE, EXPECTED_PICTURE = sys.argv[1:]
+
+
+@contextlib.contextmanager
+def display(*arguments):
+    """The environment of programs on a screen of their own, drawn on the processor."""
+    server = subprocess.Popen([XVFB, "-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp", *arguments],
+                              stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    try:
+        number = server.stdout.readline().strip()
+        yield {**os.environ, "DISPLAY": f":{number}", "LIBGL_ALWAYS_SOFTWARE": "1"}
+    finally:
+        server.terminate()
+        server.communicate()
+
+
+def run(environment, *arguments):
+    return subprocess.run([EXAMPLE, *arguments], env=environment, capture_output=True, text=True, check=False,
+                          timeout=300)
+
+
+class Host(unittest.TestCase):
+    def test_it_shows_what_the_library_composes(self):
+        with tempfile.TemporaryDirectory() as folder, display() as environment:
+            picture = pathlib.Path(folder) / "picture.png"
+            ran = run(environment, "--screenshot", str(picture))
+            self.assertEqual((ran.returncode, ran.stdout, ran.stderr), (0, "", ""))
+            compared = subprocess.run([EXPECTED_PICTURE, str(picture)], capture_output=True, text=True, check=False)
+        print(compared.stdout)
+        self.assertEqual((compared.returncode, compared.stderr), (0, ""), compared.stdout)
+
+    def one_line(self, environment):
+        ran = run(environment)
+        self.assertGreater(ran.returncode, 0)
+        self.assertRegex(ran.stderr, rf"\A{pathlib.Path(EXAMPLE).name}: [^\n]*expected a display[^\n]*\n\Z")
+
+    def test_without_a_display_it_says_so_in_one_line(self):
+        self.one_line({name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")})
+
+    def test_on_a_display_without_opengl_it_says_so_in_one_line(self):
+        with display("-extension", "GLX") as environment:
+            self.one_line(environment)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])
