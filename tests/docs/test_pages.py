@@ -22,6 +22,7 @@ NUMBER = rf"(?:\d+(?:\.\d+)?|\b(?:{'|'.join(WORDS)})\b(?: of)?)"
 DECIBELS = re.compile(rf"({NUMBER}(?:\s*(?:to|and|or|-|–)\s*{NUMBER})*)\s*(?:dB|[Dd]ecibels?)\b")
 TESTED = re.compile(r"<!-- tested: (\S+) -->")
 TESTS = ("tests/", "benchmarks/tests/")
+QUOTED = re.compile(r"^<!-- lines of (\S+) -->\n```\w*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 COLUMNS = 120
 
 
@@ -89,10 +90,24 @@ def long_lines(root, page):
     return wrong
 
 
+def misquoted(root, page):
+    """Quoted lines that do not stand in their file, in this order."""
+    wrong = []
+    for name, quoted in QUOTED.findall(page.read_text(encoding="utf-8")):
+        lines = iter(line.strip() for line in (root / name).read_text(encoding="utf-8").split("\n"))
+        missing = [line for line in quoted.split("\n") if line.strip() and line.strip() not in lines]
+        wrong += [f"{page.relative_to(root)}: '{line}' is not in {name} behind those before it" for line in missing[:1]]
+    return wrong
+
+
 class Pages(unittest.TestCase):
     def test_every_decibel_is_generated_or_tested(self):
         self.assertGreater(len(pages(ROOT)), 10)
         self.assertEqual("\n".join(line for page in pages(ROOT) for line in untested(ROOT, page)), "")
+
+    def test_quoted_lines_are_those_of_their_files(self):
+        self.assertGreater(sum(len(QUOTED.findall(page.read_text(encoding="utf-8"))) for page in pages(ROOT)), 0)
+        self.assertEqual("\n".join(line for page in pages(ROOT) for line in misquoted(ROOT, page)), "")
 
     def test_lines_of_prose_fit(self):
         self.assertEqual("\n".join(line for page in pages(ROOT) for line in long_lines(ROOT, page)), "")
@@ -135,6 +150,13 @@ class Checks(unittest.TestCase):
         block = "<!-- table: steps gpu -->\n\n| 95 dB |\n\n<!-- end -->\n"
         self.assertEqual(self.wrong(block), [])
         self.assertEqual(len(self.wrong(f"At 95 dB\n{block}and 94 dB")), 2)
+
+    def test_lines_that_a_file_does_not_have_in_this_order_are_found(self):
+        quote = "Text.\n\n<!-- lines of tests/some_test.cpp -->\n```cpp\n{}\n```\n"
+        for lines in ("CHECK(floor >= 95);\n\n  CHECK(x > 1.5);", "CHECK(x > 1.5);"):
+            self.assertEqual(self.wrong(quote.format(lines), misquoted), [])
+        for lines in ("CHECK(floor >= 9);", "CHECK(x > 1.5);\nCHECK(floor >= 95);"):
+            self.assertEqual(len(self.wrong(quote.format(lines), misquoted)), 1)
 
     def test_long_lines_of_prose_are_found(self):
         words = 30 * "word "
