@@ -446,7 +446,7 @@ class Renderer:
         """Draws what `reserve` and `set_views` were given, without a wait and in the order of the renderer's stream
         alone: what else works on the arrays must be on that stream. A CUDA graph may capture it, such as
         `with torch.cuda.graph(graph, stream=stream): renderer.record()` with `Renderer("cuda", stream=stream)`.
-        docs/embedding.md says what may change between replays. Keep the frame as long as the graph."""
+        docs/scenes.md says what may change between replays. Keep the frame as long as the graph."""
         if self._recorded is None:
             raise ValueError("record: nothing was reserved, expected Renderer.reserve before")
         lib.renderer_record(self._open(), ctypes.c_void_p(self._report._memory.pointer) if self.on_device else

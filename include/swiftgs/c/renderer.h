@@ -190,7 +190,7 @@ typedef struct swiftgs_capacity {
 } swiftgs_capacity;
 
 /// Takes all memory that `swiftgs_renderer_record` needs for `frame`, sets its views, draws nothing and
-/// waits. `capacity` may be NULL. docs/embedding.md says what may change between recorded frames.
+/// waits. `capacity` may be NULL. docs/scenes.md says what may change between recorded frames.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_reserve(swiftgs_renderer* renderer, const swiftgs_frame* frame,
                                                       const swiftgs_capacity* capacity);
 /// Sets the views that recorded frames draw, in stream order: as many as were reserved, of the same sizes and
