@@ -4,6 +4,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -77,10 +78,12 @@ TEST_CASE("no device: every use of the backend throws the call that failed and w
   CHECK(names(device_error([&] { DeviceMemory::allocate(16); }), "cudaMalloc"));
   std::uint32_t word = 1;
   CHECK(names(device_error([&] { cuda.clear(&word, 4); }), "cudaMemsetAsync"));
-  CHECK(names(device_error([&] {
-                cuda.download(Span<const std::uint32_t>{&word, 1}, &word);
-              }),
-              "cudaMemcpyAsync to the host"));
+  const auto download = [&](std::size_t count) {
+    std::vector<std::uint32_t> words(count);
+    cuda.download(Span<const std::uint32_t>{words.data(), count}, words.data());
+  };
+  CHECK(names(device_error([&] { download(1); }), "cudaMallocHost"));
+  CHECK(names(device_error([&] { download(100'000); }), "cudaMemcpyAsync to the host"));
   CHECK(device_error([&] { cuda.exclusive_scan({&word, 1}); }) != "no error");
   CHECK(word == 1);
 }
