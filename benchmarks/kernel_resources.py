@@ -110,6 +110,7 @@ def main(build, table, *only):
             kept = {key: row for key, row in before.items() if (key[0], key[2]) not in compiled}
             write(table, kept | measured)
     if worse := regressions(before, measured):
+        write(table, measured | before)  # or the next run would compare with the worse ones
         sys.exit("\n".join(worse))
 
 

@@ -21,7 +21,8 @@ END
 
 if [ "$1" = wheel ]; then
   install python3 python3-venv python3-numpy
-  ! ls /usr/lib/*/libtbb.so* /usr/lib/*/libpng*.so* /usr/lib/*/libhwy.so* 2>/dev/null  # none but the wheel's own
+  # None but the wheel's own.
+  test -z "$(ls /usr/lib/*/libtbb.so* /usr/lib/*/libpng*.so* /usr/lib/*/libhwy.so* 2>/dev/null || true)"
   python3 -m venv --system-site-packages venv  # NumPy is the system's
   venv/bin/pip install --no-index --no-deps ./*.whl
   cd /

@@ -105,11 +105,11 @@ void run(const char* screenshot) {
   to_colour.loadOp = to_depth.loadOp = AttachmentLoadOp::eClear;
   to_depth.clearValue.depthStencil.depth = 1;
   const auto order = [&](ImageLayout from) {  // what is before and what is after
-    const auto all = PipelineStageFlagBits::eAllCommands;
+    const auto all = PipelineStageFlagBits::eAllCommands | PipelineStageFlagBits::eHost;
     const auto any = AccessFlagBits::eMemoryRead | AccessFlagBits::eMemoryWrite;
     const ImageMemoryBarrier barriers[] = {{any, any, from, general, 0, 0, *colour, colour_part},
                                            {any, any, from, general, 0, 0, *depth, depth_part}};
-    commands.pipelineBarrier(all, all, {}, {}, {}, barriers);
+    commands.pipelineBarrier(all, all, {}, MemoryBarrier(any, any), {}, barriers);
   };
 
   using namespace swiftgs;
@@ -128,8 +128,7 @@ void run(const char* screenshot) {
     order(ImageLayout::eUndefined);
     commands.beginRendering({{}, {{}, {width, height}}, 1, 0, to_colour, &to_depth});
     commands.bindPipeline(PipelineBindPoint::eGraphics, *pipeline);
-    const glm::mat4 matrix(projection * view);
-    commands.pushConstants<glm::mat4>(*layout, Stage::eVertex, 0, matrix);
+    commands.pushConstants<glm::mat4>(*layout, Stage::eVertex, 0, glm::mat4(projection * view));
     commands.draw(36, 1, 0, 0);
     commands.endRendering();
     order(general);
@@ -137,6 +136,7 @@ void run(const char* screenshot) {
     commands.copyImageToBuffer(*colour, general, *buffer, copy);
     copy.setBufferOffset(plane).imageSubresource.aspectMask = ImageAspectFlagBits::eDepth;
     commands.copyImageToBuffer(*depth, general, *buffer, copy);
+    order(general);
     commands.end();
     queue.submit(SubmitInfo({}, {}, *commands));
     queue.waitIdle();

@@ -94,6 +94,7 @@ const MemoryHook& Cuda::memory_hook() const { return state_->memory; }
 void Cuda::trim() {
   wait();
   State& s = *state_;
+  s.staging.reset();
   trim_parts(*this, s.temporary, s.total, s.raster, s.sorts);
 }
 

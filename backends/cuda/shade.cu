@@ -180,7 +180,7 @@ __global__ void __launch_bounds__(shade_threads)
   const std::size_t step = std::size_t(gridDim.x) * shade_threads;
   std::size_t first = blockIdx.x * shade_threads + threadIdx.x - lane_index();
   if (first >= splats) return;
-  // Lanes beyond the splats copy the last one's harmonics.
+  // Lanes beyond the splats see the last one. Their colours are dropped.
   const auto gaussian_at = [&](std::size_t at) { return all.gaussians[min(at, splats - 1)]; };
   std::uint32_t next_id = gaussian_at(first + lane_index());
   for (; first < splats; first += step) {

@@ -27,7 +27,7 @@ SYSTEM = re.compile(r"(lib(c|m|dl|rt|pthread|gcc_s|stdc\+\+)\.so\.\d+|ld-linux-[
 METADATA = """Metadata-Version: 2.1
 Name: swiftgs
 Version: {version}
-Summary: Forward rendering of 3D Gaussian splatting, on CPUs and on NVIDIA GPUs
+Summary: Forward rendering of 3D Gaussian splatting
 License: Apache-2.0
 Requires-Python: >=3.9
 Requires-Dist: numpy (>=1.24)
@@ -123,6 +123,9 @@ def main(build, out):
         (info / "METADATA").write_text(METADATA.format(version=version))
         (info / "WHEEL").write_text(WHEEL.format(tag=tag))
         (info / "third-party-licences.txt").write_text(licences.report(build, sources))
+        (info / "licenses").mkdir()
+        for source in sources:
+            shutil.copyfile(f"/usr/share/doc/{source}/copyright", info / "licenses" / source)
         out.mkdir(parents=True, exist_ok=True)
         wheel = out / f"swiftgs-{version}-{tag}.whl"
         write(folder, wheel)

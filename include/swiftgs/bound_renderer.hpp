@@ -189,7 +189,6 @@ class BoundRenderer {
                picking_);
     if constexpr (requires { b.trim(); }) b.trim();
     views_ = {}, parts_ = {}, tiles_ = {}, capacity_ = {}, coarse_capacity_ = {};
-    recorded_.clear();
     counted_ = false;
   }
 

@@ -23,8 +23,9 @@ namespace swiftgs {
 enum class ClipSpace {
   opengl,  ///< y up, depth from -1 to 1
   vulkan,  ///< y down, depth from 0 to 1
-  /// y up, depth from 0 to 1. So have Metal and WebGPU, OpenGL after glClipControl(GL_LOWER_LEFT,
-  /// GL_ZERO_TO_ONE), and Vulkan where the height of the viewport is negative.
+  /// y up, depth from 0 to 1. So have Metal and WebGPU, Vulkan where the height of the viewport is negative,
+  /// and OpenGL after glClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE): set `HostCamera::bottom_row_first` for
+  /// that.
   direct3d,
 };
 
@@ -79,6 +80,7 @@ Matrix4 matrix_of(const M& m, const char* name) {
   } else if constexpr (requires {
                          { m[0][0] } -> std::convertible_to<double>;
                        }) {
+    if constexpr (requires { M::length(); }) static_assert(M::length() == 4, "expected four columns");
     fill([&](int row, int column) { return m[column][row]; });
   } else if constexpr (requires {
                          { m[0] } -> std::convertible_to<double>;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <stdexcept>
 #include <vector>
 
 #include <swiftgs/frame.hpp>
@@ -13,8 +14,11 @@ namespace swiftgs {
 
 /// The occluder of a frame through `scaled(camera, 0.5)`, from that of the whole frame, on the host: the
 /// farthest depth of each two by two pixels, so that no splat which one of them shows is lost. Rows lie
-/// densely, and values are depths themselves. @shape{(height + 1) / 2, (width + 1) / 2}
+/// densely, and values are depths themselves. @shape{(height + 1) / 2, (width + 1) / 2} Throws
+/// `std::invalid_argument` if there is none.
 inline std::vector<float> half_size_occluder(const FrameView& whole) {
+  if (!whole.occluder.data)
+    throw std::invalid_argument("half_size_occluder: the frame has no occluder, expected one");
   const std::size_t width = std::size_t(whole.width), height = std::size_t(whole.height);
   std::vector<float> depths;
   depths.reserve((width + 1) / 2 * ((height + 1) / 2));

@@ -30,8 +30,8 @@ class RecordedFrames {
 
   /// Takes what to reserve for. Nothing is reserved until `reserve`.
   void prepare(B& b, const PlacedScenes& scenes, Span<const View> views) {
-    for (const PlacedScene& placed : scenes.each()) validate(placed);
     reserved_.reset();
+    for (const PlacedScene& placed : scenes.each()) validate(placed);
     set_views(b, views);
     scenes_ = {}, alone_ = scenes.is_alone();
     scenes_ =
@@ -41,9 +41,6 @@ class RecordedFrames {
     return {scenes_.gaussians(), scenes_.chunks(), views_.size(), views_.tiles, capacity};
   }
   void reserve(const Reservation& reserved) { reserved_ = reserved; }
-  /// Forgets views and reservation.
-  void clear() { views_ = {}, parts_ = {}, scenes_ = {}, reserved_.reset(); }
-
   /// Throws `std::invalid_argument`, and changes nothing, for views that nothing can be rendered of, and for
   /// those that what is reserved does not suit.
   void set_views(B& b, Span<const View> views) {

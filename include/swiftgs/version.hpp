@@ -4,11 +4,12 @@
 #include <string_view>
 
 /// @file
-/// The version of the library, stated here alone: CMake, pkg-config, C, Python and the command line take it from here.
+/// The version of the library, stated here alone: CMake, pkg-config, C, Python and the command line take it
+/// from here.
 ///
-/// Until 1.0 a minor version may change the C++ interface, and shared libraries are named for it (libswiftgs.so.0.2).
-/// A program includes the headers of the library that it links: much of the library is templates that the program
-/// instantiates.
+/// Until 1.0 a minor version may change the C++ interface, and shared libraries are named for it
+/// (libswiftgs.so.0.2). A program includes the headers of the library that it links: much of the library is
+/// templates that the program instantiates.
 
 /// The version as the preprocessor knows it, for `#if`.
 #define SWIFTGS_VERSION_MAJOR 0

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <stdexcept>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -34,6 +35,11 @@ std::vector<float> halved(const Frame& whole) {
 }
 
 }  // namespace
+
+TEST_CASE("half size: a frame without an occluder is refused") {
+  CHECK_THROWS_WITH_AS(half_size_occluder({.width = 2, .height = 2}),
+                       "half_size_occluder: the frame has no occluder, expected one", std::invalid_argument);
+}
 
 TEST_CASE("half size: each pixel has the middle of two by two") {
   for (const int width : {640, 641}) {

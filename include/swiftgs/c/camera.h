@@ -107,7 +107,7 @@ SWIFTGS_C_API swiftgs_stored_depth swiftgs_stored_orthographic(double at_0, doub
 enum {
   SWIFTGS_CLIP_OPENGL = 0,   ///< y up, depth from -1 to 1
   SWIFTGS_CLIP_VULKAN = 1,   ///< y down, depth from 0 to 1
-  SWIFTGS_CLIP_DIRECT3D = 2  ///< y up, depth from 0 to 1; of Metal, WebGPU and OpenGL's glClipControl too
+  SWIFTGS_CLIP_DIRECT3D = 2  ///< y up, depth from 0 to 1; of Metal, WebGPU and OpenGL's glClipControl
 };
 
 /// The matrices of a program that draws a point of the world at projection view point. Points are columns,
