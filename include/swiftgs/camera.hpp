@@ -92,7 +92,7 @@ inline void validate(const Camera& camera) {
   }
 }
 
-/// The same view at `scale` times the size: what is at pixel p is at scale p, corners and centres alike.
+/// The same view at `scale` times the size: image position p moves to scale p, corners and centres alike.
 /// Sides are rounded to whole pixels, at least one, so the last ones may show a little more or less.
 inline Camera scaled(Camera camera, double scale) {
   if (!(scale > 0) || !std::isfinite(scale))

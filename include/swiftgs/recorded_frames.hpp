@@ -19,8 +19,8 @@
 
 namespace swiftgs {
 
-/// What recorded frames on backend `B` show, and what was reserved for them. Between two reservations only
-/// what replayed work reads from memory may change.
+/// Views and placed scenes of recorded frames on backend `B`, and their reservation. Until the next
+/// reservation, only data that replayed work reads from memory may change.
 template <class B>
 class RecordedFrames {
  public:
@@ -41,8 +41,8 @@ class RecordedFrames {
     return {scenes_.gaussians(), scenes_.chunks(), views_.size(), views_.tiles, capacity};
   }
   void reserve(const Reservation& reserved) { reserved_ = reserved; }
-  /// Throws `std::invalid_argument`, and changes nothing, for views that nothing can be rendered of, and for
-  /// those that what is reserved does not suit.
+  /// Throws `std::invalid_argument`, and changes nothing, for invalid views and for views that differ from
+  /// the reserved ones in more than may change.
   void set_views(B& b, Span<const View> views) {
     for (const View& view : views) validate(view), detail::check_tiles(view);
     PanoramaParts parts;
