@@ -35,7 +35,7 @@ namespace {
 
 constexpr int width = 960, height = 540;
 
-/// Splats over what is drawn before them.
+/// Draws splats over the picture so far.
 class Splats : public osg::Drawable {
  public:
   Splats() {

@@ -61,8 +61,8 @@ class DepthGrid {
   std::vector<Inside> inside_;
 };
 
-/// How good a view `camera` is, which looks at a point at `distance`: it sees many points, most of the image
-/// is covered, nothing stands in the way, and what is far or bright is at the top.
+/// Rates the view of `camera`, which looks at a point at `distance`. A good view sees many points and covers
+/// most of the image. Nothing stands in its way, and the top shows far or bright points.
 inline double score_of(const std::vector<SampledGaussian>& points, const Camera& camera, double distance) {
   const DepthGrid grid(points, camera, distance);
   double covered = 0, blocked = 0, sky_at_top = 0;

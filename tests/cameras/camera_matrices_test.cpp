@@ -40,8 +40,8 @@ dvec3 seen(const Camera& camera, const dvec3& point) {
   return {camera.fx * p.x / p.z + camera.cx, camera.fy * p.y / p.z + camera.cy, p.z};
 }
 
-/// The greatest distance of pixels of points before the camera, and of stored depths from what the library
-/// takes them for, in units of the depth buffer's.
+/// Greatest errors over points before the camera: of their pixels, and of their stored depths in units of the
+/// depth buffer.
 struct Apart {
   double pixels = 0, depth = 0;
 };
@@ -115,7 +115,7 @@ TEST_CASE("camera matrices: what GLM makes for each library is drawn at the same
   const Camera centred = camera_from(right, cases[0].projection, width, height, ClipSpace::opengl).camera;
   CHECK(glm::length(centred.centre() - eye) < 1e-12);
   CHECK(centred.fy == doctest::Approx(height / 2 / std::tan(fov / 2)));
-  // A quarter of a pixel to the right, in units of which clip space has two a side.
+  // Clip space is two units wide, so 0.37 / width of it is half of 0.37 pixels.
   const Camera moved = camera_from(right, jittered, width, height, ClipSpace::opengl).camera;
   CHECK(moved.cx - centred.cx == doctest::Approx(0.37 / 2));
   CHECK(moved.cy - centred.cy == doctest::Approx(0.21 / 2));
