@@ -15,6 +15,8 @@
 #include <swiftgs/raster/raster.hpp>
 
 #include "batch-inl.hpp"
+#include "raster_block-inl.hpp"
+#include "sum-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
@@ -36,9 +38,10 @@ HWY_INLINE Vec Dimmed(Vec transmittance, Vec alpha) {
 template <Blending kBlending>
 HWY_INLINE void BlendGroup(const Batch& HWY_RESTRICT batch, const BlendRules& rules,
                            Evaluated& HWY_RESTRICT of, RasterBlockState& HWY_RESTRICT state,
-                           RasterCounts& counts) {
+                           RasterCounts& counts, AttributeState* HWY_RESTRICT attributes = nullptr) {
   constexpr bool kDepth = SumsDepth(kBlending), kOccluder = IsOccluded(kBlending);
   constexpr bool kWeighed = KeepsWeights(kBlending);
+  constexpr std::size_t kAttributes = kBlending == Blending::row ? AttributeRow::channels : 0;
   const F32 d;
   const std::size_t group = of.group, first = of.first, n = of.size;
   const std::uint32_t* HWY_RESTRICT list = of.list;
@@ -51,7 +54,8 @@ HWY_INLINE void BlendGroup(const Batch& HWY_RESTRICT batch, const BlendRules& ru
   Vec blue = hn::Load(d, state.blue[group] + first);
   Vec depth = kDepth ? hn::Load(d, state.depth[group] + first) : hn::Zero(d);
   const Vec occluder = kOccluder ? hn::Load(d, state.occluder[group] + first) : hn::Zero(d);
-  Vec most = hn::Zero(d);
+  Vec most = hn::Zero(d), sums[AttributeRow::channels];
+  for (std::size_t c = 0; c < kAttributes; ++c) sums[c] = hn::Load(d, attributes->sums[c][group] + first);
   const Vec stop_below = hn::Set(d, rules.stop_below);
 
   for (std::size_t i = 0; i < n; ++i) {
@@ -76,6 +80,8 @@ HWY_INLINE void BlendGroup(const Batch& HWY_RESTRICT batch, const BlendRules& ru
     green = hn::MulAdd(weight, hn::Set(d, colour[1]), green);
     blue = hn::MulAdd(weight, hn::Set(d, colour[2]), blue);
     if constexpr (kDepth) depth = hn::MulAdd(weight, hn::Set(d, colour[3]), depth);
+    for (std::size_t c = 0; c < kAttributes; ++c)
+      sums[c] = hn::MulAdd(weight, hn::Set(d, attributes->values[list[i]][c]), sums[c]);
   }
 
   const Vec sign = hn::IfThenZeroElse(hn::Ge(through, stop_below), hn::SignBit(d));
@@ -85,6 +91,7 @@ HWY_INLINE void BlendGroup(const Batch& HWY_RESTRICT batch, const BlendRules& ru
   hn::Store(blue, d, state.blue[group] + first);
   if constexpr (kDepth) hn::Store(depth, d, state.depth[group] + first);
   if constexpr (kWeighed) hn::Store(most, d, of.most);
+  for (std::size_t c = 0; c < kAttributes; ++c) hn::Store(sums[c], d, attributes->sums[c][group] + first);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE

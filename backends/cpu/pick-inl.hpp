@@ -19,6 +19,7 @@
 #include "batch-inl.hpp"
 #include "blend-inl.hpp"
 #include "raster_block-inl.hpp"
+#include "store-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
@@ -78,10 +79,43 @@ HWY_INLINE void PickGroup(const Batch& HWY_RESTRICT batch, const BlendRules& rul
   hn::BlendedStore(median, hn::RebindMask(du, median_crossed), du, picks.median[of.group] + of.first);
 }
 
-/// Writes the planes of picks that are asked for. Turns `picks` into rows.
+/// Writes a plane of what `from` holds of each pixel's splat, and `none` where there is none. `splats` lie in
+/// rows.
+template <class T>
+HWY_INLINE void StorePicked(const PlacedRasterBlock& block, const PlaneOf<std::uint32_t>& splats,
+                            const T* from, T none, swiftgs::Plane<T> to) {
+  if (!to.data) return;
+  const hn::CappedTag<T, raster_block_side> d;
+  const hn::RebindToSigned<decltype(d)> di;
+  for (std::size_t row = 0; row < std::size_t(block.rows); ++row) {
+    alignas(64) T found[raster_block_side];
+    for (std::size_t first = 0; first < raster_block_side; first += lanes) {
+      const auto index = hn::BitCast(di, hn::Load(hn::RebindToUnsigned<decltype(d)>(), splats[row] + first));
+      const auto some = hn::Ne(index, hn::Set(di, std::int32_t(SplatPicks::none)));
+      auto values = hn::Set(d, none);
+      if (!hn::AllFalse(di, some)) {
+        const auto gathered = hn::GatherIndex(d, from, hn::IfThenElseZero(some, index));
+        values = hn::IfThenElse(hn::RebindMask(d, some), gathered, values);
+      }
+      hn::Store(values, d, found + first);
+    }
+    StreamWords(to.row(std::size_t(block.y0) + row) + block.x0, found,
+                std::size_t(block.columns) * sizeof(T));
+  }
+}
+
+/// Writes the planes of picks that are asked for, as `store_picks` does. Turns `picks` into rows.
 template <class Groups>
 HWY_INLINE void StorePicks(const RasterJob& job, const PlacedRasterBlock& block, PickState& picks) {
+  const FrameView& frame = block.view.frame;
   for (auto* plane : {&picks.first, &picks.median, &picks.largest}) Groups::ToRows(*plane);
+  StorePicked(block, picks.largest, job.splats.gaussians.data, no_gaussian, frame.id);
+  StorePicked(block, picks.median, job.splats.gaussians.data, no_gaussian, frame.median_id);
+  if (!block.view.camera.depth_along_ray) {
+    StorePicked(block, picks.first, job.splats.depths.data, 0.0f, frame.first_depth);
+    StorePicked(block, picks.median, job.splats.depths.data, 0.0f, frame.median_depth);
+    return;
+  }
   for (std::size_t row = 0; row < std::size_t(block.rows); ++row)
     for (std::size_t column = 0; column < std::size_t(block.columns); ++column)
       store_picks(job, block.view, std::size_t(block.x0) + column, std::size_t(block.y0) + row,

@@ -138,8 +138,7 @@ HWY_INLINE void PrefetchSplats(const RasterJob& job, std::size_t from, std::size
   for (to = std::min(to, end); from < to; ++from) {
     hwy::Prefetch(&job.splats.shapes[job.lists.ids[from]]);
     hwy::Prefetch(&job.colours.each[job.lists.ids[from]]);
-    for (unsigned r = 0; r < job.attributes.rows; ++r)
-      hwy::Prefetch(&job.attributes.row(r, job.lists.ids[from]));
+    if (job.attributes.rows != 0) hwy::Prefetch(&job.attributes.row(0, job.lists.ids[from]));
   }
 }
 
@@ -181,7 +180,7 @@ HWY_NOINLINE void DrawGroup(const RasterJob& job, const Batch& batch, const Blen
                             RasterBlockState& state, const PlaneStates& planes, RasterCounts& counts) {
   if constexpr (KeepsWeights(kBlending))
     if (planes.rays) HideGroup(job.attributes, batch, *planes.rays, of);
-  BlendGroup<kBlending>(batch, rules, of, state, counts);
+  BlendGroup<kBlending>(batch, rules, of, state, counts, planes.sums);
   if constexpr (KeepsWeights(kBlending)) {
     if (planes.picks) PickGroup(batch, rules, of, state, *planes.picks);
     if (planes.sums) SumGroup(job.attributes, of, *planes.sums);
@@ -190,8 +189,9 @@ HWY_NOINLINE void DrawGroup(const RasterJob& job, const Batch& batch, const Blen
 
 /// By `Blending`.
 inline constexpr DrawFunction draw_functions[] = {
-    DrawGroup<Blending::colours>, DrawGroup<Blending::depths>,      DrawGroup<Blending::occluded>,
-    DrawGroup<Blending::weighed>, DrawGroup<Blending::all_weighed>, DrawGroup<Blending::all_counted>};
+    DrawGroup<Blending::colours>,    DrawGroup<Blending::depths>,  DrawGroup<Blending::occluded>,
+    DrawGroup<Blending::row>,        DrawGroup<Blending::weighed>, DrawGroup<Blending::all_weighed>,
+    DrawGroup<Blending::all_counted>};
 
 /// Renders raster blocks [begin, end): traverses each list in batches, and each batch group by group.
 /// `kColours`: all views are of `Blending::colours`.
@@ -271,6 +271,7 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
     counts.longest_item = counts.intersections_visited;
     if (job.counts) job.counts[block] = counts;
   }
+  hwy::FlushStream();
 }
 
 /// Renders what `job` asks for. Colours alone have a loop of their own, which takes 2 % less time. All else

@@ -51,6 +51,8 @@ struct Rows {
   static HWY_INLINE void FromRows(PlaneOf<T>&) {}
   template <class T>
   static HWY_INLINE void ToRows(PlaneOf<T>&) {}
+  /// Of a pixel, in a plane.
+  static std::size_t Place(std::size_t row, std::size_t column) { return row * raster_block_side + column; }
 };
 
 /// A group is 4x4 pixels, which splats fill better than a row. Pixels go down the columns: a splat has one
@@ -89,6 +91,10 @@ struct Blocks {
   static HWY_INLINE void ToRows(PlaneOf<T>& plane) {
     Transpose(plane), Exchange(plane);
   }
+  static std::size_t Place(std::size_t row, std::size_t column) {
+    const std::size_t group = row / side * side + column / side;
+    return group * raster_block_side + column % side * side + row % side;
+  }
 
  private:
   /// Turns rows of the raster block into blocks, row by row, and those into rows: both exchange pieces of
@@ -122,19 +128,24 @@ enum class Blending {
   colours,
   depths,
   occluded,     ///< and depths: ends at an occluder
+  row,          ///< a row of attributes
   weighed,      ///< keeps weights, for picks and attributes
   all_weighed,  ///< and depths, and ends at an occluder
   all_counted,  ///< and fills `RasterCounts`
 };
-constexpr bool SumsDepth(Blending b) { return b != Blending::colours && b != Blending::weighed; }
+constexpr bool SumsDepth(Blending b) {
+  return b != Blending::colours && b != Blending::row && b != Blending::weighed;
+}
 constexpr bool IsOccluded(Blending b) { return b == Blending::occluded || b >= Blending::all_weighed; }
 constexpr bool KeepsWeights(Blending b) { return b >= Blending::weighed; }
 
 HWY_INLINE Blending BlendingOf(const RasterJob& job, const View& view) {
   if (job.counts) return Blending::all_counted;
   const bool occluded = view.frame.occluder.data, depths = job.sums_depth(view);
-  if (job.picks(view) || job.attributes.rows != 0)
-    return occluded || depths ? Blending::all_weighed : Blending::weighed;
+  if (job.picks(view) || job.attributes.rows != 0) {
+    if (occluded || depths) return Blending::all_weighed;
+    return job.picks(view) || job.attributes.rows != 1 ? Blending::weighed : Blending::row;
+  }
   return occluded ? Blending::occluded : depths ? Blending::depths : Blending::colours;
 }
 

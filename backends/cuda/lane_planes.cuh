@@ -63,7 +63,10 @@ struct QueuedRows {
   /// Starts loading them.
   __device__ void fetch(const RasterJob& job, unsigned slot, std::uint32_t id) {
     for_each_row<rows>([&](auto r) {
-      __pipeline_memcpy_async(&attributes[r][slot], &job.attributes.row(r, id), sizeof(float4));
+      if (rows == 1 || r < job.attributes.rows)
+        __pipeline_memcpy_async(&attributes[r][slot], &job.attributes.row(r, id), sizeof(float4));
+      else
+        attributes[r][slot] = make_float4(0, 0, 0, 0);
     });
   }
   /// Those of a splat that shows nothing.
@@ -100,11 +103,13 @@ struct LaneRays {
 template <unsigned pixel_count>
 struct LaneRays<true, pixel_count> {
   const AttributeRow* volatile depths;  ///< of all splats; null where means decide
+  volatile unsigned stride;             ///< of them
   volatile float x, y;                  ///< `place_of` the first pixel
   volatile float occluders[pixel_count];
 
   __device__ LaneRays(const RasterJob& job, const View& view)
-      : depths(hides_along_ray(view) ? job.attributes.first_row : nullptr) {}
+      : depths(hides_along_ray(view) ? job.attributes.first_row : nullptr),
+        stride(job.attributes.first_stride) {}
 
   /// Tells where the first pixel lies in the frame.
   __device__ void put(const View& view, int x_in_frame, int y_in_frame) {
@@ -120,7 +125,7 @@ struct LaneRays<true, pixel_count> {
 
   /// Whether the p-th pixel does not show a splat.
   __device__ bool hide(std::uint32_t id, unsigned p) const {
-    const float4 row = *reinterpret_cast<const float4*>(depths + id);
+    const float4 row = *reinterpret_cast<const float4*>(depths + std::size_t(id) * stride);
     const vec2 place(x + float(p * columns_between), y);
     // A variable index would have all that a lane holds in memory.
     const float occluder = p == 0 ? occluders[0] : occluders[pixel_count - 1];

@@ -39,7 +39,7 @@ struct SplatAttributes {
     // Both are among the first attributes of a frame.
     if (first == 0 && view.frame.normal.data) of.normal = splat_normal(seen.camera, seen.scene, seen.i);
     const float* features = seen.scene.features.at(seen.i);
-    for (unsigned r = 0; r < rows; ++r) to[r * splats.size() + i] = row(view, r, i, of, features);
+    for (unsigned r = 0; r < rows; ++r) to[i * rows + r] = row(view, r, i, of, features);
   }
 
  private:
@@ -97,7 +97,7 @@ struct GatherAttributes {
   }
 };
 
-/// Writes attributes of all splats to `to`, @shape{rows, splats}, on hosts. A device overloads this.
+/// Writes attributes of all splats to `to`, @shape{splats, rows}, on hosts. A device overloads this.
 template <BackendPolicy B>
 requires(bool(B::reaches_host_memory)) void gather_attributes(B& b, const SplatAttributes& from,
                                                               const PlacedScenes& scenes, const Views& views,
@@ -123,11 +123,18 @@ class AttributeStage {
   void draw(B& b, const PlacedScenes& scenes, RasterJob job, const Rasterize& rasterize) {
     const int count = attribute_count(job.views.each), most = int(AttributesView::most);
     each_.reset(AttributesView::kept_rows_for(count) * job.splats.size());
+    AttributeRow* const rows = each_.data();
+    AttributesView attributes{.first_row = rows, .first_stride = AttributesView::rows_for(count)};
+    if (count > most) {
+      AttributeRow* const kept = rows + AttributesView::most_rows * job.splats.size();
+      gather_attributes(b, {job.splats, 0, 1}, scenes, job.views, kept);
+      attributes.first_row = kept, attributes.first_stride = 1;
+    }
     const auto gather = [&](int first) {
-      const SplatAttributes from{job.splats, first, AttributesView::rows_for(count - first)};
-      AttributeRow* const rows = each_.data() + (first == 0 ? 0 : job.splats.size());
-      gather_attributes(b, from, scenes, job.views, rows);
-      return AttributesView{rows, job.splats.size(), from.rows, first, each_.data()};
+      attributes.data = rows, attributes.rows = AttributesView::rows_for(count - first);
+      attributes.first = first;
+      gather_attributes(b, {job.splats, first, attributes.rows}, scenes, job.views, rows);
+      return attributes;
     };
     // A device's kernels that count sum no attributes.
     const bool counts_apart = job.counts && !B::reaches_host_memory;

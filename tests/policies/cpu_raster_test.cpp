@@ -289,7 +289,7 @@ TEST_CASE("cpu raster: every vector target sums attributes beside other planes a
       std::fill(values->begin(), values->end(), 7.0f);
     frame.id.assign(frame.pixels(), 7);
     RasterJob job{splats.view(), splats.colours_view(), lists.view(), {&view, 1}};
-    job.attributes = {rows.data(), splats.shapes.size(), AttributesView::most_rows, 0};
+    job.attributes = {rows.data(), AttributesView::most_rows, 0};
     job.only_attributes = alone;
     rasterize(backend, AxisSharedThreshold<FloatCholesky>(), job);
     return frame;

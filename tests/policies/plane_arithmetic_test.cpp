@@ -218,9 +218,9 @@ TEST_CASE("planes: each sum is stored where it belongs") {
 }
 
 TEST_CASE("planes: rows of attributes are summed by weight") {
-  const AttributeRow rows[] = {{{1, 2, 3, 4}}, {{9, 9, 9, 9}}, {{5, 6, 7, 8}}, {{9, 9, 9, 9}}};
+  const AttributeRow rows[] = {{{9, 9, 9, 9}}, {{9, 9, 9, 9}}, {{1, 2, 3, 4}}, {{5, 6, 7, 8}}};
   float sums[AttributesView::most] = {1, 1, 1, 1, 1, 1, 1, 1, 1};
-  AttributesView{.data = rows, .splats = 2, .rows = 2}.add(sums, 0, 0.5f);
+  AttributesView{.data = rows, .rows = 2}.add(sums, 1, 0.5f);
   for (int i = 0; i < 8; ++i) CHECK(sums[i] == 1 + 0.5f * float(i + 1));
   CHECK(sums[8] == 1);
 }

@@ -73,30 +73,32 @@ struct alignas(16) AttributeRow {
   float values[channels] = {};
 };
 
-/// Attributes that are rasterized together: @shape{rows, splats}. A frame that asks for more is rasterized
+/// Attributes that are rasterized together: @shape{splats, rows}. A frame that asks for more is rasterized
 /// several times.
 struct AttributesView {
   static constexpr unsigned most_rows = 4, most = most_rows * AttributeRow::channels;
   /// Rows that so many attributes take.
   static constexpr unsigned rows_for(int attributes) {
-    return attributes <= 0 ? 0 : attributes <= int(AttributeRow::channels) ? 1 : most_rows;
+    const int count = attributes < 0 ? 0 : attributes < int(most) ? attributes : int(most);
+    return (unsigned(count) + AttributeRow::channels - 1) / AttributeRow::channels;
   }
 
-  /// Rows that a frame of so many attributes keeps. The first is kept while later ones are drawn.
+  /// Rows that a frame of so many attributes keeps: the first of each splat beside while later ones are
+  /// drawn.
   static constexpr unsigned kept_rows_for(int attributes) {
     return rows_for(attributes) + (attributes > int(most) ? 1 : 0);
   }
 
   const AttributeRow* data = nullptr;
-  std::size_t splats = 0;
-  unsigned rows = 0;  ///< 0, 1 or `most_rows`; behind the last attribute of a frame are zeros
+  unsigned rows = 0;  ///< at most `most_rows`; behind the last attribute of a frame are zeros
   int first = 0;      ///< attribute of the frame that is the first here
   /// The frame's first row, whatever is the first here: holds the `RayDepth` of splats whose view takes it.
   const AttributeRow* first_row = nullptr;
+  unsigned first_stride = 0;  ///< rows from that of a splat to that of the next
 
-  SWIFTGS_HD const AttributeRow& row(unsigned r, std::size_t splat) const { return data[r * splats + splat]; }
+  SWIFTGS_HD const AttributeRow& row(unsigned r, std::size_t splat) const { return data[splat * rows + r]; }
   SWIFTGS_HD RayDepth ray_depth(std::size_t splat) const {
-    const float* const values = first_row[splat].values;
+    const float* const values = first_row[splat * first_stride].values;
     return {values[0], values[1], values[2]};
   }
   /// Adds those of a splat of this weight to `sums`.

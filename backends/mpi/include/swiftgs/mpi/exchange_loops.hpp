@@ -68,25 +68,18 @@ struct SWIFTGS_API JoinColours {
   }
 };
 
-/// Joins a rank's own attributes to those that have arrived. Rows that no rank sends are zeros.
+/// Joins a rank's own attributes to those that have arrived.
 struct SWIFTGS_API JoinAttributes {
-  AttributesView own;  ///< the rows that are sent, from the rank's own splats on
+  AttributesView own;  ///< from the rank's own splats on
   std::size_t count;   ///< of those splats
   std::size_t at;      ///< where they are joined
   AttributeRow* joined;
-  std::size_t splats;
-  unsigned rows;
   AttributeRow* first_row;  ///< where the first row is kept beside; null: nowhere
 
   SWIFTGS_HD void operator()(std::size_t i) const {
-    for (unsigned r = 0; r < rows; ++r) {
-      AttributeRow& to = joined[r * splats + i];
-      if (r >= own.rows)
-        to = {};
-      else if (i >= at && i - at < count)
-        to = own.row(r, i - at);
-    }
-    if (first_row) first_row[i] = joined[i];
+    if (i >= at && i - at < count)
+      for (unsigned r = 0; r < own.rows; ++r) joined[i * own.rows + r] = own.row(r, i - at);
+    if (first_row) first_row[i] = joined[i * own.rows];
   }
 };
 

@@ -65,10 +65,10 @@ class SplatExchange {
       if (has_gaussians_) stage(gaussians_, numbered_, joined_.gaussians);
       stage(of_view_, shares.splats.of_view, joined_.of_view);
       stage(colours_, colours.each, joined_colours_.each);
-      attribute_rows_.reset(sent_rows(0) * out);
+      attribute_rows_.reset(rows(0) * out);
       joined_attribute_rows_.reset(AttributesView::kept_rows_for(attributes) * in);
       attributes_.packed.reserve(b, attribute_rows_.span(), direct_);
-      attributes_.joined.reserve(b, {joined_attribute_rows_.data(), sent_rows(0) * in}, direct_);
+      attributes_.joined.reserve(b, {joined_attribute_rows_.data(), rows(0) * in}, direct_);
     } catch (const std::bad_alloc&) {
       throw std::runtime_error("out of memory for " + std::to_string(in) + " splats of a strip and " +
                                std::to_string(out) + " to send");
@@ -145,39 +145,34 @@ class SplatExchange {
   /// The same for attributes of the frame from the `first` on, up to `AttributesView::most`.
   void find_attributes(B& b, const PlacedScenes& part, const SplatsView& shares, const Views& views,
                        int first) {
-    const SplatAttributes from{shares, first, sent_rows(first)};
+    const SplatAttributes from{shares, first, rows(first)};
     if (from.rows != 0) gather_attributes(b, from, part, views, attribute_rows_.data());
   }
   void stage_attributes(B& b, int first) {
-    for (unsigned r = 0; r < sent_rows(first); ++r)
-      for_others(from_, [&](std::size_t begin, std::size_t end) {
-        attributes_.packed.to_host(b, r * sent() + begin, r * sent() + end);
-      });
+    for_others(from_, [&](std::size_t begin, std::size_t end) {
+      attributes_.packed.to_host(b, begin * rows(first), end * rows(first));
+    });
   }
   void send_attributes(Exchange& exchange, int first) {
-    for (unsigned r = 0; r < sent_rows(first); ++r)
-      exchange.all_to_all(attributes_.packed.seen() + r * sent(), from_,
-                          attributes_.joined.seen() + r * received(), to_begins(), sizeof(AttributeRow));
+    if (rows(first) != 0)
+      exchange.all_to_all(attributes_.packed.seen(), from_, attributes_.joined.seen(), to_begins(),
+                          rows(first) * sizeof(AttributeRow));
   }
   AttributesView attributes_arrived(B& b, int first) {
-    const unsigned rows = AttributesView::rows_for(attribute_count_ - first);
-    if (rows == 0) return {};
-    for (unsigned r = 0; r < sent_rows(first); ++r)
-      for_others(to_begins(), [&](std::size_t begin, std::size_t end) {
-        attributes_.joined.from_host(b, r * received() + begin, r * received() + end);
-      });
+    if (rows(first) == 0) return {};
+    for_others(to_begins(), [&](std::size_t begin, std::size_t end) {
+      attributes_.joined.from_host(b, begin * rows(first), end * rows(first));
+    });
     const std::size_t begin = from_[own_], count = from_[own_ + 1] - begin;
     AttributeRow* const joined = joined_attribute_rows_.data();
     const bool kept = attribute_count_ > int(AttributesView::most);  // later rows take the place of the first
     AttributeRow* const first_row = kept ? joined + AttributesView::most_rows * received() : joined;
-    b.for_each(received(), JoinAttributes{{attribute_rows_.data() + begin, sent(), sent_rows(first), first},
+    b.for_each(received(), JoinAttributes{{attribute_rows_.data() + begin * rows(first), rows(first), first},
                                           count,
                                           std::size_t(to_begins_[own_]),
                                           joined,
-                                          received(),
-                                          rows,
                                           kept && first == 0 ? first_row : nullptr});
-    return {joined, received(), rows, first, first_row};
+    return {joined, rows(first), first, first_row, kept ? 1 : rows(0)};
   }
 
   Splats<B>& joined() { return joined_; }
@@ -200,11 +195,8 @@ class SplatExchange {
   /// Splats of the shares, and those that are joined.
   std::size_t sent() const { return std::size_t(from_[from_.size - 1]); }
   std::size_t received() const { return std::size_t(to_begins_.back()); }
-  /// Those that hold attributes from the `first` on.
-  unsigned sent_rows(int first) const {
-    const int attributes = std::clamp(attribute_count_ - first, 0, int(AttributesView::most));
-    return (unsigned(attributes) + AttributeRow::channels - 1) / AttributeRow::channels;
-  }
+  /// Rows of a splat's attributes from the `first` on.
+  unsigned rows(int first) const { return AttributesView::rows_for(attribute_count_ - first); }
   Span<const std::uint64_t> to_begins() const { return {to_begins_.data(), to_begins_.size()}; }
 
   /// f(begin, end) for what lies before and behind this rank's own part.
@@ -228,7 +220,7 @@ class SplatExchange {
   Both<std::uint16_t> of_view_;
   Both<SplatColour> colours_;
   typename B::template Buffer<AttributeRow> attribute_rows_,
-      joined_attribute_rows_;  ///< @shape{rows, splats}
+      joined_attribute_rows_;  ///< @shape{splats, rows}
   Both<AttributeRow> attributes_;
   int attribute_count_ = 0;               ///< that the frame asks for
   std::size_t own_ = 0;                   ///< this rank
