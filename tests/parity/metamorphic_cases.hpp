@@ -25,6 +25,7 @@
 #include <swiftgs/swiftgs.hpp>
 
 #include "policies/planes.hpp"
+#include "policies/rasterizers.hpp"
 
 namespace swiftgs::test {
 namespace {

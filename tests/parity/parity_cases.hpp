@@ -25,6 +25,7 @@
 
 #include "policies/double_drawing.hpp"
 #include "policies/planes.hpp"
+#include "policies/rasterizers.hpp"
 
 namespace swiftgs::test {
 namespace {

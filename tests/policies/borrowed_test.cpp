@@ -18,6 +18,7 @@
 #include "policies/arrays_on.hpp"
 #include "policies/hooked.hpp"
 #include "policies/planes.hpp"
+#include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
 using namespace swiftgs;

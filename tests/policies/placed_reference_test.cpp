@@ -18,6 +18,7 @@
 #include "policies/lenses.hpp"
 #include "policies/placed_list.hpp"
 #include "policies/planes.hpp"
+#include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
 using namespace swiftgs;

@@ -17,6 +17,7 @@
 
 #include "policies/hooked.hpp"
 #include "policies/planes.hpp"
+#include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
 using namespace swiftgs;

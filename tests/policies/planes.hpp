@@ -12,9 +12,11 @@
 
 #include <doctest/doctest.h>
 
+#include <swiftgs/frame.hpp>
 #include <swiftgs/reference/planes.hpp>
+#include <swiftgs/renderer.hpp>
 
-#include "policies/rasterizers.hpp"
+#include "policies/all_planes.hpp"
 
 namespace swiftgs::test {
 

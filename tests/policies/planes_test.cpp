@@ -16,6 +16,7 @@
 
 #include "policies/contribution_sums.hpp"
 #include "policies/lenses.hpp"
+#include "policies/rasterizers.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;

@@ -12,6 +12,7 @@
 
 #include <swiftgs/frame_planes.hpp>
 
+#include "policies/all_planes.hpp"
 #include "policies/backends.hpp"
 #include "policies/tile_lists.hpp"
 
@@ -26,19 +27,6 @@ void for_each_raster(const F& f) {
 /// Whether `Raster` keeps its terms in half precision, which costs accuracy.
 template <class Raster>
 inline const bool stores_half = Raster::name.find("half") != std::string_view::npos;
-
-/// Every plane, with so many features.
-inline Outputs all_planes(int features = 0) {
-  return {.alpha = true,
-          .depth = true,
-          .squared_depth = true,
-          .first_depth = true,
-          .median_depth = true,
-          .normal = true,
-          .id = true,
-          .median_id = true,
-          .features = features};
-}
 
 struct DrawSettings {
   BlendRules rules = BlendRules::from(Conventions::gsplat());

@@ -15,6 +15,7 @@
 
 #include "policies/lenses.hpp"
 #include "policies/planes.hpp"
+#include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
 using namespace swiftgs;

@@ -10,6 +10,7 @@
 
 #include "policies/hooked.hpp"
 #include "policies/planes.hpp"
+#include "policies/rasterizers.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;

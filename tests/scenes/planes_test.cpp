@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "policies/rasterizers.hpp"
 #include "scenes/judge.hpp"
 
 using namespace swiftgs;

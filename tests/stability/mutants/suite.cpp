@@ -38,3 +38,6 @@ bool unavailable() { return false; }
 #include "stability/sweep_cases.hpp"
 // Uses functions of the sweep's cases.
 #include "stability/found_cases.hpp"
+#if defined(SWIFTGS_MUTANT_CUDA)
+#include "stability/mutants/plane_cases.hpp"
+#endif

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <swiftgs/frame.hpp>
+
+namespace swiftgs::test {
+
+/// Every plane, with so many features.
+inline Outputs all_planes(int features = 0) {
+  return {.alpha = true,
+          .depth = true,
+          .squared_depth = true,
+          .first_depth = true,
+          .median_depth = true,
+          .normal = true,
+          .id = true,
+          .median_id = true,
+          .features = features};
+}
+
+}  // namespace swiftgs::test
