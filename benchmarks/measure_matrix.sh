@@ -15,6 +15,8 @@
 #   prune      prune-SCENE-SCORE.json, and pruned.json: a tenth of each capture
 #   lenses     lenses.json: four views of a capture with a cameras.json as pinholes, through OpenCV's lens, as fisheyes
 #              and as panoramas, its Gaussians as they are and ordered in space
+#   harmonics  harmonics-float.json, -smallest.json, -half.json: captures, and the built-in scene through SPZ and SOG, with
+#              harmonics kept so
 #   stress     stress.json: every rasterizer on every family of hard frames at every severity, 64x48, 16 seeds;
 #              stress-large.json: three families at 960x540 and 1920x1080, 2 seeds
 # BACKEND is cuda or cpu; by default cuda where it runs. Scenes are the built-in one and the captures in
@@ -27,7 +29,7 @@
 # reference, which takes longer than all frames together, is rendered for the first three views of a scene.
 # Nothing else should run meanwhile. A part that fails says so, and the others run.
 set -euo pipefail
-all_parts=(matrix vanilla gaussians pixels threads occupancy prune lenses stress)
+all_parts=(matrix vanilla gaussians pixels threads occupancy prune lenses harmonics stress)
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
 [ $# -ge 1 ] || { echo "usage: benchmarks/measure_matrix.sh OUTDIR [${all_parts[*]}]" >&2; exit 2; }
 out=$1
@@ -198,6 +200,20 @@ part_lenses() {
     done
   done
   bench lenses.json "${folders[@]}" --renderers "$backend/early/$ours" --views 0,3,6,9 --errors none
+}
+
+# The built-in scene lies in OUTDIR/harmonics.
+part_harmonics() {
+  local file kept files=()
+  mkdir -p "$out/harmonics"
+  for file in builtin-spz.spz builtin-sog.sog; do
+    files+=("$out/harmonics/$file")
+    "$swiftgs" convert "${sizes_of_builtin[-1]}" "${files[-1]}"
+  done
+  for kept in float smallest half; do
+    bench "harmonics-$kept.json" ${captures[@]+"${captures[@]}"} "${sizes_of_builtin[-1]}" "${files[@]}" \
+      --renderers "$backend/early/$ours" --views 0 --harmonics "$kept" --errors none
+  done
 }
 
 # stress FILE ARGUMENT...: a ratio above 10 fails, and the file is kept, with six digits behind the point.

@@ -8,6 +8,7 @@ import os
 STAGES = ("project", "sort", "raster", "total", "wall")
 KEY = ("scene", "gaussians", "enlarge", "view", "scale", "conventions", "planes", "threads", "renderer")
 WORDS = ("scene", "view", "conventions", "renderer", "backend", "sort", "raster", "bounds")
+NEW_WORDS = ("planes", "harmonics")  # older files do not know others than those that a Row has by itself
 NUMBERS = ("gaussians", "enlarge", "width", "height", "scale", "threads", "frames")
 OPTIONAL = ("psnr_db", "ssim", "max_abs", "cut_psnr_db", "photo_psnr_db", "photo_ssim", "visible", "intersections",
             "contributing_pairs", "segments", "longest_item", "device_bytes", "host_bytes")
@@ -59,7 +60,8 @@ class Row:
     host_bytes: float = None
     bytes: dict = None
     counted_ms: dict = None
-    planes: str = ""  #: beside colour; older files do not know others
+    planes: str = ""  #: beside colour
+    harmonics: str = "floats"  #: as they are kept
 
     @property
     def key(self):
@@ -158,8 +160,9 @@ def read(path):
     found = read_format(path, "swiftgs-bench", machine=dict, rows=list, scenes=list, views=list)
     check_rows(path, found["rows"], texts=WORDS, counts=NUMBERS, optional=OPTIONAL)
     for n, row in enumerate(found["rows"]):
-        if not isinstance(row.get("planes", ""), str):
-            raise InputError(f"{path}: rows[{n}].planes: expected a string")
+        for name in NEW_WORDS:
+            if not isinstance(row.get(name, ""), str):
+                raise InputError(f"{path}: rows[{n}].{name}: expected a string")
     for name in ("scenes", "views"):
         for n, entry in enumerate(found[name]):
             if not isinstance(entry, dict):
@@ -184,7 +187,8 @@ def read_row(path, n, row):
     if values["max_abs"] == 0 and values["psnr_db"] is None:
         values["psnr_db"] = math.inf
     return Row(**values, ms=read_durations(row.get("ms"), wrong), bytes=read_bytes(row.get("bytes"), wrong),
-               counted_ms=read_counted(row.get("counted_ms"), wrong), planes=row.get("planes", ""))
+               counted_ms=read_counted(row.get("counted_ms"), wrong),
+               **{name: row[name] for name in NEW_WORDS if name in row})
 
 
 def read_bytes(found, wrong):

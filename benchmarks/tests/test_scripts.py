@@ -125,6 +125,15 @@ class Scripts(unittest.TestCase):
         self.assertEqual((code, calls), (0, []))
         self.assertEqual(error, "measure: '': expected a capture with a cameras.json; lenses are not measured\n")
 
+    def test_harmonics_are_measured_in_each_form(self):
+        code, error, calls = self.measure("harmonics")
+        self.assertEqual((code, error), (0, ""))
+        made = [str(self.place / "out" / "harmonics" / f"builtin-{form}.{form}") for form in ("spz", "sog")]
+        self.assertEqual(calls[:2], [["convert", "builtin:1000000", file] for file in made])
+        scenes = [str(self.fox), "builtin:1000000", *made]
+        self.assertEqual([call[:5] for call in calls[2:]], 3 * [["bench", *scenes]])
+        self.assertEqual([call[call.index("--harmonics") + 1] for call in calls[2:]], ["float", "smallest", "half"])
+
     def test_hard_frames_that_fail_a_renderer_fail_the_part_and_leave_both_files(self):
         code, error, calls = self.measure("stress")
         self.assertEqual((code, error), (0, ""))

@@ -549,7 +549,7 @@ class Tables(unittest.TestCase):
         self.assertEqual(figure.read_text(encoding="utf-8"), rivals_figure.draw(rivals_figure.found_in(Source())))
 
     def test_files_of_one_run_stand_in_one_row(self):
-        self.assertEqual(cells(self.table("files gpu"), "`ceilings.json`, `lenses.json`, `matrix.json`, `pruned.json`, `scaling-*.json`, `vanilla.json`")[1:],
+        self.assertEqual(cells(self.table("files gpu"), "`ceilings.json`, `harmonics-*.json`, `lenses.json`, `matrix.json`, `pruned.json`, `scaling-*.json`, `vanilla.json`")[1:],
                          ["a GPU", "2026-11-21", "`000000000000`"])
 
     def test_both_sorts_stand_side_by_side_along_an_axis(self):
@@ -625,6 +625,10 @@ class Tables(unittest.TestCase):
             self.assertEqual((code, text), (2, page))
             self.assertRegex(error, r"\A[^\n]+/lenses.json: [^\n]+\n\Z")
             self.assertIn(message, error)
+
+    def test_forms_of_harmonics_stand_beside_floats(self):
+        self.assertEqual(cells(self.table("harmonics gpu"), "fox, 0.2 M")[1:],
+                         ["800", "0.800", "2.30", "bytes", "400", "0.50", "0.83", "600", "0.75", "0.91"])
 
     def test_ceilings_are_shown_as_measured(self):
         text = self.table("ceilings gpu")
