@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <concepts>
 #include <cstddef>
 #include <limits>
 #include <memory>
@@ -37,6 +38,12 @@ struct StagePolicies {
   std::unique_ptr<SortStage<B>> sort;
   RasterStage<B> raster;
 };
+
+namespace detail {
+struct DoNothing {
+  void operator()() const {}
+};
+}  // namespace detail
 
 /// A renderer on backend `B` whose other policies are bound to it at run time: what all `Renderer`s on `B`
 /// share.
@@ -166,15 +173,23 @@ class BoundRenderer {
   /// Throws `std::invalid_argument` where nothing can be rendered, and `CapacityError` where `reserve` was
   /// called for fewer Gaussians.
   ///
+  /// Calls `before_raster()` between sort and rasterization, which alone reads the occluder and the
+  /// image below: let the stream wait there for whoever draws them. A host does not call it for a frame above
+  /// the capacity.
+  ///
   /// A captured graph works in the renderer's memory. It must not be launched again after `reserve`, `trim`
   /// or a larger frame of `render_into`, which move that memory.
-  void record(const SceneView& scene, FrameReport* report) {
+  template <std::invocable BeforeRaster = detail::DoNothing>
+  void record(const SceneView& scene, FrameReport* report, const BeforeRaster& before_raster = {}) {
     for (const View& view : recorded_.views().each)
       detail::require_for_render(PlacedScenes(scene).shown(view).size == 1, "views that show the scene");
-    record_scenes(scene, report);
+    record_scenes(scene, report, before_raster);
   }
   /// The same of the scenes of `reserve` or `set_scenes`.
-  void record(FrameReport* report) { record_scenes(recorded_.scenes(), report); }
+  template <std::invocable BeforeRaster = detail::DoNothing>
+  void record(FrameReport* report, const BeforeRaster& before_raster = {}) {
+    record_scenes(recorded_.scenes(), report, before_raster);
+  }
 
   /// Gives back all memory that the renderer and its backend keep, uploaded scenes excluded, after waiting
   /// for all work submitted so far. The next frame takes it again. Views that were set and what was reserved
@@ -318,16 +333,18 @@ class BoundRenderer {
   const FrameTiles& tiles() const { return stages_.tiles(); }
 
  private:
-  void record_scenes(const PlacedScenes& scenes, FrameReport* report) {
+  template <class BeforeRaster>
+  void record_scenes(const PlacedScenes& scenes, FrameReport* report, const BeforeRaster& before_raster) {
     const FramePlan plan = recorded_.plan(scenes, report);
     last_ = LastFrame::none;
-    run(plan, {});
+    run(plan, {}, before_raster);
     last_ = LastFrame::recorded;
     if constexpr (B::reaches_host_memory)
       if (report->overflowed != 0) last_ = LastFrame::none;  // its lists were not made
   }
 
-  void run(const FramePlan& plan, const Measures& measures) {
+  template <class BeforeRaster = detail::DoNothing>
+  void run(const FramePlan& plan, const Measures& measures, const BeforeRaster& before_raster = {}) {
     RasterCounts* counts = nullptr;
     if (measures.count)
       raster_counts_.reset(RasterBlocks(plan.views.tiles).size()), counts = raster_counts_.data();
@@ -335,6 +352,7 @@ class BoundRenderer {
         plan, true,
         [&](RasterJob job) {
           job.counts = counts;
+          before_raster();
           const auto rasterize = [&](const RasterJob& pass) { raster_.rasterize(backend(), pass); };
           attributes_.draw(backend(), plan.scenes, job, rasterize);
           if (counts) hidden_.count(backend(), job);

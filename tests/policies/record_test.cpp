@@ -229,3 +229,37 @@ TEST_CASE_TEMPLATE("record: lenses may change, and pinholes stay pinholes", B, S
                        "set_views: view 0 is no pinhole whose depth is z, expected those alone as reserved",
                        std::invalid_argument);
 }
+
+TEST_CASE_TEMPLATE("record: what is called between sort and raster may still draw the occluder", B,
+                   SWIFTGS_TEST_BACKENDS) {
+  if (unavailable_backend<B>()) return;
+  Usual<B> renderer, other;
+  const B& backend = renderer.backend();
+  const auto scene = renderer.backend().upload(random_scene(2000, 1, 13));
+  const std::vector<AskedView> asked = asked_of(3, 1);
+  const auto expected = draw_together(other, scene.view(), asked);
+  const std::size_t pixels = std::size_t(asked[0].width) * asked[0].height;
+  const std::vector<float> before_all(pixels, 0), behind_all(pixels, 1e30f);
+  auto depth = to_backend(backend, before_all);
+  PlacedViews<B> images(backend, asked);
+  images.views[0].frame.occluder = {depth.data(), std::ptrdiff_t(sizeof(float)) * asked[0].width};
+  Report<B> report;
+
+  renderer.reserve(scene.view(), images.span(), {4000, 40'000});
+  int calls = 0;
+  const auto uncover = [&] {
+    ++calls;
+    if (on_host<B>) CHECK(renderer.lists().intersections > 0);
+    CopyToBackend<B>::copy(Span<const float>{behind_all.data(), pixels}, depth.data());
+  };
+  renderer.record(scene.view(), report.data(), uncover);
+  CHECK(report.get(backend).overflowed == 0);
+  CHECK(calls == 1);
+  CHECK(differing(images.finish(backend), expected) == 0);
+
+  // A host that does not rasterize does not call it either.
+  renderer.reserve(scene.view(), images.span(), {1, 1});
+  renderer.record(scene.view(), report.data(), uncover);
+  CHECK(report.get(backend).overflowed == 1);
+  CHECK(calls == (on_host<B> ? 1 : 2));
+}
