@@ -2,12 +2,16 @@
 
 // Frames that are recorded into a CUDA graph and run again: the same bits as frames that the host renders.
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -253,6 +257,52 @@ SWIFTGS_DEVICE_CASE("cuda record: two graphs run at once on two streams") {
     }
     for (int p = 0; p < 2; ++p) CHECK(parts[p].wrong(drawn[std::size_t(p)], frame_of(k + 11 * p)) == 0);
   }
+}
+
+SWIFTGS_DEVICE_CASE("cuda record: a graph sorts before the event is recorded that its occluder waits for") {
+  Recording<> r;
+  const std::vector<AskedView> asked = frame_of(2, 1);
+  const auto expected = draw_together(r.other, r.scene.view(), asked);
+  const std::size_t pixels = std::size_t(asked[0].width) * asked[0].height;
+  const std::vector<float> before_all(pixels, 0), behind_all(pixels, 1e30f);
+  DeviceBuffer<float> depth = to_device(before_all);
+  const DeviceBuffer<float> uncovered = to_device(behind_all);
+  PlacedViews images(r.cuda, asked);
+  images.views[0].frame.occluder = {depth.data(), std::ptrdiff_t(sizeof(float)) * asked[0].width};
+  FrameReport* pinned = nullptr;
+  check_cuda(cudaMallocHost(reinterpret_cast<void**>(&pinned), sizeof(FrameReport)), "cudaMallocHost");
+  const std::unique_ptr<FrameReport, decltype([](FrameReport* p) { cudaFreeHost(p); })> report(pinned);
+  cudaEvent_t made = nullptr;
+  check_cuda(cudaEventCreateWithFlags(&made, cudaEventDisableTiming), "cudaEventCreateWithFlags");
+  const std::unique_ptr<CUevent_st, decltype([](cudaEvent_t event) { cudaEventDestroy(event); })> drawn(made);
+  const Stream drawer;
+
+  r.renderer.reserve(r.scene.view(), images.span(), {8000, 200'000});
+  const Graph graph(r.stream, [&] {
+    r.renderer.record(r.scene.view(), report.get(), [&] {
+      check_cuda(cudaStreamWaitEvent(r.stream.get(), drawn.get(), cudaEventWaitExternal),
+                 "cudaStreamWaitEvent");
+    });
+  });
+  std::atomic<bool> may_draw = false;
+  const auto wait = [](void* flag) {
+    while (!*static_cast<std::atomic<bool>*>(flag)) std::this_thread::yield();
+  };
+  *report = {};
+  check_cuda(cudaLaunchHostFunc(drawer.get(), wait, &may_draw), "cudaLaunchHostFunc");
+  check_cuda(cudaMemcpyAsync(depth.data(), uncovered.data(), pixels * sizeof(float), cudaMemcpyDeviceToDevice,
+                             drawer.get()),
+             "cudaMemcpyAsync");
+  check_cuda(cudaEventRecord(drawn.get(), drawer.get()), "cudaEventRecord");
+  graph.run();
+  const volatile std::uint64_t& visible = report->visible;
+  for (int tries = 0; visible == 0 && tries < 1000; ++tries)
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  CHECK(visible != 0);
+  CHECK(cudaStreamQuery(r.stream.get()) == cudaErrorNotReady);
+  may_draw = true;
+  r.stream.wait();
+  CHECK(differing(images.finish(r.cuda), expected) == 0);
 }
 
 SWIFTGS_DEVICE_CASE("cuda record: an empty scene is drawn as its background") {
