@@ -56,3 +56,16 @@ if(SWIFTGS_BUILD_CUDA)
   endif()
   find_package(CUDAToolkit ${swiftgs_cuda_version} REQUIRED)
 endif()
+
+# swiftgs::gl needs OpenGL's header, and nothing of its library.
+find_path(SWIFTGS_GL_INCLUDE GL/gl.h)
+mark_as_advanced(SWIFTGS_GL_INCLUDE)
+set(swiftgs_gl_found OFF)
+if(SWIFTGS_BUILD_CUDA AND SWIFTGS_GL_INCLUDE)
+  set(swiftgs_gl_found ON)
+endif()
+option(SWIFTGS_BUILD_GL "Build swiftgs::gl (needs swiftgs::cuda and GL/gl.h)" ${swiftgs_gl_found})
+if(SWIFTGS_BUILD_GL AND NOT swiftgs_gl_found)
+  message(FATAL_ERROR "SWIFTGS_BUILD_GL: expected SWIFTGS_BUILD_CUDA and GL/gl.h (package libgl-dev); found "
+                      "SWIFTGS_BUILD_CUDA=${SWIFTGS_BUILD_CUDA}, ${SWIFTGS_GL_INCLUDE}")
+endif()

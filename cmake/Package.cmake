@@ -14,7 +14,7 @@ set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 # Where our libraries find each other while what they need of the system is computed.
-foreach(folder IN ITEMS . cpu io cuda c)
+foreach(folder IN ITEMS . cpu io cuda gl vulkan c)
   list(APPEND CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${PROJECT_BINARY_DIR}/backends/${folder}")
 endforeach()
 # Writes what each package says of its licences and changes.
@@ -49,8 +49,8 @@ set(interface ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 set(libraries)
 if(TARGET swiftgs_cuda)
   set(name libswiftgs-cuda${interface})
-  swiftgs_package(cuda ${name} libs "This package has the shared library that renders on NVIDIA GPUs, for which it
-needs their driver. Without one it loads, and says that it is not usable.")
+  swiftgs_package(cuda ${name} libs "This package has the shared libraries that render on NVIDIA GPUs, also for OpenGL
+and Vulkan. They need the driver; without one they load, and say that they are not usable.")
   list(APPEND libraries ${name}@)
 endif()
 set(name libswiftgs${interface})

@@ -2,6 +2,8 @@
 
 // Renders one Gaussian in the middle of an image with every backend that can run here, and fails unless it is
 // there, also in a file where there are files.
+#include <array>
+#include <cstdint>
 #include <iostream>
 #include <memory>
 
@@ -17,6 +19,12 @@
 #include <swiftgs/contribution.hpp>
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/check.hpp>
+#endif
+#if defined(CONSUMER_USES_GL)
+#include <swiftgs/gl.hpp>
+#endif
+#if defined(CONSUMER_USES_VULKAN)
+#include <swiftgs/vulkan.hpp>
 #endif
 #if defined(CONSUMER_USES_TABLE)
 #include <swiftgs/any_renderer.hpp>
@@ -53,12 +61,13 @@ bool renders() {
 }
 
 #if defined(CONSUMER_USES_CUDA)
-/// Without a device the library throws what a program knows by its type.
-bool reports_the_lack_of_a_device() {
+/// Where a device or what it should share is missing, the library throws what a program knows by its type.
+template <class Ask>
+bool reports_the_lack_of_a_device(const Ask& ask) {
   try {
-    swiftgs::Contributions<swiftgs::Cuda> contributions(std::make_shared<const swiftgs::Scene>());
+    ask();
   } catch (const swiftgs::DeviceError& error) {
-    std::cout << "no usable GPU here: " << error.what() << "\n";
+    std::cout << "not here: " << error.what() << "\n";
     return true;
   }
   return false;
@@ -80,8 +89,18 @@ int main() {
     swiftgs::check_cuda(cudaSetDevice(0), "cudaSetDevice");
     good = renders<swiftgs::Cuda>() && good;
   } else {
-    good = reports_the_lack_of_a_device() && good;
+    good = reports_the_lack_of_a_device([] {
+             swiftgs::Contributions<swiftgs::Cuda> contributions(std::make_shared<const swiftgs::Scene>());
+           }) &&
+           good;
   }
+#endif
+#if defined(CONSUMER_USES_GL)
+  good = reports_the_lack_of_a_device([] { swiftgs::gl::device(); }) && good;  // without a context
+#endif
+#if defined(CONSUMER_USES_VULKAN)
+  good =
+      reports_the_lack_of_a_device([] { swiftgs::vulkan::Device(std::array<std::uint8_t, 16>{}); }) && good;
 #endif
 #if defined(CONSUMER_USES_TABLE)
   std::cout << swiftgs::renderers().size() << " renderers\n";
