@@ -214,7 +214,12 @@ TEST_CASE("gl: a renderbuffer has the bytes of the frame that was written to it"
 
   frame.format = PixelFormat::rgba_half;
   CHECK(refusal([&] { target.write(frame, nullptr); }) ==
-        "gl::Texture: 640 x 400 pixels of 4 bytes, expected those of the frame, 640 x 400 of 8 bytes");
+        "gl::Texture: 640 x 400 pixels of 4 x 8 bits, expected those of the frame, 640 x 400 pixels of 4 x "
+        "16 bits");
+  const GLuint depths = make_texture(GL_R32F);
+  frame.format = PixelFormat::rgba_8;
+  CHECK(contains(refusal([&] { gl::Texture(depths, GL_TEXTURE_2D).write(frame, nullptr); }),
+                 "gl::Texture: 640 x 400 pixels of 1 x 32 bits, expected "));
   frame = {.width = width, .height = height};
   CHECK(refusal([&] { target.write(frame, nullptr); }) ==
         "gl::Texture: the frame has no colours, expected some");

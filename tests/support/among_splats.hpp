@@ -69,8 +69,8 @@ class HostFrames {
     for (float& value : before_all)
       if (value != clear) value = 0;
     CHECK(decibels(drawn, draw(host, format, box, depth)) >= 60);
-    CHECK(decibels(drawn, draw(host, format, box, {})) < 30);
-    CHECK(decibels(drawn, draw(host, format, box, before_all)) < 30);
+    CHECK(decibels(drawn, draw(host, format, box, {})) < 40);
+    CHECK(decibels(drawn, draw(host, format, box, before_all)) < 40);
   }
 
   static double decibels(const Bytes& a, const Bytes& b) {
