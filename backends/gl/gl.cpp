@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <stdexcept>
 #include <string>
 
 #include <cuda_gl_interop.h>
 
 #include <swiftgs/cuda/check.hpp>
-#include <swiftgs/cuda/copy_to_array.hpp>
 #include <swiftgs/gl.hpp>
+
+#include "copy_to_array.hpp"
 
 namespace swiftgs::gl {
 
@@ -18,6 +20,17 @@ void require_device(const char* caller) {
   if (current != expected)
     throw DeviceError(caller, "the current CUDA device is " + std::to_string(current) + ", expected " +
                                   std::to_string(expected) + ", on which the OpenGL context draws");
+}
+
+PixelFormat format_of(cudaArray_t texture) {
+  cudaChannelFormatDesc of{};
+  check_cuda(cudaArrayGetInfo(&of, nullptr, nullptr, texture), "cudaArrayGetInfo");
+  const bool is_float = of.f == cudaChannelFormatKindFloat;
+  if (of.w == 8 && !is_float) return PixelFormat::rgba_8;
+  if (of.w == 16 && is_float) return PixelFormat::rgba_half;
+  if (of.w == 32 && is_float) return PixelFormat::rgba_float;
+  throw std::invalid_argument(
+      "gl::Texture: the texture has another format, expected GL_RGBA8, GL_RGBA16F or GL_RGBA32F");
 }
 
 }  // namespace
@@ -69,7 +82,7 @@ void Texture::write(const FrameView& frame, cudaStream_t stream) const {
   cudaArray_t array = nullptr;
   check_cuda(cudaGraphicsSubResourceGetMappedArray(&array, registered_.get(), 0, 0),
              "cudaGraphicsSubResourceGetMappedArray");
-  copy_to_array(frame, array, stream, "gl::Texture");
+  copy_to_array(frame, array, format_of(array), stream, "gl::Texture");
 }
 
 }  // namespace swiftgs::gl

@@ -9,8 +9,9 @@
 #include <unistd.h>
 
 #include <swiftgs/cuda/check.hpp>
-#include <swiftgs/cuda/copy_to_array.hpp>
 #include <swiftgs/vulkan.hpp>
+
+#include "copy_to_array.hpp"
 
 namespace swiftgs::vulkan {
 
@@ -112,7 +113,7 @@ Buffer::Buffer(const Device& device, const ExportedMemory& memory)
 }
 
 Image::Image(const Device& device, const ExportedMemory& memory, const ImageShape& shape)
-    : memory_(import_memory(device, memory, "vulkan::Image")) {
+    : memory_(import_memory(device, memory, "vulkan::Image")), format_(shape.format) {
   cudaExternalMemoryMipmappedArrayDesc levels{};
   levels.formatDesc = channels_of(shape.format);
   levels.extent = {std::size_t(shape.width), std::size_t(shape.height), 0};
@@ -127,7 +128,7 @@ Image::Image(const Device& device, const ExportedMemory& memory, const ImageShap
 void Image::write(const FrameView& frame, cudaStream_t stream) const {
   cudaArray_t level = nullptr;
   check_cuda(cudaGetMipmappedArrayLevel(&level, image_.get(), 0), "cudaGetMipmappedArrayLevel");
-  copy_to_array(frame, level, stream, "vulkan::Image");
+  copy_to_array(frame, level, format_, stream, "vulkan::Image");
 }
 
 Semaphore::Semaphore(const Device& device, int fd) {

@@ -213,13 +213,16 @@ TEST_CASE("gl: a renderbuffer has the bytes of the frame that was written to it"
   CHECK(Canvas::colours() == expected);
 
   frame.format = PixelFormat::rgba_half;
-  CHECK(refusal([&] { target.write(frame, nullptr); }) ==
-        "gl::Texture: 640 x 400 pixels of 4 x 8 bits, expected those of the frame, 640 x 400 pixels of 4 x "
-        "16 bits");
-  const GLuint depths = make_texture(GL_R32F);
-  frame.format = PixelFormat::rgba_8;
-  CHECK(contains(refusal([&] { gl::Texture(depths, GL_TEXTURE_2D).write(frame, nullptr); }),
-                 "gl::Texture: 640 x 400 pixels of 1 x 32 bits, expected "));
+  CHECK(
+      refusal([&] { target.write(frame, nullptr); }) ==
+      "gl::Texture: 640 x 400 pixels of rgba_8, expected those of the frame, 640 x 400 pixels of rgba_half");
+  frame.format = PixelFormat::bgra_8;
+  CHECK(contains(refusal([&] { target.write(frame, nullptr); }), "pixels of rgba_8, expected "));
+  for (const GLenum other : {GL_R32F, GL_RGBA16}) {
+    const gl::Texture texture(make_texture(other), GL_TEXTURE_2D);
+    CHECK(refusal([&] { texture.write(frame, nullptr); }) ==
+          "gl::Texture: the texture has another format, expected GL_RGBA8, GL_RGBA16F or GL_RGBA32F");
+  }
   frame = {.width = width, .height = height};
   CHECK(refusal([&] { target.write(frame, nullptr); }) ==
         "gl::Texture: the frame has no colours, expected some");

@@ -333,8 +333,12 @@ TEST_CASE("vulkan: an optimal image has the bytes of the frame that was written 
       Bytes expected(bytes);
       renderer.backend().download(std::as_const(drawn).span(), expected.data());
       CHECK((found.content(0, bytes) == expected));
+      const auto refused = [&] { return refusal([&] { target.write(frame, stream); }); };
       frame.height = 216;
-      CHECK(contains(refusal([&] { target.write(frame, stream); }), "vulkan::Image: 333 x 217 pixels of "));
+      CHECK(contains(refused(), "vulkan::Image: 333 x 217 pixels of "));
+      frame.height = 217;
+      frame.format = format == PixelFormat::rgba_8 ? PixelFormat::bgra_8 : PixelFormat::rgba_8;
+      CHECK(contains(refused(), "expected those of the frame, 333 x 217 pixels of "));
     }
 }
 

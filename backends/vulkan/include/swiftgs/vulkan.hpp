@@ -86,12 +86,14 @@ class Image {
   SWIFTGS_API Image(const Device& device, const ExportedMemory& memory, const ImageShape& shape);
 
   /// Copies the colours of `frame`, which lies in memory of the device, in stream order. Vulkan keeps the
-  /// contents by the layout VK_IMAGE_LAYOUT_GENERAL. Throws `std::invalid_argument` if sizes differ.
+  /// contents by the layout VK_IMAGE_LAYOUT_GENERAL. Throws `std::invalid_argument` if sizes or formats
+  /// differ.
   SWIFTGS_API void write(const FrameView& frame, cudaStream_t stream) const;
 
  private:
   detail::Owned<CUexternalMemory_st> memory_;
   detail::Owned<cudaMipmappedArray> image_;
+  PixelFormat format_;
 };
 
 /// A timeline semaphore, as `vkGetSemaphoreFdKHR` exports it.
