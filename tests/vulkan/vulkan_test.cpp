@@ -280,8 +280,10 @@ TEST_CASE("vulkan: an optimal image has the bytes of the frame that was written 
       {PixelFormat::bgra_8, vk::Format::eB8G8R8A8Unorm},
       {PixelFormat::rgba_half, vk::Format::eR16G16B16A16Sfloat},
       {PixelFormat::rgba_float, vk::Format::eR32G32B32A32Sfloat}};
-  for (const auto& [format, of_vulkan] : formats)
+  for (const auto& both : formats)
     for (const bool attachment : {false, true}) {
+      const auto format = both.first;
+      const auto of_vulkan = both.second;
       CAPTURE(vk::to_string(of_vulkan));
       CAPTURE(attachment);
       const Camera camera = builtin_camera(333, 217);
