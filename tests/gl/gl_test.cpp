@@ -2,7 +2,6 @@
 
 // Frames in buffers and textures of OpenGL, beside frames of the host.
 #include <cstddef>
-#include <cstdint>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -80,17 +79,6 @@ GLuint make_texture(GLenum storage, const void* texels = nullptr, GLenum type = 
   return name;
 }
 
-std::string refusal(const auto& make) {
-  try {
-    make();
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return "nothing";
-}
-
-bool contains(const std::string& text, const char* part) { return text.find(part) != std::string::npos; }
-
 }  // namespace
 
 TEST_CASE("gl: the host composes splats before and behind the box that these tests draw") {
@@ -118,7 +106,7 @@ TEST_CASE("gl: a machine without a device of CUDA says which call failed") {
   if (Cuda::usable()) return skip("there is a CUDA device");
   const Context context;
   if (!context.current) return skip("no EGL device with OpenGL 3.3");
-  CHECK(contains(refusal([] { gl::Buffer buffer(1); }), "cudaGLGetDevices: "));
+  CHECK_THROWS_WITH_AS(gl::Buffer{1}, doctest::Contains("cudaGLGetDevices: "), DeviceError);
 }
 
 TEST_CASE("gl: splats are drawn before and behind a box in a pixel buffer as the host composes them") {
@@ -213,30 +201,35 @@ TEST_CASE("gl: a renderbuffer has the bytes of the frame that was written to it"
   CHECK(Canvas::colours() == expected);
 
   frame.format = PixelFormat::rgba_half;
-  CHECK(
-      refusal([&] { target.write(frame, nullptr); }) ==
-      "gl::Texture: 640 x 400 pixels of rgba_8, expected those of the frame, 640 x 400 pixels of rgba_half");
+  CHECK_THROWS_WITH_AS(
+      target.write(frame, nullptr),
+      "gl::Texture: 640 x 400 pixels of rgba_8, expected those of the frame, 640 x 400 pixels of rgba_half",
+      std::invalid_argument);
   frame.format = PixelFormat::bgra_8;
-  CHECK(contains(refusal([&] { target.write(frame, nullptr); }), "pixels of rgba_8, expected "));
+  CHECK_THROWS_WITH_AS(target.write(frame, nullptr), doctest::Contains("pixels of rgba_8, expected "),
+                       std::invalid_argument);
   for (const GLenum other : {GL_R32F, GL_RGBA16}) {
     const gl::Texture texture(make_texture(other), GL_TEXTURE_2D);
-    CHECK(refusal([&] { texture.write(frame, nullptr); }) ==
-          "gl::Texture: the texture has another format, expected GL_RGBA8, GL_RGBA16F or GL_RGBA32F");
+    CHECK_THROWS_WITH_AS(
+        texture.write(frame, nullptr),
+        "gl::Texture: the texture has another format, expected GL_RGBA8, GL_RGBA16F or GL_RGBA32F",
+        std::invalid_argument);
   }
   frame = {.width = width, .height = height};
-  CHECK(refusal([&] { target.write(frame, nullptr); }) ==
-        "gl::Texture: the frame has no colours, expected some");
+  CHECK_THROWS_WITH_AS(target.write(frame, nullptr), "gl::Texture: the frame has no colours, expected some",
+                       std::invalid_argument);
 }
 
 TEST_CASE("gl: what cannot be registered is refused by the name of the call") {
   const Shared shared;
   if (!shared.usable) return;
-  CHECK(contains(refusal([] { gl::Buffer buffer(4711); }), "cudaGraphicsGLRegisterBuffer of buffer 4711: "));
-  CHECK(contains(refusal([] { gl::Texture texture(4711, GL_TEXTURE_2D); }),
-                 "cudaGraphicsGLRegisterImage of texture 4711: "));
+  CHECK_THROWS_WITH_AS(gl::Buffer{4711}, doctest::Contains("cudaGraphicsGLRegisterBuffer of buffer 4711: "),
+                       DeviceError);
+  CHECK_THROWS_WITH_AS(gl::Texture(4711, GL_TEXTURE_2D),
+                       doctest::Contains("cudaGraphicsGLRegisterImage of texture 4711: "), DeviceError);
   const GLuint depth = make_texture(GL_DEPTH_COMPONENT32F, nullptr, GL_FLOAT);
-  CHECK(contains(refusal([&] { gl::Texture texture(depth, GL_TEXTURE_2D); }),
-                 "cudaGraphicsGLRegisterImage of texture "));
+  CHECK_THROWS_WITH_AS(gl::Texture(depth, GL_TEXTURE_2D),
+                       doctest::Contains("cudaGraphicsGLRegisterImage of texture "), DeviceError);
   CHECK(cudaGetLastError() == cudaSuccess);
 }
 
@@ -248,9 +241,10 @@ TEST_CASE("gl: another device than that of the context is refused by its number"
   if (devices < 2) return skip("one CUDA device alone");
   const GLuint name = make_pixel_buffer(100);
   check_cuda(cudaSetDevice(1), "cudaSetDevice");
-  const std::string found = refusal([&] { gl::Buffer buffer(name); });
+  CHECK_THROWS_WITH_AS(
+      gl::Buffer{name},
+      "gl::Buffer: the current CUDA device is 1, expected 0, on which the OpenGL context draws", DeviceError);
   check_cuda(cudaSetDevice(0), "cudaSetDevice");
-  CHECK(found == "gl::Buffer: the current CUDA device is 1, expected 0, on which the OpenGL context draws");
 }
 
 TEST_CASE("gl: frames in a loop take no memory") {
