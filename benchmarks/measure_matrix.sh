@@ -89,14 +89,15 @@ scaling() { echo "$1/early/$ours,$1/standard/$ours,$1/standard/per-pixel/$square
 leave_folders_out() { sed -i "s|$out/||g;s|$scenes/||g" "$1"; }
 
 # bench FILE ARGUMENT...: without members that are null or say that a frame had one view and colour alone, and without
-# percentiles, which no table reads.
+# percentiles and joined pixels, which no table reads.
 bench() {
   local file=$1
   shift
   "$swiftgs" bench "$@" --min-frames "$least" --max-frames "$most" --precision "$precision" --seed 1 \
     --json "$out/$file"
   leave_folders_out "$out/$file"
-  sed -Ei 's/,"[a-z_]+":null//g; s/"planes":"",//g; s/"batch":1,//g; s/,"p10":[^,}]+,"p90":[^,}]+//g' "$out/$file"
+  sed -Ei -e 's/,"[a-z_]+":null//g; s/"planes":"",//g; s/"batch":1,//g' \
+    -e 's/"pixels_joined":[0-9]+,//g; s/,"p10":[^,}]+,"p90":[^,}]+//g' "$out/$file"
 }
 
 part_matrix() {

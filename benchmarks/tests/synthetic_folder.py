@@ -106,8 +106,7 @@ def write(folder, backend):
                           for order in ("", "-ordered") for view in range(4)
                           for n, lens in enumerate(("pinhole", "opencv", "fisheye", "panorama"), 1)])
     for kept, form, part in (("float", "floats", 1), ("smallest", "bytes", 0.5), ("half", "halves", 0.75)):
-        bench(f"harmonics-{kept}.json", [{**row(backend, BEST, "fox", grow={"sort": part}), "harmonics": form,
-                                          "device_bytes": 8e8 * part, "host_bytes": 4e8 * part}])
+        bench(f"harmonics-{kept}.json", [row(backend, BEST, "fox", grow={"sort": part}, harmonics=form)])
     if backend == "cuda":
         synthetic.write(folder / "ceilings.json", ceilings())
     synthetic.write(folder / "stress.json", stress(backend, ((64, 48),)))
