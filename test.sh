@@ -42,7 +42,7 @@ if cmake/setup.sh test; then
   export CTEST_PARALLEL_LEVEL=${CTEST_PARALLEL_LEVEL:-$(nproc)}
   command -v ccache >/dev/null && export CMAKE_CXX_COMPILER_LAUNCHER=ccache CMAKE_CUDA_COMPILER_LAUNCHER=ccache
   # Where nothing can run kernels, a fifth of the time compiles them. For a GPU that comes later, build anew.
-  nvidia-smi -L >/dev/null 2>&1 || export CUDAFLAGS="${CUDAFLAGS:+$CUDAFLAGS }-Ofast-compile=max"
+  nvidia-smi -L >/dev/null 2>&1 || export CUDAFLAGS="${CUDAFLAGS:+$CUDAFLAGS }--Ofast-compile=max"
   run_workflow release
   if grep -q '^SWIFTGS_BUILD_CUDA:BOOL=OFF$' build/release/CMakeCache.txt 2>/dev/null; then
     skip 'no nvcc 13 or newer here: the CUDA backend'

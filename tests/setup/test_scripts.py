@@ -72,6 +72,18 @@ class Scripts(unittest.TestCase):
                  if early.search(line)]
         self.assertEqual(found, [])
 
+    def test_nvcc_knows_the_flags_of_a_machine_without_a_gpu(self):
+        nvcc = shutil.which("nvcc") or shutil.which("nvcc", path="/usr/local/cuda/bin")
+        if not nvcc:
+            self.skipTest("no nvcc here")
+        flags = re.search(r'CUDAFLAGS \}([^"]+)"', (ROOT / "test.sh").read_text(encoding="utf-8"))[1].split()
+        with tempfile.TemporaryDirectory() as folder:
+            source = pathlib.Path(folder) / "empty.cu"
+            source.write_text("", encoding="utf-8")
+            ran = subprocess.run([nvcc, *flags, "--dryrun", "-c", source], cwd=folder, capture_output=True, text=True,
+                                 check=False)
+        self.assertEqual(ran.returncode, 0, ran.stderr)
+
     def test_the_last_lines_of_a_run_name_what_was_missing(self):
         with tempfile.TemporaryDirectory() as folder:
             place = pathlib.Path(folder)
