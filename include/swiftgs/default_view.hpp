@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <swiftgs/camera.hpp>
@@ -118,8 +120,13 @@ inline dvec3 level_direction(const dvec3& up, double angle) {
 /// `up` is where up is in the scene's world, of any length. Where it is 0 it is guessed: -y, as in most
 /// captures, unless y, z or -z puts much more that is far or bright at the top of the image, tilted to the
 /// ground where one is found. Guesses may be wrong.
+///
+/// Throws `std::invalid_argument` for an image with no pixels or too long a side.
 inline OrbitView default_view(const Scene& scene, int width = 1280, int height = 720,
                               const dvec3& up = dvec3(0)) {
+  if (std::min(width, height) < 1 || std::max(width, height) > max_image_side)
+    throw std::invalid_argument("default_view: the image is " + std::to_string(width) + " x " +
+                                std::to_string(height) + ", expected 1 to 65536 pixels a side");
   constexpr double shorter_fov = 0.8;
   const std::vector<detail::SampledGaussian> points = detail::sample_gaussians(scene);
   const SceneBounds bulk = detail::bounds_of(points);

@@ -160,7 +160,7 @@ void test_orbit(void) {
   CHECK_NULLS(swiftgs_camera_orbit, &camera, "swiftgs_camera", &orbit, "swiftgs_orbit");
   CHECK_INVALID(swiftgs_scene_default_view(NULL, 80, 60, &camera, &orbit), "scene is NULL");
   CHECK_INVALID(swiftgs_scene_default_view(scene, 80, 60, NULL, &orbit), "swiftgs_camera is NULL");
-  CHECK_INVALID(swiftgs_scene_default_view(scene, 0, 60, &camera, &orbit), "width and a height above 0");
+  CHECK_INVALID(swiftgs_scene_default_view(scene, 0, 60, &camera, &orbit), "the image is 0 x 60");
   orbit.distance = -1;
   CHECK_INVALID(swiftgs_camera_orbit(&camera, &orbit), "a finite distance above 0");
   orbit.reserved = 1;

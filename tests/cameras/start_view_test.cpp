@@ -144,6 +144,16 @@ TEST_CASE("default view: most of a scene is seen in an image of any shape") {
   }
 }
 
+TEST_CASE("default view: an image without pixels or with too many is refused") {
+  const Scene scene = box_of(vec3(0), vec3(1), 3);
+  for (const auto& [width, height] : {std::pair{0, 360}, {360, 0}, {-1, 1}, {65537, 1}, {1, 65537}})
+    CHECK_THROWS_AS(default_view(scene, width, height), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(default_view(scene, 0, 360),
+                       "default_view: the image is 0 x 360, expected 1 to 65536 pixels a side",
+                       std::invalid_argument);
+  validate(default_view(scene, 1, 65536).camera);
+}
+
 TEST_CASE("default view: up is where it is told and -y unless much speaks for another axis") {
   const Scene scene = make_builtin_scene(5000);
   CHECK(default_view(scene).up.y < -0.9);
@@ -192,6 +202,27 @@ TEST_CASE("orbit: the target stays in its pixel and the camera where it was told
   const Camera above = orbit({look_at(dvec3(0, 0, -4), dvec3(0), dvec3(0, -1, 0), 0.8, 64, 36)}, 0, 0.5);
   CHECK(above.centre().y < 0);
   CHECK(glm::length(orbit(view, 0).translation - view.camera.translation) < 1e-12);
+}
+
+TEST_CASE("orbit: an orthographic camera shows the target in its pixel and as large as a pinhole would") {
+  OrbitView view{look_at(dvec3(0, 0, -4), dvec3(1, 0.5, 0), dvec3(0.2, -1, 0), 0.8, 640, 360),
+                 dvec3(0.3, -0.2, 0.5), dvec3(0, -2, 0)};
+  view.camera.lens.model = LensModel::orthographic;
+  view.camera.fx = 70, view.camera.fy = 80;
+  const auto at = [](const Camera& camera, const dvec3& point) {
+    const dvec3 p = camera.rotation * point + camera.translation;
+    return dvec3(camera.fx * p.x + camera.cx, camera.fy * p.y + camera.cy, 0);
+  };
+  const dvec3 before = at(view.camera, view.target);
+  const double far = distance(view.camera, view.target);
+  for (const double times : {0.25, 1.0, 3.0}) {
+    const Camera camera = orbit(view, 0.7, 0.3, times);
+    CHECK(glm::length(at(camera, view.target) - before) < 1e-9);
+    CHECK(distance(camera, view.target) == doctest::Approx(times * far));
+    const dvec3 right(camera.rotation[0][0], camera.rotation[1][0], camera.rotation[2][0]);
+    CHECK(at(camera, view.target + right).x - before.x == doctest::Approx(70 / times));
+    CHECK(camera.fy == doctest::Approx(80 / times));
+  }
 }
 
 TEST_CASE("orbit: a camera never goes over the top") {

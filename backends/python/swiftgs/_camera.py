@@ -269,7 +269,7 @@ class OrbitView(NamedTuple):
     def orbit(self, turn: float, rise: float = 0, distance: float = 1) -> Camera:
         """The camera moved around the target, which stays where it is in the image: to its right by `turn`
         about the axis `up`, by `rise` towards `up`, never within a degree of the axis, in radians, and to `distance`
-        times its distance."""
+        times its distance, by which an orthographic camera's focal lengths are divided."""
         axis = tuple(map(float, self.up))
         if not any(axis) or not distance:  # zeros have defaults in C
             raise ValueError(f"orbit: up is {axis} and distance {distance}, expected a length and a number above 0")

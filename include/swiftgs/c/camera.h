@@ -143,7 +143,7 @@ typedef struct swiftgs_orbit {
   double up[3];       ///< the axis, of any length; zeros: -y
   double turn;        ///< about the axis, to the camera's right @units{radians}
   double rise;        ///< towards `up`, never within a degree of the axis @units{radians}
-  double distance;    ///< times the camera's distance; 0: 1
+  double distance;    ///< times the distance; divides an orthographic camera's focal lengths; 0: 1
 } swiftgs_orbit;
 
 /// Moves `camera`.
