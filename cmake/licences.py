@@ -30,12 +30,13 @@ def compiled(build):
 
 
 def linked(build):
-    places = dict(re.findall(r"^\t(\S+) \(libc6,x86-64[^)]*\) => (\S+)$", output("/sbin/ldconfig", "-p"), re.M))
     products = [path for path in [*build.glob("backends/**/libswiftgs*.so.*"), build / "examples/swiftgs"]
                 if path.is_file() and not path.is_symlink()]
     if not products:
         sys.exit(f"licences: expected shared libraries in {build}/backends")
     needed = {name for path in products for name in re.findall(r"\(NEEDED\).*\[(.*)\]", output("readelf", "-d", path))}
+    places = {name: place for path in products
+              for name, place in re.findall(r"^\t(\S+) => (/\S+)", output("ldd", path), re.M)}
     return {pathlib.Path(places[name]).resolve() for name in needed if name in places}
 
 
