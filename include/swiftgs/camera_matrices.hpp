@@ -113,6 +113,10 @@ inline std::string row_of(const Matrix4& m, int row, int columns = 4) {
   throw std::invalid_argument("camera_from: " + std::string(name) + ": " + found + ", expected " + expected);
 }
 
+inline constexpr const char* if_transposed =
+    "; numbers are read column by column, so transpose a matrix stored by rows; one for row vectors, such as "
+    "XMFLOAT4X4 or osg::Matrix, is passed as a pointer to its numbers";
+
 /// What rounding may leave where a matrix has 0 or 1, for products of matrices in float.
 inline constexpr double matrix_rounding = 1e-6;
 
@@ -128,8 +132,7 @@ inline void validate_view(const Matrix4& view) {
   const double(&bottom)[4] = view.at[3];
   if (std::max({std::abs(bottom[0]), std::abs(bottom[1]), std::abs(bottom[2]), std::abs(bottom[3] - 1)}) >
       matrix_rounding)
-    refuse_matrix(name, row_of(view, 3),
-                  "(0, 0, 0, 1); numbers are read column by column, so transpose a matrix stored by rows");
+    refuse_matrix(name, row_of(view, 3), std::string("(0, 0, 0, 1)") + if_transposed);
   const auto axis = [&](int row) { return dvec3(view.at[row][0], view.at[row][1], view.at[row][2]); };
   for (int row = 0; row < 3; ++row) {
     const double squared = dot(axis(row), axis(row));
@@ -165,9 +168,7 @@ inline void validate_projection(const Matrix4& projection) {
                   "it looks; use look_at and LensModel::orthographic");
   if (!is_zero(3, 0, 1) || !is_zero(3, 1, 1) || !is_zero(3, 3, 1) ||
       !(std::abs(std::abs(m[3][2]) - 1) <= matrix_rounding))
-    refuse_matrix(name, row_of(projection, 3),
-                  "(0, 0, -1, 0) or (0, 0, 1, 0); numbers are read column by column, so transpose a matrix "
-                  "stored by rows");
+    refuse_matrix(name, row_of(projection, 3), std::string("(0, 0, -1, 0) or (0, 0, 1, 0)") + if_transposed);
   for (int row = 0; row < 2; ++row) {
     if (!is_zero(row, 1 - row, m[row][row]))
       refuse_matrix(name, row_of(projection, row),
@@ -217,8 +218,9 @@ inline HostCamera camera_of(const Matrix4& view, const Matrix4& projection, int 
 /// depth buffer holds.
 ///
 /// Matrices are for vectors that are columns, in float or double: GLM's, Eigen's, what else has m(row,
-/// column) or m[column][row], or 16 numbers column by column, as OpenGL takes them. Row vectors that lie row
-/// by row, as DirectXMath's, are the same numbers. The view may be right-handed or left-handed, looking along
+/// column) or m[column][row], or 16 numbers column by column, as OpenGL takes them. Matrices for row vectors
+/// that lie row by row are the same numbers: pass a pointer to them, `&m.m[0][0]` of DirectXMath's XMFLOAT4X4
+/// or `m.ptr()` of osg::Matrix. The view may be right-handed or left-handed, looking along
 /// -z or z, with y up or down: the projection tells. Off-centre projections, jitter, axes flipped by a
 /// negative number in the projection, and near and far planes in any order or infinite are as they are.
 ///

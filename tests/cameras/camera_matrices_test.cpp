@@ -237,6 +237,15 @@ TEST_CASE("camera matrices: matrices of any library are the same") {
   CHECK(of(plain, array) == wanted);
   CHECK(of(plain, std::vector<double>(array.begin(), array.end())) == wanted);
   CHECK(of([&](int row, int column) { return view(row, column); }, projection) == wanted);
+  // As of XMFLOAT4X4 and osg::Matrix, for vectors that are rows.
+  const auto row_vectors = [&](int row, int column) { return view(column, row); };
+  std::string refusal;
+  try {
+    of(row_vectors, projection);
+  } catch (const std::invalid_argument& error) {
+    refusal = error.what();
+  }
+  CHECK(refusal.find("osg::Matrix, is passed as a pointer to its numbers") != std::string::npos);
   CHECK_THROWS_WITH_AS(of(plain, std::vector<double>(12)),
                        "camera_from: projection has 12 numbers, expected 16", std::invalid_argument);
 }
