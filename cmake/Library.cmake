@@ -15,3 +15,17 @@ function(swiftgs_library target)
     set_target_properties(${target} PROPERTIES INSTALL_RPATH "$ORIGIN")
   endif()
 endfunction()
+
+# swiftgs_vectors(TARGET [disabled]): TARGET has kernels that Highway compiles for each kind of vector but `disabled`.
+function(swiftgs_vectors target)
+  target_link_libraries(${target} PRIVATE hwy::hwy)
+  if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
+    # NEON alone, on processors with SVE too. Kernels count lanes when they are compiled and have structs of vectors,
+    # and vectors of SVE allow neither. Without a choice at run time Highway leaves out an attribute of functions that gcc
+    # does not give to constructors of such structs.
+    target_compile_definitions(${target} PRIVATE
+      "HWY_DISABLED_TARGETS=(HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)" TOOLCHAIN_MISS_SYS_AUXV_H)
+  elseif(ARGN)
+    target_compile_definitions(${target} PRIVATE HWY_DISABLED_TARGETS=${ARGN})
+  endif()
+endfunction()

@@ -102,7 +102,7 @@ std::string gzip_of(std::string_view text) {
 bool is_surely_foreign(std::string_view text) {
   if (text.starts_with("PK\3\4") || is_tar(text)) return true;
   // The fourth byte of gzip has flags, of which there are five.
-  if (text.size() >= 4 && text.starts_with("\x1f\x8b\x08") && text[3] >= 0 && text[3] < 32) return true;
+  if (text.size() >= 4 && text.starts_with("\x1f\x8b\x08") && std::uint8_t(text[3]) < 32) return true;
   return std::any_of(std::begin(beginnings), std::end(beginnings), [&](const Beginning& beginning) {
     return beginning.text.size() >= 4 && text.starts_with(beginning.text);
   });
