@@ -7,6 +7,8 @@
 #   cmake/release_check.sh packages              Debian packages: built, checked, and used in fresh systems
 #   cmake/release_check.sh wheel                 the Python wheel: built, and used in fresh systems
 #   cmake/release_check.sh reproducible          the libraries and the wheel have the same bytes wherever they are built
+#   cmake/release_check.sh arm64                 all tests, cross-compiled and run by qemu
+#   cmake/release_check.sh compilers             other compilers build all without a warning, and the tests pass
 #   cmake/release_check.sh kernels               no kernel spills more than tests/cuda/kernel_resources.csv says
 #   cmake/release_check.sh fuzz SECONDS          every fuzz target for SECONDS; writes executions and coverage
 set -uo pipefail
@@ -15,11 +17,16 @@ out=$source/build/release_check
 roots=$out/roots  # fresh systems: made and removed here alone
 cd "$source" && cmake/setup.sh release && mkdir -p "$out" || exit 1
 
-# NAME SUITE SCRIPT MIRROR: systems that packages are tested on. Debian 12 has no debootstrap script for Ubuntu 24.04,
-# but one is the same for all of Ubuntu.
+# NAME SUITE SCRIPT MIRROR: fresh systems. Debian 12 has no debootstrap script for Ubuntu 24.04, but one is the same for
+# all of Ubuntu.
 systems='debian-12 bookworm bookworm http://deb.debian.org/debian
+debian-13 trixie trixie http://deb.debian.org/debian
 ubuntu-24.04 noble gutsy http://archive.ubuntu.com/ubuntu'
-names=$(cut -d ' ' -f 1 <<<"$systems")
+names='debian-12 ubuntu-24.04'  # those that packages are tested on
+# NAME CC CXX ARCHIVE: what else builds SwiftGS, with CMake of that archive of the system. That of backports is 4.
+compilers='debian-13 gcc g++ trixie-backports
+debian-13 clang clang++ trixie
+ubuntu-24.04 clang clang++ noble'
 export CMAKE_BUILD_PARALLEL_LEVEL=${CMAKE_BUILD_PARALLEL_LEVEL:-$(nproc)}
 here=$(. /etc/os-release && echo "$ID-$VERSION_ID")
 
@@ -44,7 +51,7 @@ skip() {  # skip NAME REASON
 # The one line that removes folders: those of these names, which this script has made.
 remove() {
   case $1 in
-    debian-12 | debian-12-build | ubuntu-24.04 | ubuntu-24.04-build | elsewhere) ;;
+    debian-12 | debian-12-arm64 | debian-12-build | debian-13-build | ubuntu-24.04 | ubuntu-24.04-build | elsewhere) ;;
     *) echo "release_check: expected a system's name, found '$1'" >&2; exit 1 ;;
   esac
   rm -rf --one-file-system "$source/build/release_check/roots/$1"
@@ -77,6 +84,21 @@ inside() {
   env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
     CMAKE_BUILD_PARALLEL_LEVEL="$CMAKE_BUILD_PARALLEL_LEVEL" \
     unshare --mount --pid --fork --mount-proc="$roots/$1/proc" chroot "$roots/$1" "${@:2}"
+}
+
+# The same, where qemu runs programs for arm64: the kernel knows its name until the command ends.
+emulated() {
+  local magic='\x7fELF\x02\x01\x01\x00\x00\x00\x00\x00\x00\x00\x00\x00\x02\x00\xb7\x00'
+  local mask='\xff\xff\xff\xff\xff\xff\xff\x00\xff\xff\xff\xff\xff\xff\xff\xff\xfe\xff\xff\xff'
+  env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 \
+    CMAKE_BUILD_PARALLEL_LEVEL="$CMAKE_BUILD_PARALLEL_LEVEL" CTEST_PARALLEL_LEVEL="$CMAKE_BUILD_PARALLEL_LEVEL" \
+    CMAKE_TOOLCHAIN_FILE=/swiftgs/cmake/arm64.cmake \
+    PKG_CONFIG_LIBDIR=/usr/lib/aarch64-linux-gnu/pkgconfig:/usr/share/pkgconfig \
+    unshare --user --map-root-user --mount --pid --fork --mount-proc="$roots/$1/proc" bash -ec '
+      mount -t binfmt_misc none "$0/proc/sys/fs/binfmt_misc"
+      echo "$1" >"$0/proc/sys/fs/binfmt_misc/register"
+      exec chroot "$0" "${@:2}"' \
+    "$roots/$1" ":arm64:M::$magic:$mask:$roots/$1/usr/bin/qemu-aarch64-static:F" "${@:2}"
 }
 
 copy_sources() {  # copy_sources FOLDER
@@ -184,6 +206,80 @@ reproducible() {
   remove elsewhere
 }
 
+# Why qemu cannot run programs of the fresh system as if they were this machine's; nothing where it can.
+missing_for_arm64() {
+  missing_for_root debian-12
+  unshare --user --map-root-user --mount mount -t binfmt_misc none /proc/sys/fs/binfmt_misc 2>/dev/null ||
+    echo "the kernel lets no user namespace have a binfmt_misc of its own (6.7 does)"
+}
+
+make_arm64_root() {
+  local needs
+  needs=$(awk '!/^#/ && $2 == "build" && $1 ~ /^lib|-dev$/ { print $1 }' cmake/packages.txt | paste -sd ,)
+  make_root debian-12 debian-12-arm64 && copy_sources "$roots/debian-12-arm64/swiftgs" &&
+    inside debian-12-arm64 bash -ec "dpkg --add-architecture arm64; apt-get -q update
+      apt-get -q install -y --no-install-recommends cmake ninja-build g++-aarch64-linux-gnu pkg-config qemu-user-static
+      apt-get -q satisfy -y --no-install-recommends --host-architecture arm64 '$needs,doctest-dev'"
+}
+
+arm64() {
+  local reason root=debian-12-arm64
+  reason=$(missing_for_arm64 | sed -n 1p)
+  [ -z "$reason" ] || { skip arm64 "$reason"; return; }
+  check "arm64: a fresh system with a cross compiler" make_arm64_root &&
+    # Tests are asked for their names where they are built.
+    check "arm64: all builds" emulated "$root" bash -ec 'cd /swiftgs
+      cmake --preset release -DSWIFTGS_BUILD_CUDA=OFF -DSWIFTGS_BUILD_MPI=OFF -DSWIFTGS_BUILD_BENCHMARKS=OFF
+      cmake --build --preset release' &&
+    check "arm64: the tests pass" emulated "$root" env QEMU_CPU=cortex-a72 ctest --test-dir /swiftgs/build/release &&
+    remove "$root"
+}
+
+# Builds and tests with a compiler in a fresh system, and a program of installed libraries in C++20 and 23. Leaves a row
+# of the versions found.
+build_with() {  # build_with NAME CC CXX ARCHIVE
+  local root=$1-build mirror
+  read -r _ _ _ mirror < <(grep "^$1 " <<<"$systems")
+  make_root "$1" "$root" && copy_sources "$roots/$root/swiftgs" &&
+    echo "deb $mirror $4 main universe" >"$roots/$root/etc/apt/sources.list.d/cmake.list" &&
+    inside "$root" env CC="$2" CXX="$3" bash -ec '
+      cd /swiftgs; apt-get -q update; cmake/setup.sh build
+      apt-get -q install -y --no-install-recommends doctest-dev clang
+      apt-get -q install -y --no-install-recommends --target-release "$2" cmake
+      cmake --preset release -DSWIFTGS_BUILD_CUDA=OFF -DSWIFTGS_BUILD_MPI=OFF -DSWIFTGS_BUILD_BENCHMARKS=OFF
+      cmake --build --preset release
+      ctest --preset release -E "^stability: "
+      cmake --install build/release --prefix /installed
+      for standard in 20 23; do
+        cmake -S tests/install/consumer -B "/consumer$standard" -DCMAKE_PREFIX_PATH=/installed \
+          -DCMAKE_CXX_STANDARD=$standard -DCMAKE_CXX_STANDARD_REQUIRED=ON
+        cmake --build "/consumer$standard"
+        (cd "/consumer$standard" && ./consumer)
+      done
+      library=$(echo "#include <version>" | $CXX -std=c++20 -x c++ -dM -E - | awk "/ _GLIBCXX_RELEASE / { print \$3 }")
+      echo "| $1 | $($CXX --version | sed -n 1p) | $library | $(cmake --version | sed -n 1p) |" >/row' - "$1" "$4" &&
+    cat "$roots/$root/row" >>"$out/compilers.rows"
+}
+
+compilers() {
+  local name cc cxx archive reason
+  rm -f "$out/compilers.rows"
+  while read -r name cc cxx archive; do
+    reason=$(missing_for_root "$name")
+    if [ -n "$reason" ]; then
+      skip "compilers: $cxx of $name" "$reason"
+    else
+      check "compilers: $cxx of $name builds all and tests and programs in C++20 and 23 pass" \
+        build_with "$name" "$cc" "$cxx" "$archive" </dev/null && remove "$name-build"
+    fi
+  done <<<"$compilers"
+  [ ! -e "$out/compilers.rows" ] || {
+    echo "| system | compiler | libstdc++ | CMake |"
+    echo "| --- | --- | --- | --- |"
+    cat "$out/compilers.rows"
+  } | tee "$out/compilers.md"
+}
+
 kernels() {
   local table=tests/cuda/kernel_resources.csv
   if [ -z "$(command -v nvcc || ls /usr/local/cuda/bin/nvcc 2>/dev/null)" ]; then
@@ -230,7 +326,7 @@ fuzz() {  # fuzz SECONDS
 
 case "${1:-all}" in
   all) packages; wheel; reproducible ;;
-  packages | wheel | reproducible | kernels) "$1" ;;
+  packages | wheel | reproducible | arm64 | compilers | kernels) "$1" ;;
   fuzz)
     [[ "${2:-}" =~ ^[1-9][0-9]*$ ]] || { echo "usage: cmake/release_check.sh fuzz SECONDS" >&2; exit 2; }
     fuzz "$2" ;;
