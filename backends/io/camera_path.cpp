@@ -9,8 +9,8 @@
 namespace swiftgs::io {
 namespace {
 
-/// What a path or a frame is asked for, and what no frame shows: what nerfstudio made the frames of, and how
-/// fast they follow. It takes the size of all frames from the path.
+/// What a path or a frame is asked for, and what no frame shows: what nerfstudio made the frames of. It takes
+/// the size of all frames from the path.
 constexpr std::string_view path_keys[] = {
     "camera_path",  "camera_to_world", "camera_type", "fov",          "render_height",
     "render_width", "aspect",          "default_fov", "default_time", "default_transition_sec",
@@ -42,6 +42,13 @@ Camera camera_of(const JsonEntry& root, const JsonEntry& frame) {
   return camera;
 }
 
+double frames_a_second_of(const JsonEntry& root) {
+  constexpr double usual = 24;  // nerfstudio's own
+  const double rate = root.has("fps") ? root.number("fps") : usual;
+  if (!(rate > 0 && rate <= 1000)) root.fail("'fps' to be above 0 and at most 1000");
+  return rate;
+}
+
 }  // namespace
 
 bool is_camera_path(std::string_view text) {
@@ -58,6 +65,7 @@ CameraFile parse_camera_path(const Source& source) {
   const std::vector<std::uint64_t> offsets =
       offsets_in(text, offset_of_member(text, text.find('{'), "camera_path"));
   CameraFile file;
+  file.frames_a_second = frames_a_second_of(root);
   UnreadKeys unread(path_keys);
   unread.add(root);
   file.cameras.reserve(frames.size());

@@ -188,6 +188,7 @@ TEST_CASE("camera layouts: a path of nerfstudio's viewer is a view for each fram
                                    {"aspect", 2.0}});
   CameraFile found = read(path, "camera_path.json");
   REQUIRE(found.cameras.size() == 2);
+  CHECK(found.frames_a_second == 24);
   CHECK(found.notes.empty());
   // The angle is that of the height.
   check_intrinsics(found.cameras[0], {64, 48, 24, 24, 32, 24});
@@ -209,6 +210,13 @@ TEST_CASE("camera layouts: a path of nerfstudio's viewer is a view for each fram
   CHECK(found.cameras.at(1).lens == Lens{LensModel::equirectangular, {}});
   check_pixel(found.cameras[1], {3, 0, 0}, {48, 24});
   check_pixel(found.cameras[1], {0, -1, 1}, {32, 12});
+
+  path["fps"] = 12.5;
+  CHECK(read(path, "camera_path.json").frames_a_second == 12.5);
+  path["fps"] = 0;
+  CHECK(contains(refusal(path, "camera_path.json"), "expected 'fps' to be above 0"));
+  path.erase("fps");
+  CHECK(read(path, "camera_path.json").frames_a_second == 24);
 
   path["crop"] = {{"crop_center", {0, 0, 0}}}, path["camera_path"][1]["render_time"] = 0.5;
   CHECK(read(path, "camera_path.json").notes == unread("crop, render_time"));

@@ -17,7 +17,9 @@
 #include "commands.hpp"
 #include "draw/choice.hpp"
 #include "draw/lenses.hpp"
+#include "draw/render_text.hpp"
 #include "draw/team.hpp"
+#include "draw/video.hpp"
 #include "json.hpp"
 #include "options.hpp"
 #include "progress.hpp"
@@ -39,6 +41,7 @@ struct RenderOptions {
   std::string renderer;  ///< empty for `default_renderer()`
   std::string out = "renders";
   std::string format = "png";
+  std::string video;  ///< file in place of images, or empty
   std::string harmonics = "smallest";
   std::string calibration;  ///< file that `calibrate` wrote, or empty
   std::string json;         ///< file for the results, or empty
@@ -53,31 +56,6 @@ Writer writer_of(const std::string& format) {
   if (format == "pfm") return write_pfm;
   if (format == "exr") return write_exr;
   throw std::invalid_argument("--format '" + format + "': expected png, pfm or exr");
-}
-
-void print(const RenderResult& result) {
-  const StageTimes& ms = result.ms;
-  const bool is_pinhole = result.lens == words_of(Lens());
-  std::printf("%s  %dx%d  %s%.2f ms (project %.2f, sort %.2f, raster %.2f)\n", result.image.c_str(),
-              result.width, result.height, is_pinhole ? "" : (result.lens + "  ").c_str(), ms.total,
-              ms.project, ms.sort, ms.raster);
-  if (!result.counts) return;
-  const Statistics& s = *result.counts;
-  const CountedTimes& times = result.counted_ms;
-
-  const auto line = [](const char* label, std::uint64_t count) {
-    std::printf("  %-33s %llu\n", label, static_cast<unsigned long long>(count));
-  };
-  line("Gaussians", s.gaussians);
-  line("visible", s.visible);
-  line("intersections", s.intersections);
-  std::printf("  %-33s %.2f\n", "intersections a visible Gaussian", s.intersections_a_visible());
-  line("contributing pairs", s.raster.contributing_pairs);
-  line("pixels stopped early", s.raster.pixels_stopped);
-  line("segments of long lists", s.raster.segments);
-  line("longest item", s.raster.longest_item);
-  std::printf("  %-33s %.3f\n", "raster while counting, ms", times.raster);
-  std::printf("  %-33s %.3f\n", "balanced, ms", times.balanced);
 }
 
 /// Has `renderer` choose its sort by `file`, which must have the size of each view.
@@ -136,12 +114,12 @@ void render(RenderOptions options) {
   SceneNames names(listed, options.scene);
   names.files.push_back({"--cameras", cameras_of(options.scene, options.view.cameras)});
   names.files.push_back({"--calibration", options.calibration});
-  require_distinct({{"--json", options.json}}, names.files);
+  require_distinct({{"--video", options.video}, {"--json", options.json}}, names.files);
   const std::unique_ptr<AnyRenderer> renderer =
       make_renderer(options.renderer.empty() ? default_renderer() : options.renderer);
   std::vector<std::string> notes;
-  std::vector<View> views =
-      views_of(read_cameras_of(options.scene, options.view.cameras, notes), options.view, "all");
+  const Cameras known = read_cameras_of(options.scene, options.view.cameras, notes);
+  std::vector<View> views = views_of(known, options.view, "all");
   RenderSettings settings = settings_of(options.view);
   settings.conventions.depth = depth_of(options.lens);
   settings.conventions.depth_at = depth_at_of(options.lens);
@@ -157,7 +135,8 @@ void render(RenderOptions options) {
   ResultHead head = json.is_wanted() ? head_of("swiftgs-render") : ResultHead();
   head.notes = std::move(notes);
   Numbered<RenderResult> numbered;
-  std::filesystem::create_directories(options.out);
+  const std::unique_ptr<Video> video = video_of(options.video, views, known.frames_a_second);
+  if (!video) std::filesystem::create_directories(options.out);
   for (const auto& each : drawn.gaussians) renderer->add_scene(each, harmonics);
   renderer->place({drawn.placements.data(), drawn.placements.size()});
   if (options.stats) {
@@ -196,8 +175,12 @@ void render(RenderOptions options) {
     if (at % batch == 0) draw(at, timed(settings)), ms = a_view(renderer->times(), frames.size());
     const Frame& frame = frames[at % batch];
     const std::filesystem::path file =
-        std::filesystem::path(options.out) / (view.name + "." + options.format);
-    write(file, frame);
+        video ? std::filesystem::path(options.video)
+              : std::filesystem::path(options.out) / (view.name + "." + options.format);
+    if (video)
+      video->add(frame);
+    else
+      write(file, frame);
     RenderResult result{.renderer = std::string(renderer->name()),
                         .scene = names.all,
                         .view = view.name,
@@ -217,12 +200,13 @@ void render(RenderOptions options) {
       result.counted_ms = {renderer->times(), *result.counts};
     }
     progress.clear();
-    if (!team.is_shared()) print(result);
+    if (!team.is_shared() && !video) print(result);
     numbered.emplace_back(at, std::move(result));
     progress.step();
   }
   progress.await_others();
   progress.clear();
+  if (video) video->finish();
   team.join(numbered);
   const std::vector<RenderResult> results = rows_of(std::move(numbered));
   if (!team.leads()) return;
@@ -251,6 +235,7 @@ and where they differ from these defaults "rotation": [1, 0, 0, 0] (a quaternion
 three rows), "scale": 1, "translation": [0, 0, 0], "opacity": 1, and "clip" with what shows, in
 numbers of the file: "box": [x, y, z, x, y, z], "sphere": [x, y, z, radius], and "half_spaces":
 [[x, y, z, offset]]. A scene with an origin stands at its origin.
+--video has as many frames a second as a camera_path.json says, and 24 of other cameras.
 With --batch N a frame has N views, the last frame what is left. The time of an image is then
 that of its frame, divided by the views of the frame.
 
@@ -260,6 +245,7 @@ Examples:
   swiftgs render garden.spz --cameras cameras.json --views 0,8 --stats
   swiftgs render fox.spz --cameras fox/sparse/0 --views every:8 --format exr
   swiftgs render garden/ --views 0 --panorama --scale 2
+  swiftgs render garden.spz --cameras camera_path.json --video garden.mp4
   swiftgs render room.spz chair.ply lamp.ply --place
   swiftgs render scenes.json)";
 
@@ -286,6 +272,8 @@ void add_render(CLI::App& app) {
   command->add_option("--out", options->out, "Folder for the images")->capture_default_str();
   command->add_option("--format", options->format, "Format of the images: png, pfm or exr")
       ->capture_default_str();
+  command->add_option("--video", options->video,
+                      "Video of all views in place of images, such as flight.mp4, by the program ffmpeg");
   add_batch(*command, options->batch);
   add_harmonics(*command, options->harmonics);
   command->add_option("--calibration", options->calibration,

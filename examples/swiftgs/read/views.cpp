@@ -127,6 +127,7 @@ Cameras read_cameras_of(const SceneOptions& scene, const std::string& cameras,
   if (!file.empty()) {
     CameraFile read = read_cameras(cameras.empty() ? scene.scene : cameras);
     result.all = std::move(read.cameras), result.of_file = true;
+    if (read.frames_a_second > 0) result.frames_a_second = read.frames_a_second;
     say_notes(file, read.notes, said);
     if (result.all.empty()) throw std::invalid_argument(file + ": expected at least one camera, found none");
   } else if (builtin_size(scene.scene)) {

@@ -26,6 +26,7 @@ struct View {
 struct Cameras {
   std::vector<Camera> all;
   bool of_file = false;
+  double frames_a_second = 24;  ///< for a video of them
   bool to_find = false;  ///< `all` is one camera that knows its image alone: the scene tells where it stands
 };
 

@@ -15,6 +15,7 @@ struct CameraFile {
   std::vector<Camera> cameras;
   /// What may change a picture and was not read, a sentence each.
   std::vector<std::string> notes;
+  double frames_a_second = 0;  ///< of a path, whose cameras are the frames of a video; else 0
 };
 
 /// Reads cameras. `path` is one of
