@@ -20,6 +20,7 @@ void add_prune(CLI::App& app);
 void add_render(CLI::App& app);
 void add_report(CLI::App& app);
 void add_stress(CLI::App& app);
+void add_view(CLI::App& app);
 
 /// Runs the command that the arguments name, in all processes of a launcher, and returns the exit code: 1 with
 /// one line on standard error where something is wrong.

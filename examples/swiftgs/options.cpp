@@ -41,7 +41,7 @@ CLI::Option* add_view_choice(CLI::App& command, const char* name, std::string& v
       what + ": all, every:8, except:8, or a list of numbers,\nranges and images' names, as 0,3-7,DSC01.JPG");
 }
 
-void add_views(CLI::App& command, ViewOptions& options, const std::string& default_views) {
+void add_cameras(CLI::App& command, ViewOptions& options) {
   command.add_option("--cameras", options.cameras,
                      "A cameras.json, transforms.json, camera_path.json or COLMAP model, or a\n"
                      "capture's folder [those of SCENE where it is a folder]");
@@ -49,11 +49,15 @@ void add_views(CLI::App& command, ViewOptions& options, const std::string& defau
       .add_option("--conventions", options.conventions,
                   "Conventions that the scene was trained with: gsplat or inria")
       ->capture_default_str();
+  command.add_option("--background", options.background, "Colour behind the scene: R,G,B, each 0 to 1")
+      ->capture_default_str();
+}
+
+void add_views(CLI::App& command, ViewOptions& options, const std::string& default_views) {
+  add_cameras(command, options);
   add_view_choice(command, "--views", options.views, "Views")
       ->default_str(default_views + " with cameras, else 0");
   command.add_option("--scale", options.scale, "Factor of the images' sides")->capture_default_str();
-  command.add_option("--background", options.background, "Colour behind the scene: R,G,B, each 0 to 1")
-      ->capture_default_str();
 }
 
 std::string names_of_planes() {

@@ -49,7 +49,10 @@ std::string names_of_planes();
 /// Adds the option of what frames have beside colour.
 void add_planes(CLI::App& command, std::string& planes);
 
-/// Adds the options of views. `default_views` is what the command takes of a list of cameras.
+/// Adds the options of cameras, the conventions and the background.
+void add_cameras(CLI::App& command, ViewOptions& options);
+
+/// Adds these, and which views, how large. `default_views` is what the command takes of a list of cameras.
 void add_views(CLI::App& command, ViewOptions& options, const std::string& default_views);
 
 /// Adds the option that names a file for `what`.

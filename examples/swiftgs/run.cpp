@@ -143,6 +143,7 @@ int run_command(int argc, char** argv) {
   add_bench(app);
   add_report(app);
   add_stress(app);
+  add_view(app);
   refuse_empty_values(app);
 
   const std::vector<std::string> names = names_of_commands(app),

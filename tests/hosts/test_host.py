@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs an example that opens a window: XVFB EXAMPLE EXPECTED_PICTURE."""
-import contextlib
 import os
 import pathlib
 import subprocess
@@ -8,21 +7,10 @@ import sys
 import tempfile
 import unittest
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from display import display, without_display  # noqa: E402
+
 XVFB, EXAMPLE, EXPECTED_PICTURE = sys.argv[1:]
-
-
-@contextlib.contextmanager
-def display(*arguments):
-    """The environment of programs on a screen of their own, drawn on the processor."""
-    server = subprocess.Popen([XVFB, "-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp", *arguments],
-                              stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
-    try:
-        number = server.stdout.readline().strip()
-        yield {**os.environ, "DISPLAY": f":{number}", "LIBGL_ALWAYS_SOFTWARE": "1",
-               "ASAN_OPTIONS": "detect_leaks=0"}  # drivers leak
-    finally:
-        server.terminate()
-        server.communicate()
 
 
 def run(environment, *arguments):
@@ -32,7 +20,7 @@ def run(environment, *arguments):
 
 class Host(unittest.TestCase):
     def test_it_shows_what_the_library_composes(self):
-        with tempfile.TemporaryDirectory() as folder, display() as environment:
+        with tempfile.TemporaryDirectory() as folder, display(XVFB) as environment:
             picture = pathlib.Path(folder) / "picture.png"
             ran = run(environment, "--screenshot", str(picture))
             self.assertEqual((ran.returncode, ran.stdout, ran.stderr), (0, "", ""))
@@ -46,10 +34,10 @@ class Host(unittest.TestCase):
         self.assertRegex(ran.stderr, rf"\A{pathlib.Path(EXAMPLE).name}: [^\n]*expected a display[^\n]*\n\Z")
 
     def test_without_a_display_it_says_so_in_one_line(self):
-        self.one_line({name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")})
+        self.one_line(without_display())
 
     def test_on_a_display_without_opengl_and_vulkan_it_says_so_in_one_line(self):
-        with display("-extension", "GLX") as environment:
+        with display(XVFB, "-extension", "GLX") as environment:
             self.one_line({**environment, "VK_ICD_FILENAMES": os.devnull})
 
 

@@ -10,7 +10,6 @@
 #include <CLI/CLI.hpp>
 
 #include <swiftgs/any_renderer.hpp>
-#include <swiftgs/edit/transform.hpp>
 #include <swiftgs/io/image.hpp>
 #include <swiftgs/io/sort_calibrations.hpp>
 
@@ -87,15 +86,6 @@ struct SceneNames {
     }
   }
 };
-
-/// `place_views` of the first scene. A view that is found for it goes where the scene goes.
-void place_views(std::vector<View>& views, const DrawnScenes& drawn) {
-  const bool found = views[0].to_find_at > 0;
-  cli::place_views(views, *drawn.gaussians[0], drawn.camera);
-  if (!found) return;
-  for (View& view : views)
-    view.camera = transformed(view.camera, drawn.placements[0].world_from_scene), validate(view.camera);
-}
 
 void render(RenderOptions options) {
   const Writer write = writer_of(options.format);

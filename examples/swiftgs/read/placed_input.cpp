@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include <swiftgs/edit/transform.hpp>
+
 #include "draw/team.hpp"
 #include "notes.hpp"
 #include "read/scene_input.hpp"
@@ -85,6 +87,14 @@ DrawnScenes load_to_place(const std::vector<ListedScene>& scenes, const SceneOpt
         placement_of(listed, known, drawn.gaussians[known]->origin, drawn.gaussians[0]->origin));
   }
   return drawn;
+}
+
+void place_views(std::vector<View>& views, const DrawnScenes& drawn) {
+  const bool found = views[0].to_find_at > 0;
+  place_views(views, *drawn.gaussians[0], drawn.camera);
+  if (!found) return;
+  for (View& view : views)
+    view.camera = transformed(view.camera, drawn.placements[0].world_from_scene), validate(view.camera);
 }
 
 }  // namespace swiftgs::cli

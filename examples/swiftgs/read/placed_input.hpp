@@ -12,6 +12,7 @@
 #include <swiftgs/scene.hpp>
 
 #include "options.hpp"
+#include "read/views.hpp"
 
 namespace swiftgs::cli {
 
@@ -30,5 +31,8 @@ struct DrawnScenes {
 /// Loads `scenes` as `reading` says, as `load_to_draw` does.
 DrawnScenes load_to_place(const std::vector<ListedScene>& scenes, const SceneOptions& reading,
                           std::vector<std::string>& said);
+
+/// `place_views` of the first scene. A view that is found for it goes where the scene goes.
+void place_views(std::vector<View>& views, const DrawnScenes& drawn);
 
 }  // namespace swiftgs::cli
