@@ -16,7 +16,7 @@
 #include <swiftgs/reference.hpp>
 
 #include "view/crop_error.hpp"
-#include "view/pose_angles.hpp"
+#include "view/placement_numbers.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::cli;
@@ -179,4 +179,20 @@ TEST_CASE("view drawing: angles of a rotation make the same rotation") {
   const dvec3 y = rotation_of({90, 0, 90}) * dvec3(0, 1, 0);
   CHECK(y.z == doctest::Approx(1));
   CHECK(std::signbit(angles_of(dmat3(1.0)).y) == false);
+}
+
+TEST_CASE("view drawing: a box of a clip is told and other half-spaces are left alone") {
+  const Corners box{{-1, -2, -3}, {1, 2, 4}};
+  Clip ball = Clip::sphere(vec3(1, 2, 3), 5);
+  const Clip clip = with_box(ball, box);
+  CHECK(clip.radius == 5);
+  REQUIRE(box_of(clip));
+  CHECK(box_of(clip)->low == box.low);
+  CHECK(box_of(clip)->high == box.high);
+  CHECK_FALSE(box_of(ball));
+  CHECK(with_box(clip, std::nullopt).half_space_count == 0);
+  CHECK(with_box(clip, std::nullopt).radius == 5);
+  Clip other = clip;
+  other.half_spaces[3].x = 0.5f;
+  CHECK_FALSE(box_of(other));
 }

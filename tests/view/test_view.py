@@ -11,6 +11,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from display import display, without_display  # noqa: E402
+from drop import drop  # noqa: E402
 
 XVFB, XDOTOOL, SWIFTGS = sys.argv[1:]
 SCENE = "builtin:20000"
@@ -142,6 +143,21 @@ class View(unittest.TestCase):
             viewer.do("key", "space")
             time.sleep(3)
             self.assertGreater(psnr(viewer.picture(), last), 50)
+
+    def test_dropped_files_are_added_and_what_is_broken_ends_nothing(self):
+        ball = self.folder / "ball.ply"
+        self.assertEqual(tool(self.folder, "convert", "builtin:3000", str(ball), "--transform", "scale:0.5").stderr, "")
+        broken = self.folder / "broken.ply"
+        broken.write_text("ply\nformat nonsense\n", encoding="utf-8")
+        both = self.render(str(ball), "--place", "--views", "0") / "front.png"
+        with self.viewer(self.folder, SCENE, "--renderer", "cpu") as viewer:
+            alone = viewer.picture()
+            screen, window = viewer.environment["DISPLAY"], int(viewer.window())
+            drop(screen, window, [broken])
+            drop(screen, window, [ball])
+            added = viewer.picture()
+        self.assertLess(psnr(added, alone), 40)
+        self.assertEqual(psnr(added, both), float("inf"))
 
     def refusal(self, environment, *arguments):
         ran = subprocess.run([SWIFTGS, "view", *arguments], cwd=self.folder, env=environment, capture_output=True,

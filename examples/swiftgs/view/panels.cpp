@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdio>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,7 +12,7 @@
 #include <swiftgs/scene_bounds.hpp>
 
 #include "draw/renderer_words.hpp"
-#include "view/pose_angles.hpp"
+#include "view/placement_numbers.hpp"
 #include "view/viewer.hpp"
 
 namespace swiftgs::cli {
@@ -77,31 +78,26 @@ void camera_panel(Viewer& viewer, bool& changed) {
   if (camera != viewer.camera) jump_to(viewer, camera), changed = true;
 }
 
-/// The box that `clip` is, or all of `scene`.
+/// The box that shows of a scene, in numbers of its file.
 bool clip_panel(ShownScene& scene) {
   Clip& clip = scene.placement.clip;
-  bool clipped = clip.half_space_count == Clip::max_half_spaces;
-  bool changed = ImGui::Checkbox("clip by a box", &clipped);
-  if (changed && !clipped) clip.half_space_count = 0;
-  if (!clipped) return changed;
-  dvec3 low, high;
-  if (changed) {
+  std::optional<Corners> box = box_of(clip);
+  bool clipped = box.has_value(), changed = ImGui::Checkbox("clip by a box", &clipped);
+  if (changed && clipped) {
     const SceneBounds bounds = robust_bounds(*scene.gaussians);
-    low = bounds.low, high = bounds.high;
-  } else {
-    for (int axis = 0; axis < 3; ++axis)
-      low[axis] = double(-clip.half_spaces[axis].w), high[axis] = double(clip.half_spaces[3 + axis].w);
+    box = {vec3(bounds.low), vec3(bounds.high)};
+  } else if (!clipped) {
+    box.reset();
   }
-  const double speed = 0.002 * std::max({high.x - low.x, high.y - low.y, high.z - low.z});
-  changed |= drag("from", low, speed);
-  changed |= drag("to", high, speed);
-  clip.half_space_count = Clip::max_half_spaces;
-  for (int axis = 0; axis < 3; ++axis) {
-    vec4 above(0), below(0);
-    above[axis] = 1, above.w = float(-low[axis]);
-    below[axis] = -1, below.w = float(high[axis]);
-    clip.half_spaces[axis] = above, clip.half_spaces[3 + axis] = below;
+  if (box) {
+    const vec3 size = box->high - box->low;
+    const double speed = 0.002 * double(std::max({size.x, size.y, size.z}));
+    const dvec3& origin = scene.gaussians->origin;
+    dvec3 low = origin + dvec3(box->low), high = origin + dvec3(box->high);
+    if (drag("from", low, speed)) box->low = vec3(low - origin), changed = true;
+    if (drag("to", high, speed)) box->high = vec3(high - origin), changed = true;
   }
+  if (changed) clip = with_box(clip, box);
   return changed;
 }
 

@@ -10,7 +10,7 @@
 #include "commands.hpp"
 #include "draw/team.hpp"
 #include "options.hpp"
-#if defined(SWIFTGS_HAS_WINDOW)
+#if !defined(SWIFTGS_VIEW_LACKS)
 #include <utility>
 
 #include <glm/geometric.hpp>
@@ -33,7 +33,7 @@ struct ViewCommand {
   std::string renderer, path;
 };
 
-#if defined(SWIFTGS_HAS_WINDOW)
+#if !defined(SWIFTGS_VIEW_LACKS)
 
 /// Up in the world: what most of a file's cameras have up, or else what a view of the scene has.
 dvec3 up_of(const std::vector<View>& views, bool of_file, const ShownScene& first) {

@@ -105,6 +105,7 @@ bool pick(Viewer& viewer, const Events& events) {
 /// Changes `viewer` by what the user did. Returns whether what shows may have changed.
 bool act(Viewer& viewer, const Events& events) {
   bool changed = false;
+  if (!events.keys.empty() || events.clicked) viewer.message.clear();  // it was read
   for (const std::string& file : events.dropped) attempt(viewer, [&] { open(viewer, file), changed = true; });
   for (const char key : events.keys) attempt(viewer, [&] { changed |= press(viewer, key); });
   if (events.clicked || events.double_clicked) changed |= pick(viewer, events);
