@@ -96,7 +96,8 @@ class View(unittest.TestCase):
         return self.folder / "renders"
 
     def test_mouse_and_keys_move_the_camera_of_the_picture_that_render_draws(self):
-        front = self.render("--views", "0") / "front.png"
+        renders = self.render("--views", "0,1")
+        front, orbit = sorted(renders.iterdir(), key=lambda file: file.name != "front.png")
         with self.viewer(self.folder, SCENE, "--renderer", "cpu") as viewer:
             self.assertEqual(psnr(viewer.picture(), front), float("inf"))
             viewer.drag("1", 120, 40)
@@ -104,6 +105,9 @@ class View(unittest.TestCase):
             self.assertLess(psnr(turned, front), 30)
             viewer.do("key", "r")
             self.assertEqual(psnr(viewer.picture(), front), float("inf"))
+            viewer.do("key", "n")
+            self.assertEqual(psnr(viewer.picture(), orbit), float("inf"))
+            viewer.do("key", "b", "key", "1")
             pictures = []
             for navigation in "1", "2", "3":
                 viewer.do("key", navigation)

@@ -217,7 +217,8 @@ constexpr const char* keys_of_viewer =
     "click       pick; twice: orbit it\n"
     "K, Space, F add key, play, save path\n"
     "P           picture to a PNG\n"
-    "R, H        start view, hide panels";
+    "N, B, R     next, previous, this camera\n"
+    "H           hide panels";
 
 }  // namespace
 
@@ -228,8 +229,7 @@ bool draw_panels(Viewer& viewer) {
   ImGui::Begin("SwiftGS");
   ImGui::PushItemWidth(190);
   const StageTimes ms = viewer.drawing.times();
-  ImGui::Text("%dx%d  %.1f ms", int(viewer.scale * viewer.shown.width + 0.5),
-              int(viewer.scale * viewer.shown.height + 0.5), ms.total);
+  ImGui::Text("%dx%d  %.1f ms", viewer.drawing.picture().width, viewer.drawing.picture().height, ms.total);
   if (viewer.interval > 0) {
     ImGui::SameLine();
     ImGui::Text(" %.0f frames a second", 1 / viewer.interval);

@@ -83,12 +83,13 @@ void view(const ViewCommand&) {
 #endif
 
 constexpr const char* view_help =
-    R"(Opens a window. Drag to turn, with the right button to pan; the wheel and W, A, S, D, Q, E move, as
-orbit, fly or walk (1, 2, 3). Click on a Gaussian to see its numbers, twice to orbit it. Panels have
-the cameras to jump to, each scene's place, clip and visibility, renderer, plane, the error beside
-float64 in a square, what a frame had to do, and a path of keys (K) to play (space) and save (F).
-P writes the picture to swiftgs-1.png and so on, H hides the panels. Dropped files are added: scenes,
-or a camera_path.json. While the camera moves, the picture has half the size if it is slow.
+    R"(Opens a window. Drag to turn, with the right button to pan; the wheel and W, A, S, D, Q, E move,
+as orbit, fly or walk (1, 2, 3). Click on a Gaussian to see its numbers, twice to orbit it. Panels
+have the cameras to jump to (N, B, R), each scene's place, clip and visibility, the renderer, a
+plane, the error beside float64 in a square, what a frame had to do, and a path of keys (K) to play
+(space) and save (F). P writes the picture to swiftgs-1.png and so on, H hides the panels. Dropped
+files are added: scenes, or a camera_path.json. While the camera moves, the picture has half the
+size if it is slow.
 
 Examples:
   swiftgs view garden/

@@ -81,6 +81,10 @@ bool press(Viewer& viewer, char key) {
     case 'R':
       jump_to(viewer, viewer.camera);
       return true;
+    case 'N':
+    case 'B':
+      jump_to(viewer, (viewer.camera + (key == 'N' ? 1 : viewer.cameras.size() - 1)) % viewer.cameras.size());
+      return true;
     default:
       break;
   }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "view/window.hpp"
 
+#include <bit>
 #include <cstdint>
 #include <stdexcept>
 #include <utility>
@@ -131,7 +132,7 @@ Events Window::begin_frame(bool busy) {
   events.clicked = ImGui::IsMouseReleased(0) && !dragged_;
   events.double_clicked = ImGui::IsMouseDoubleClicked(0) && !io.WantCaptureMouse;
   if (events.input.moves()) lively_frames_ = frames_an_event;
-  ImGui::GetBackgroundDrawList()->AddImage((ImTextureID)std::uintptr_t(texture_), ImVec2(0, 0),
+  ImGui::GetBackgroundDrawList()->AddImage(std::bit_cast<ImTextureID>(std::uintptr_t(texture_)), ImVec2(0, 0),
                                            io.DisplaySize);
   return events;
 }
