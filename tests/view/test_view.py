@@ -11,7 +11,7 @@ import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 from display import display, without_display  # noqa: E402
-from drop import drop  # noqa: E402
+from messages import close, drop  # noqa: E402
 
 XVFB, XDOTOOL, SWIFTGS = sys.argv[1:]
 SCENE = "builtin:20000"
@@ -41,6 +41,10 @@ class Viewer:
         found = subprocess.run([XDOTOOL, "search", "--onlyvisible", "--name", "SwiftGS - "], env=self.environment,
                                capture_output=True, text=True, check=False)
         return found.stdout.strip()
+
+    def place(self):
+        """Its screen, and the window's number there."""
+        return self.environment["DISPLAY"], int(self.window())
 
     def do(self, *words):
         subprocess.run([XDOTOOL, *words], env=self.environment, check=True, timeout=60)
@@ -78,12 +82,14 @@ class View(unittest.TestCase):
                 [SWIFTGS, "view", *arguments], cwd=folder, env=environment, stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE, text=True) as process:
             try:
-                yield Viewer(folder, environment, process)
+                viewer = Viewer(folder, environment, process)
+                yield viewer
                 self.assertIsNone(process.poll())
+                close(*viewer.place())
+                out, err = process.communicate(timeout=60)
+                self.assertEqual((process.returncode, out, err), (0, "", ""))
             finally:
-                process.terminate()
-                out, err = process.communicate()
-            self.assertEqual((out, err), ("", ""))
+                process.kill()
 
     def setUp(self):
         temporary = tempfile.TemporaryDirectory()
@@ -156,9 +162,8 @@ class View(unittest.TestCase):
         both = self.render(str(ball), "--place", "--views", "0") / "front.png"
         with self.viewer(self.folder, SCENE, "--renderer", "cpu") as viewer:
             alone = viewer.picture()
-            screen, window = viewer.environment["DISPLAY"], int(viewer.window())
-            drop(screen, window, [broken])
-            drop(screen, window, [ball])
+            drop(*viewer.place(), [broken])
+            drop(*viewer.place(), [ball])
             added = viewer.picture()
         self.assertLess(psnr(added, alone), 40)
         self.assertEqual(psnr(added, both), float("inf"))
