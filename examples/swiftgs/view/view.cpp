@@ -35,12 +35,12 @@ struct ViewCommand {
 
 #if !defined(SWIFTGS_VIEW_LACKS)
 
-/// Up in the world: what most of a file's cameras have up, or else what a view of the scene has.
-dvec3 up_of(const std::vector<View>& views, bool of_file, const ShownScene& first) {
+/// Up in the world: what most cameras have up, or where there are none, what a view of the scene has.
+dvec3 up_of(const std::vector<View>& views, bool to_find, const ShownScene& first) {
   dvec3 up(0);
   for (const View& view : views)
     up -= dvec3(view.camera.rotation[0][1], view.camera.rotation[1][1], view.camera.rotation[2][1]);
-  if (of_file && glm::length(up) > 0.1 * double(views.size())) return glm::normalize(up);
+  if (!to_find && glm::length(up) > 0.1 * double(views.size())) return glm::normalize(up);
   return first.placement.world_from_scene.rotation * default_view(*first.gaussians).up;
 }
 
@@ -60,7 +60,7 @@ void view(ViewCommand options) {
   std::vector<ShownScene> scenes = shown_scenes(listed, drawn);
   const std::string title = "SwiftGS - " + scenes[0].name;
   const double radius = robust_bounds(first).radius * scenes[0].placement.world_from_scene.scale;
-  const dvec3 up = up_of(views, cameras.of_file, scenes[0]);
+  const dvec3 up = up_of(views, cameras.to_find, scenes[0]);
   Viewer viewer(Drawing(find_renderer(options.renderer).name, settings, std::move(scenes)));
   viewer.reading = options.scene, viewer.cameras = std::move(views);
   viewer.view.up = up, viewer.speed = radius, viewer.least_way = 0.2 * radius;

@@ -92,18 +92,17 @@ bool press(Viewer& viewer, char key) {
 }
 
 /// Picks at the mouse. A second click makes what was found the target of orbits.
-bool pick(Viewer& viewer, const Events& events) {
+void pick(Viewer& viewer, const Events& events) {
   const int x = int(viewer.scale * events.x), y = int(viewer.scale * events.y);
   const Frame& picture = viewer.drawing.picture();
-  if (x < 0 || y < 0 || x >= picture.width || y >= picture.height) return false;
+  if (x < 0 || y < 0 || x >= picture.width || y >= picture.height) return;
   viewer.picked = viewer.drawing.pick(x, y);
   viewer.crop_x = events.x, viewer.crop_y = events.y;
-  if (!events.double_clicked || !viewer.picked) return false;
+  if (!events.double_clicked || !viewer.picked) return;
   const ShownScene& scene = viewer.drawing.scenes[viewer.picked->scene];
   const dvec3 mean(scene.gaussians->means[viewer.picked->gaussian]);
   viewer.view.target = scene.placement.world_from_scene(mean);
   viewer.navigation = Navigation::orbit;
-  return false;
 }
 
 /// Changes `viewer` by what the user did. Returns whether what shows may have changed.
@@ -112,13 +111,13 @@ bool act(Viewer& viewer, const Events& events) {
   if (!events.keys.empty() || events.clicked) viewer.message.clear();  // it was read
   for (const std::string& file : events.dropped) attempt(viewer, [&] { open(viewer, file), changed = true; });
   for (const char key : events.keys) attempt(viewer, [&] { changed |= press(viewer, key); });
-  if (events.clicked || events.double_clicked) changed |= pick(viewer, events);
+  if (events.clicked || events.double_clicked) attempt(viewer, [&] { pick(viewer, events); });
   if (events.input.moves()) {
     // The window shows the camera's image larger or smaller.
     const float scale = float(viewer.view.camera.fx / viewer.shown.fx);
     Input input = events.input;
     input.move *= viewer.speed, input.pan *= scale;
-    viewer.view = moved(viewer.view, viewer.navigation, input);
+    attempt(viewer, [&] { viewer.view = moved(viewer.view, viewer.navigation, input); });
     viewer.plays = false, changed = true;
   }
   if (viewer.plays) {
