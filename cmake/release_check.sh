@@ -7,8 +7,8 @@
 #   cmake/release_check.sh packages              Debian packages: built, checked, and used in fresh systems
 #   cmake/release_check.sh wheel                 the Python wheel: built, and used in fresh systems
 #   cmake/release_check.sh reproducible          the libraries and the wheel have the same bytes wherever they are built
-#   cmake/release_check.sh arm64                 all tests, cross-compiled and run by qemu
-#   cmake/release_check.sh compilers             other compilers build all without a warning, and the tests pass
+#   cmake/release_check.sh arm64                 tests of hosts, cross-compiled and run by qemu
+#   cmake/release_check.sh compilers             other compilers build what is for hosts without a warning, and tests pass
 #   cmake/release_check.sh kernels               no kernel spills more than tests/cuda/kernel_resources.csv says
 #   cmake/release_check.sh fuzz SECONDS          every fuzz target for SECONDS; writes executions and coverage
 set -uo pipefail
@@ -269,7 +269,7 @@ compilers() {
     if [ -n "$reason" ]; then
       skip "compilers: $cxx of $name" "$reason"
     else
-      check "compilers: $cxx of $name builds all and tests and programs in C++20 and 23 pass" \
+      check "compilers: $cxx of $name builds what is for hosts, and tests and programs in C++20 and 23 pass" \
         build_with "$name" "$cc" "$cxx" "$archive" </dev/null && remove "$name-build"
     fi
   done <<<"$compilers"

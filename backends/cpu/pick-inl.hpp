@@ -109,17 +109,17 @@ template <class Groups>
 HWY_INLINE void StorePicks(const RasterJob& job, const PlacedRasterBlock& block, PickState& picks) {
   const FrameView& frame = block.view.frame;
   for (auto* plane : {&picks.first, &picks.median, &picks.largest}) Groups::ToRows(*plane);
-  StorePicked(block, picks.largest, job.splats.gaussians.data, no_gaussian, frame.id);
-  StorePicked(block, picks.median, job.splats.gaussians.data, no_gaussian, frame.median_id);
-  if (!block.view.camera.depth_along_ray) {
-    StorePicked(block, picks.first, job.splats.depths.data, 0.0f, frame.first_depth);
-    StorePicked(block, picks.median, job.splats.depths.data, 0.0f, frame.median_depth);
+  if (block.view.camera.depth_along_ray && (frame.first_depth.data || frame.median_depth.data)) {
+    for (std::size_t row = 0; row < std::size_t(block.rows); ++row)
+      for (std::size_t column = 0; column < std::size_t(block.columns); ++column)
+        store_picks(job, block.view, std::size_t(block.x0) + column, std::size_t(block.y0) + row,
+                    {picks.first[row][column], picks.median[row][column], picks.largest[row][column]});
     return;
   }
-  for (std::size_t row = 0; row < std::size_t(block.rows); ++row)
-    for (std::size_t column = 0; column < std::size_t(block.columns); ++column)
-      store_picks(job, block.view, std::size_t(block.x0) + column, std::size_t(block.y0) + row,
-                  {picks.first[row][column], picks.median[row][column], picks.largest[row][column]});
+  StorePicked(block, picks.first, job.splats.depths.data, 0.0f, frame.first_depth);
+  StorePicked(block, picks.median, job.splats.depths.data, 0.0f, frame.median_depth);
+  StorePicked(block, picks.median, job.splats.gaussians.data, no_gaussian, frame.median_id);
+  StorePicked(block, picks.largest, job.splats.gaussians.data, no_gaussian, frame.id);
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE

@@ -51,7 +51,7 @@ struct Rows {
   static HWY_INLINE void FromRows(PlaneOf<T>&) {}
   template <class T>
   static HWY_INLINE void ToRows(PlaneOf<T>&) {}
-  /// Of a pixel, in a plane.
+  /// Index of a pixel in a plane.
   static std::size_t Place(std::size_t row, std::size_t column) { return row * raster_block_side + column; }
 };
 

@@ -80,7 +80,7 @@ HWY_INLINE void StoreColours(PixelFormat format, Vec red, Vec green, Vec blue, V
 }
 
 /// Copies `bytes`, a multiple of 4, past the caches where `to` is aligned to 16: a frame is larger than
-/// these, and a write by way of them reads first what it replaces.
+/// these, and an ordinary store first reads the line that it replaces.
 HWY_INLINE void StreamWords(void* to, const void* from, std::size_t bytes) {
   const hn::CappedTag<std::uint8_t, 16> d;
   auto* const out = static_cast<std::uint8_t*>(to);

@@ -137,8 +137,8 @@ HWY_INLINE void StoreFeatures(const PlacedRasterBlock& block, const Plane* sums,
   }
 }
 
-/// As `store_attributes`, a plane of all pixels at a time. `transmittance` lies in rows; leaves `state` as it
-/// may be.
+/// As `store_attributes`, a plane of all pixels at a time. `transmittance` lies in rows; leaves `state`
+/// unspecified.
 template <class Groups>
 HWY_INLINE void StoreSums(const RasterJob& job, const PlacedRasterBlock& block, const Plane& transmittance,
                           AttributeState& state) {

@@ -103,7 +103,7 @@ struct LaneRays {
 template <unsigned pixel_count>
 struct LaneRays<true, pixel_count> {
   const AttributeRow* volatile depths;  ///< of all splats; null where means decide
-  volatile unsigned stride;             ///< of them
+  volatile unsigned stride;             ///< from one splat's to the next
   volatile float x, y;                  ///< `place_of` the first pixel
   volatile float occluders[pixel_count];
 

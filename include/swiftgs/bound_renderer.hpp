@@ -174,19 +174,21 @@ class BoundRenderer {
   /// called for fewer Gaussians.
   ///
   /// Calls `before_raster()` between sort and rasterization, which alone reads the occluder and the
-  /// image below: let the stream wait there for whoever draws them. A host does not call it for a frame above
+  /// image below: let the stream wait there until both are drawn. A host does not call it for a frame above
   /// the capacity.
   ///
   /// A captured graph works in the renderer's memory. It must not be launched again after `reserve`, `trim`
   /// or a larger frame of `render_into`, which move that memory.
-  template <std::invocable BeforeRaster = detail::DoNothing>
+  template <class BeforeRaster = detail::DoNothing>
+  requires std::invocable<const BeforeRaster&>
   void record(const SceneView& scene, FrameReport* report, const BeforeRaster& before_raster = {}) {
     for (const View& view : recorded_.views().each)
       detail::require_for_render(PlacedScenes(scene).shown(view).size == 1, "views that show the scene");
     record_scenes(scene, report, before_raster);
   }
   /// The same of the scenes of `reserve` or `set_scenes`.
-  template <std::invocable BeforeRaster = detail::DoNothing>
+  template <class BeforeRaster = detail::DoNothing>
+  requires std::invocable<const BeforeRaster&>
   void record(FrameReport* report, const BeforeRaster& before_raster = {}) {
     record_scenes(recorded_.scenes(), report, before_raster);
   }

@@ -146,7 +146,7 @@ TEST_CASE("mpi planes: views may ask for different planes and lie behind surface
       {{all, true}, {{}, false}, {{.features = 2}, false}, {{.median_depth = true, .normal = true}, true}},
       {{{}, true}, {{}, false}},                              // nothing but colours
       {{{.id = true}, true}, {{.median_id = true}, false}},   // no attributes
-      {{{.normal = true}, false}, {{.features = 5}, false}},  // rows that no rank sends
+      {{{.normal = true}, false}, {{.features = 5}, false}},  // one row and two
       {{{.squared_depth = true}, false}, {all, false}},
       {{all, true, true}, {all, true}, {{}, true, true}, {{.first_depth = true}, false, true}}};
   for (const std::vector<Asked>& asked : frames) {

@@ -56,7 +56,7 @@ class Buffer {
 ///
 /// What OpenGL was given before comes before what `stream` is given from here on; what `stream` is given
 /// until the destructor comes before what OpenGL is given after it. Memory may move from one mapping to the
-/// next.
+/// next. The buffer must outlive this.
 class Mapped {
  public:
   SWIFTGS_API Mapped(const Buffer& buffer, cudaStream_t stream);
@@ -74,7 +74,8 @@ class Mapped {
 class Texture {
  public:
   /// By the texture's name and its target, such as GL_TEXTURE_2D or GL_RENDERBUFFER. Its format is GL_RGBA8,
-  /// GL_RGBA16F or GL_RGBA32F; CUDA takes no depth. Throws as `Buffer`.
+  /// GL_RGBA16F or GL_RGBA32F; CUDA takes no depth, and does not tell GL_RGBA8UI from the first. Throws as
+  /// `Buffer`.
   SWIFTGS_API Texture(unsigned name, unsigned target);
 
   /// Copies the colours of `frame`, which lies in memory of the device, after what `stream` was given before.

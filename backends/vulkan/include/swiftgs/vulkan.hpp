@@ -4,7 +4,7 @@
 /// @file
 /// Memory and semaphores of Vulkan for frames of `Cuda`, without a copy to the host. Vulkan exports them as
 /// opaque file descriptors (VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT, and of semaphores likewise).
-/// Whoever is given a descriptor here owns it, and closes it if it throws.
+/// A constructor takes ownership of its descriptor, and closes it if it throws.
 ///
 /// Where the stream waits for a semaphore that the same thread signals later, draw by `Renderer::record`:
 /// `render_into` waits for the stream, and so for ever.
@@ -85,7 +85,8 @@ class Image {
   /// Throws as `Buffer`, and `std::invalid_argument` for a format of three channels.
   SWIFTGS_API Image(const Device& device, const ExportedMemory& memory, const ImageShape& shape);
 
-  /// Copies the colours of `frame`, which lies in memory of the device, in stream order. Vulkan keeps the
+  /// Copies the colours of `frame`, which lies in memory of the device, in stream order. Rows go as they lie
+  /// in memory, and Vulkan's images begin with the top one. Vulkan keeps the
   /// contents by the layout VK_IMAGE_LAYOUT_GENERAL. Throws `std::invalid_argument` if sizes or formats
   /// differ.
   SWIFTGS_API void write(const FrameView& frame, cudaStream_t stream) const;
