@@ -166,12 +166,13 @@ void draw_picture(Window& window, Viewer& viewer, Resolution& resolution) {
   if (width != viewer.shown.width || height != viewer.shown.height) resolution.changed(now);
   const std::optional<double> scale = resolution.due(now);
   if (scale) {
+    const bool follows = *scale == viewer.scale;  // a whole frame behind a movement is none of its frames
     viewer.shown = fitted(viewer.view.camera, width, height), viewer.scale = *scale;
     resolution.drew(*scale, Resolution::quick_frame);  // what cannot be drawn is not tried again
     viewer.drawing.draw(scaled(viewer.shown, *scale), viewer.counts);
     window.set_picture(viewer.drawing.picture());
     const double done = window_time(), apart = done - std::exchange(viewer.drawn_at, done);
-    viewer.interval = apart < longest_interval ? apart : 0;
+    viewer.interval = follows && apart < longest_interval ? apart : 0;
     resolution.drew(*scale, done - now);
   }
   if (!viewer.compares || viewer.scale < 1) return viewer.error.reset();
