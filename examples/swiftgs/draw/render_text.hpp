@@ -5,7 +5,7 @@
 
 namespace swiftgs::cli {
 
-/// Prints where an image is and how long its frame took, and what the frame had to do where it was counted.
+/// Prints an image's file and its frame's times; of a counted frame its statistics too.
 void print(const RenderResult& result);
 
 }  // namespace swiftgs::cli

@@ -18,7 +18,7 @@
 namespace swiftgs::cli {
 namespace {
 
-/// A list of words, of which one is chosen. Returns whether another one is.
+/// Lists `words` to choose one of. Returns whether `chosen` changed.
 bool choose(const char* label, const std::vector<std::string>& words, std::string& chosen) {
   const std::string before = chosen;
   if (!ImGui::BeginCombo(label, chosen.c_str())) return false;

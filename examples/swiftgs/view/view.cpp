@@ -35,7 +35,7 @@ struct ViewCommand {
 
 #if !defined(SWIFTGS_VIEW_LACKS)
 
-/// Up in the world: what most cameras have up, or where there are none, what a view of the scene has.
+/// The world's up: that of most cameras, or without cameras that of `default_view`.
 dvec3 up_of(const std::vector<View>& views, bool to_find, const ShownScene& first) {
   dvec3 up(0);
   for (const View& view : views)

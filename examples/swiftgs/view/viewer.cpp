@@ -91,7 +91,7 @@ bool press(Viewer& viewer, char key) {
   return false;
 }
 
-/// Picks at the mouse. A second click makes what was found the target of orbits.
+/// Picks the Gaussian under the mouse. A double click makes it the target of orbits.
 void pick(Viewer& viewer, const Events& events) {
   const int x = int(viewer.scale * events.x), y = int(viewer.scale * events.y);
   const Frame& picture = viewer.drawing.picture();
@@ -105,7 +105,7 @@ void pick(Viewer& viewer, const Events& events) {
   viewer.navigation = Navigation::orbit;
 }
 
-/// Changes `viewer` by what the user did. Returns whether what shows may have changed.
+/// Applies `events` to `viewer`. Returns whether a new frame is needed.
 bool act(Viewer& viewer, const Events& events) {
   bool changed = false;
   if (!events.keys.empty() || events.clicked) viewer.message.clear();  // it was read

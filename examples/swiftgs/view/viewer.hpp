@@ -60,7 +60,7 @@ struct Viewer {
 /// The scenes of `listed`, as they were read, for the list of the viewer.
 std::vector<ShownScene> shown_scenes(const std::vector<ListedScene>& listed, const DrawnScenes& drawn);
 
-/// Changes `viewer` by `step`, or says in the window what is wrong.
+/// Runs `step`. An exception's text becomes the viewer's message.
 template <class F>
 void attempt(Viewer& viewer, const F& step) {
   try {
@@ -80,7 +80,7 @@ void save_path(Viewer& viewer);
 /// Shows `viewer` until the window is closed.
 void run(Window& window, Viewer viewer);
 
-/// Draws the panels. Returns whether they changed what the picture shows.
+/// Draws the panels and applies their changes. Returns whether a new frame is needed.
 bool draw_panels(Viewer& viewer);
 
 }  // namespace swiftgs::cli

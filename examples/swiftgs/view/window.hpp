@@ -12,7 +12,7 @@ struct GLFWwindow;
 
 namespace swiftgs::cli {
 
-/// What happened in the window since the last look, beside what the panels took.
+/// The user's input since the last frame, without what panels took.
 struct Events {
   Input input;                       ///< of which `move` is -1, 0 or 1 each, four times as much with Shift
   std::vector<char> keys;            ///< letters, digits and space that were pressed; capital letters
