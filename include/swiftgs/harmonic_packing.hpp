@@ -105,26 +105,36 @@ struct Palette {
   std::vector<std::uint16_t> labels;
 };
 
-/// No value if there were more than `most` rows, of 65,536 at most. One thread looks at Gaussians in turn; a
-/// scene without a palette is given up after as many.
-inline std::optional<Palette> find_palette(const UsedHarmonics& harmonics, std::size_t most) {
+/// No value if there are more than `most` rows, of 65,536 at most. All threads hash the rows of a block, then
+/// one looks them up in turn; a scene without a palette is given up after `most` of them.
+template <class B>
+std::optional<Palette> find_palette(const B& loops, const UsedHarmonics& harmonics, std::size_t most) {
   constexpr std::uint32_t none = ~0u;
-  const std::size_t slots = std::bit_ceil(2 * std::min(most, harmonics.scene.size()) + 1);
-  const std::size_t bytes = harmonics.each * sizeof(float);
-  std::vector<std::uint32_t> table(slots, none);
+  constexpr std::size_t block = 16 * harmonic_block;
+  const std::size_t size = harmonics.scene.size(), bytes = harmonics.each * sizeof(float);
+  std::vector<std::size_t> hashes(std::min(block, size));
+  std::vector<std::uint32_t> table(std::bit_ceil(2 * std::min(most, size) + 1), none);
   Palette palette;
-  palette.labels.reserve(harmonics.scene.size());
-  for (std::size_t i = 0; i < harmonics.scene.size(); ++i) {
-    const auto* const row = reinterpret_cast<const char*>(harmonics.of(i));
-    std::size_t slot = std::hash<std::string_view>()({row, bytes}) % slots;
-    while (table[slot] != none && std::memcmp(harmonics.of(palette.first[table[slot]]), row, bytes) != 0)
-      slot = (slot + 1) % slots;
-    if (table[slot] == none) {
-      if (palette.first.size() == most) return std::nullopt;
-      table[slot] = std::uint32_t(palette.first.size());
-      palette.first.push_back(std::uint32_t(i));
+  palette.labels.reserve(size);
+  for (std::size_t first = 0; first < size; first += block) {
+    const std::size_t count = std::min(block, size - first);
+    loops.for_each(Count(count), [&](std::size_t i) {
+      const auto* const row = reinterpret_cast<const char*>(harmonics.of(first + i));
+      hashes[i] = std::hash<std::string_view>()({row, bytes});
+    });
+    for (std::size_t i = first; i < first + count; ++i) {
+      const auto is_row_of = [&](std::uint32_t label) {
+        return std::memcmp(harmonics.of(palette.first[label]), harmonics.of(i), bytes) == 0;
+      };
+      std::size_t slot = hashes[i - first] % table.size();
+      while (table[slot] != none && !is_row_of(table[slot])) slot = (slot + 1) % table.size();
+      if (table[slot] == none) {
+        if (palette.first.size() == most) return std::nullopt;
+        table[slot] = std::uint32_t(palette.first.size());
+        palette.first.push_back(std::uint32_t(i));
+      }
+      palette.labels.push_back(std::uint16_t(table[slot]));
     }
-    palette.labels.push_back(std::uint16_t(table[slot]));
   }
   return palette;
 }
@@ -223,7 +233,8 @@ class HarmonicPacking {
     const std::size_t row = padded_row(HarmonicFormat::floats, degree_), found = bytes();
     const std::size_t labels = harmonics_.scene.size() * sizeof(std::uint16_t);
     if (found <= labels + row) return;
-    palette_ = detail::find_palette(harmonics_, std::min<std::size_t>((found - labels - 1) / row, 1 << 16));
+    const std::size_t most = std::min<std::size_t>((found - labels - 1) / row, 1 << 16);
+    palette_ = detail::find_palette(loops, harmonics_, most);
     if (palette_) format_ = HarmonicFormat::floats, scale_ = 1;
   }
 
