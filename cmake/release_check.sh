@@ -6,6 +6,8 @@
 #   cmake/release_check.sh                       packages, wheel and reproducible
 #   cmake/release_check.sh packages              Debian packages: built, checked, and used in fresh systems
 #   cmake/release_check.sh wheel                 the Python wheel: built, and used in fresh systems
+#   cmake/release_check.sh cuda                  packages and wheel with CUDA, used where there is no driver, and sizes;
+#                                                CUDAARCHS=90 builds them for these GPUs alone
 #   cmake/release_check.sh reproducible          the libraries and the wheel have the same bytes wherever they are built
 #   cmake/release_check.sh arm64                 tests of hosts, cross-compiled and run by qemu
 #   cmake/release_check.sh compilers             other compilers build what is for hosts without a warning, and tests pass
@@ -106,8 +108,8 @@ copy_sources() {  # copy_sources FOLDER
   git ls-files -z --cached --others --exclude-standard | tar --null -T - -c --ignore-failed-read | tar -x -C "$1"
 }
 
-build_packages() {  # build_packages FOLDER: also run within other systems, where $source is another folder
-  cmake --preset distribution -B "$1" -DSWIFTGS_BUILD_CUDA=OFF && cmake --build "$1" &&
+build_packages() {  # build_packages FOLDER [CUDA]: also run within other systems, where $source is another folder
+  cmake --preset distribution -B "$1" -DSWIFTGS_BUILD_CUDA="${2:-OFF}" && cmake --build "$1" &&
     (cd "$1" && rm -f packages/*.deb && cpack -B packages)
 }
 
@@ -124,11 +126,11 @@ no_file_twice() {  # no_file_twice PACKAGE...
   [ -z "$twice" ] || { echo "in two packages: $twice"; return 1; }
 }
 
-use_packages() {  # use_packages NAME FOLDER: what people do with them, in a fresh system
+use_packages() {  # use_packages NAME FOLDER [cuda]: what people do with them, in a fresh system
   make_root "$1" && mkdir -p "$roots/$1/check" &&
     cp -r "$2/packages"/*.deb tests/install/consumer tests/install/c_consumer examples/00_readme.cpp \
       examples/07_c_render.c "$roots/$1/check" &&
-    cp cmake/release_use.sh "$roots/$1/check/" && inside "$1" bash /check/release_use.sh packages
+    cp cmake/release_use.sh "$roots/$1/check/" && inside "$1" env ${3:+CUDA=1} bash /check/release_use.sh packages
 }
 
 packages() {
@@ -161,15 +163,15 @@ packages() {
   done
 }
 
-build_wheel() {  # build_wheel SOURCES BUILD FOLDER
-  (cd "$1" && cmake --preset distribution -B "$2" -DBUILD_SHARED_LIBS=OFF -DSWIFTGS_BUILD_CUDA=OFF \
+build_wheel() {  # build_wheel SOURCES BUILD FOLDER [CUDA]
+  (cd "$1" && cmake --preset distribution -B "$2" -DBUILD_SHARED_LIBS=OFF -DSWIFTGS_BUILD_CUDA="${4:-OFF}" \
     -DSWIFTGS_BUILD_EXAMPLES=OFF && cmake --build "$2" && rm -f "$3"/*.whl &&
     python3 backends/python/wheel.py "$2" "$3")
 }
 
-use_wheel() {  # use_wheel NAME
+use_wheel() {  # use_wheel NAME FOLDER [cuda]
   make_root "$1" && mkdir -p "$roots/$1/check" &&
-    cp "$out/dist"/*.whl cmake/release_use.sh "$roots/$1/check" && inside "$1" bash /check/release_use.sh wheel
+    cp "$2"/*.whl cmake/release_use.sh "$roots/$1/check" && inside "$1" env ${3:+CUDA=1} bash /check/release_use.sh wheel
 }
 
 wheel() {
@@ -181,10 +183,38 @@ wheel() {
     if [ -n "$reason" ]; then
       skip "wheel: $name" "$reason"
     else
-      check "wheel: it draws on a fresh $name" use_wheel "$name"
+      check "wheel: it draws on a fresh $name" use_wheel "$name" "$out/dist"
       remove "$name"
     fi
   done
+}
+
+# With CUDA: nobody needs a GPU to install what is made here, or to draw with it on a processor.
+cuda() {
+  local reason file
+  if [ -z "$(command -v nvcc || ls /usr/local/cuda/bin/nvcc 2>/dev/null)" ]; then
+    skip cuda "no nvcc here"
+    return
+  fi
+  reason=$(missing_for_root "$here")
+  check "cuda: packages build" build_packages "$out/cuda" ON || return
+  check "cuda: no file is in two packages" no_file_twice "$out/cuda/packages"/*.deb
+  check "cuda: the wheel builds and needs no driver to load" \
+    build_wheel "$source" "$out/cuda-wheel" "$out/cuda-dist" ON || return
+  if [ -n "$reason" ]; then
+    skip "cuda: use" "$reason"
+  else
+    check "cuda: packages install and draw in a fresh $here" use_packages "$here" "$out/cuda" cuda
+    check "cuda: the wheel draws in a fresh $here" use_wheel "$here" "$out/cuda-dist" cuda
+    remove "$here"
+  fi
+  {
+    echo "| GPUs | file | MB |"
+    echo "| --- | --- | ---: |"
+    for file in "$out/cuda/packages"/*.deb "$out/cuda-dist"/*.whl "$out"/cuda/backends/cuda/libswiftgs_cuda.so.*.*.*; do
+      printf '| %s | %s | %.1f |\n' "${CUDAARCHS:-all kinds}" "${file##*/}" "$(stat -c %s "$file")e-6"
+    done
+  } | tee "$out/cuda.md"
 }
 
 same_bytes() {
@@ -326,7 +356,7 @@ fuzz() {  # fuzz SECONDS
 
 case "${1:-all}" in
   all) packages; wheel; reproducible ;;
-  packages | wheel | reproducible | arm64 | compilers | kernels) "$1" ;;
+  packages | wheel | cuda | reproducible | arm64 | compilers | kernels) "$1" ;;
   fuzz)
     [[ "${2:-}" =~ ^[1-9][0-9]*$ ]] || { echo "usage: cmake/release_check.sh fuzz SECONDS" >&2; exit 2; }
     fuzz "$2" ;;

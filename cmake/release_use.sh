@@ -19,6 +19,13 @@ END
   test -s python.png
 }
 
+# refused COMMAND...: renderers of CUDA are known where there is no driver, and one line says that they cannot run.
+refused() {
+  test ! -e /dev/nvidiactl
+  if "$@" 2>refused; then exit 1; fi
+  grep "renderer 'cuda/.*' cannot run on this machine" refused
+}
+
 if [ "$1" = wheel ]; then
   install python3 python3-venv python3-numpy
   # None but the wheel's own.
@@ -27,16 +34,19 @@ if [ "$1" = wheel ]; then
   venv/bin/pip install --no-index --no-deps ./*.whl
   cd /
   draw_in_python /check/venv/bin/python
+  if [ -n "${CUDA:-}" ]; then refused /check/venv/bin/python -c 'import swiftgs; swiftgs.Renderer("cuda")'; fi
   exit
 fi
 
 # What programs load comes without what they are built with.
-install ./swiftgs_*.deb ./python3-swiftgs_*.deb ./libswiftgs[0-9]*_*.deb ./libswiftgs-c*_*.deb
+install ./swiftgs_*.deb ./python3-swiftgs_*.deb ./libswiftgs[0-9]*_*.deb ./libswiftgs-c[0-9]*_*.deb \
+  ${CUDA:+./libswiftgs-cuda*_*.deb}
 test ! -e /usr/include/swiftgs
 swiftgs --version
 swiftgs render builtin:3000 --views 1 --scale 0.25 --out images
 test -n "$(ls images/*.png)"
 draw_in_python python3
+if [ -n "${CUDA:-}" ]; then refused swiftgs render builtin:3000 --renderer cuda --out images; fi
 
 install ./libswiftgs-dev_*.deb cmake make g++ pkg-config libeigen3-dev
 version=$(swiftgs --version | sed 's/^swiftgs //')
