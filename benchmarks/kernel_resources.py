@@ -12,6 +12,7 @@ import json
 import os
 import pathlib
 import re
+import shlex
 import subprocess
 import sys
 
@@ -22,8 +23,10 @@ def commands(build, only):
         path = pathlib.Path(entry["file"])
         if path.suffix != ".cu" or "backends" not in path.parts or only and path.name not in only:
             continue
-        words = re.sub(r" -o \S+| --generate-code=\S+| -c(?= )", "", entry["command"]).split()
+        words = [word for word in shlex.split(entry["command"]) if not word.startswith("--generate-code=")]
         words = words[next(i for i, word in enumerate(words) if word.endswith("nvcc")):]  # without a launcher
+        at = words.index("-o")
+        words = [word for word in words[:at] + words[at + 2:] if word != "-c"]
         for architecture in sorted({int(number) for number in re.findall(r"sm_(\d+)", entry["command"])}):
             how = ["-cubin", f"-arch=sm_{architecture}", "-Xptxas", "-v", "-o", os.devnull]
             yield path.name, architecture, words + how
