@@ -8,23 +8,24 @@ import pytest
 
 import float64
 import swiftgs
-from conftest import HEIGHT, ROOT, WIDTH, Lent, decibels
+from conftest import HEIGHT, ROOT, WIDTH, Lent, decibels, seen_from
 
 PAGE = (ROOT / "docs/python.md").read_text()
 
 
-def same_rotations(scene):
+@pytest.fixture
+def same_rotations(arrays):
     """A renderer whose quaternions were normalised once more, as those of `rasterization` are."""
     renderer = swiftgs.Renderer("cpu")
-    renderer.set_gaussians(scene.means, scene.scales, scene.rotations, scene.opacities, scene.sh0, scene.sh_rest)
+    renderer.set_gaussians(**arrays)
     return renderer
 
 
-def test_one_camera(scene, camera, expected, gsplat_arguments):
+def test_one_camera(same_rotations, camera, expected, gsplat_arguments):
     colours, alphas, meta = swiftgs.rasterization(**gsplat_arguments)
     assert colours.shape == (1, HEIGHT, WIDTH, 3) and alphas.shape == (1, HEIGHT, WIDTH, 1)
     assert colours.dtype == alphas.dtype == np.float32
-    frame = same_rotations(scene).render(camera, alpha=True)
+    frame = same_rotations.render(camera, alpha=True)
     # The camera's matrices are float32 here.
     assert decibels(colours[0], frame.colour) > 90 and decibels(alphas[0, ..., 0], frame.alpha) > 90
     assert decibels(colours[0], expected.colour) > 90
@@ -33,10 +34,10 @@ def test_one_camera(scene, camera, expected, gsplat_arguments):
         meta["means2d"]
 
 
-def test_matrices_in_double_give_the_bits_of_a_frame(scene, camera, gsplat_arguments):
+def test_matrices_in_double_give_the_bits_of_a_frame(same_rotations, camera, gsplat_arguments):
     gsplat_arguments.update(viewmats=camera.viewmat[None], Ks=camera.K[None])
     colours, alphas, _ = swiftgs.rasterization(**gsplat_arguments)
-    frame = same_rotations(scene).render(camera, alpha=True)
+    frame = same_rotations.render(camera, alpha=True)
     assert np.array_equal(colours[0], frame.colour) and np.array_equal(alphas[0, ..., 0], frame.alpha)
 
 
@@ -68,7 +69,7 @@ def test_the_plain_renderer_places_scenes_as_a_camera_moves_the_other_way(size):
 
 
 def test_batches_of_cameras_with_backgrounds(gsplat_arguments, camera):
-    other = swiftgs.Camera.look_at((1, -2, -4), (0, 0, 0), width=WIDTH, height=HEIGHT, vertical_fov=0.9)
+    other = seen_from(1, -2, -4)
     backgrounds = np.array([[1, 0, 0], [0, 0, 1], [0, 1, 0]], np.float32)
     gsplat_arguments.update(viewmats=np.stack([camera.viewmat, other.viewmat, camera.viewmat]),
                             Ks=np.stack([camera.K, other.K, camera.K]))
@@ -281,13 +282,13 @@ PINHOLE_COEFFICIENTS = {"radial_coeffs": [[0.2, 0.05, 0.004, 0.03, 0.002, 0.001]
     ({"camera_model": "fisheye", "radial_coeffs": [[0.05, -0.01, 0.002, -0.0003]], "with_ut": True},
      {"model": "fisheye", "radial": (0.05, -0.01, 0.002, -0.0003)}, 30),
     ({**PINHOLE_COEFFICIENTS, "with_ut": True}, PINHOLE, 60)], ids=str)
-def test_lenses(options, lens, focal, gsplat_arguments, scene, camera):
+def test_lenses(options, lens, focal, gsplat_arguments, same_rotations, scene, camera):
     K = np.array([[focal, 0, WIDTH / 2 + 3], [0, focal + 1, HEIGHT / 2 - 2], [0, 0, 1]], np.float64)
     gsplat_arguments.update(viewmats=camera.viewmat[None], Ks=K[None])
     given = {name: np.array(value) if name.endswith("coeffs") else value for name, value in options.items()}
     colours, alphas, _ = swiftgs.rasterization(**gsplat_arguments, **given, render_mode="RGB+ED")
     through = swiftgs.Camera.from_matrices(camera.viewmat, K, WIDTH, HEIGHT, **lens)
-    frame = same_rotations(scene).render(through, alpha=True, depth=True, conventions=swiftgs.Conventions(depth="z"))
+    frame = same_rotations.render(through, alpha=True, depth=True, conventions=swiftgs.Conventions(depth="z"))
     assert decibels(colours[0, ..., :3], frame.colour) > 100 and np.allclose(alphas[0, ..., 0], frame.alpha, atol=1e-5)
     assert np.allclose(colours[0, ..., 3], frame.depth, rtol=1e-3, atol=1e-3)
     pinhole = swiftgs.rasterization(**gsplat_arguments)[0]
