@@ -50,24 +50,6 @@ def test_images_are_those_of_a_plain_renderer_in_float64():
     assert decibels(colours[0], wanted) > 110
 
 
-@pytest.mark.parametrize("size", (0.1, 1, 20))
-def test_the_plain_renderer_places_scenes_as_a_camera_moves_the_other_way(size):
-    scene, camera = swiftgs.Scene.builtin(3000), swiftgs.Camera.builtin(80, 45)
-    arrays = scene.means, scene.rotations, scene.scales, scene.opacities, scene.sh
-    wanted = float64.render(*arrays, camera.viewmat, camera.K, 80, 45)
-    turned, moved = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0], [0.48, 0.64, 0.6]]), np.array([3.0, -1, 2])
-    world_from_scene, viewmat = np.eye(4), np.eye(4)
-    world_from_scene[:3, :3], world_from_scene[:3, 3] = size * turned, moved
-    viewmat[:3, :3] = camera.viewmat[:3, :3] @ turned.T
-    viewmat[:3, 3] = size * camera.viewmat[:3, 3] - viewmat[:3, :3] @ moved
-    placed = [float64.Placed(*(array[part] for array in arrays), world_from_scene)
-              for part in (slice(0, 1000), slice(1000, None))]
-    assert decibels(float64.render_placed(placed, viewmat, camera.K, 80, 45), wanted) > 200
-    faint = float64.render_placed([placed[0]._replace(opacity=0.5), placed[1]], viewmat, camera.K, 80, 45)
-    less = np.where(np.arange(3000) < 1000, 0.5, 1) * np.asarray(scene.opacities, np.float64)
-    assert decibels(faint, float64.render(*arrays[:3], less, arrays[4], camera.viewmat, camera.K, 80, 45)) > 200
-
-
 def test_batches_of_cameras_with_backgrounds(gsplat_arguments, camera):
     other = seen_from(1, -2, -4)
     backgrounds = np.array([[1, 0, 0], [0, 0, 1], [0, 1, 0]], np.float32)
