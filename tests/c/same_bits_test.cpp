@@ -2,9 +2,12 @@
 
 // The C interface beside the C++ that it is made of: the same bits, and a status for every exception.
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <new>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -18,9 +21,12 @@
 
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/default_view.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/io/progress.hpp>
+#include <swiftgs/orbit.hpp>
 #include <swiftgs/rotation.hpp>
+#include <swiftgs/scene_bounds.hpp>
 
 #include "structs.hpp"
 
@@ -182,6 +188,70 @@ TEST_CASE("c: every lens and measure of depth has the bits of the C++ interface"
   // The lenses show different images, and the measures different depths.
   for (std::size_t i = 3; i < all.size(); i += 3) CHECK(all[i].colour != all[i - 3].colour);
   for (std::size_t i = 0; i < all.size(); i += 3) CHECK(all[i + 1].depth != all[i + 2].depth);
+}
+
+TEST_CASE("c: every format and conversion has the bits of the C++ interface") {
+  Both both(find_renderer("serial"));
+  const Camera camera = builtin_camera(width, height);
+  const swiftgs_camera given = camera_of_c();
+  std::set<std::vector<std::byte>> all;
+  for (const int format :
+       {SWIFTGS_RGB_FLOAT, SWIFTGS_RGBA_FLOAT, SWIFTGS_RGBA_HALF, SWIFTGS_RGBA_8, SWIFTGS_BGRA_8})
+    for (const int conversion :
+         {SWIFTGS_CONVERT_NOTHING, SWIFTGS_CONVERT_SRGB_TO_LINEAR, SWIFTGS_CONVERT_LINEAR_TO_SRGB}) {
+      CAPTURE(format);
+      CAPTURE(conversion);
+      const std::size_t pitch = width * bytes_per_pixel(PixelFormat(format));
+      std::vector<std::byte> expected(height * pitch), found(height * pitch);
+      const FrameView frame{.width = width,
+                            .height = height,
+                            .colour = {expected.data(), std::ptrdiff_t(pitch)},
+                            .format = PixelFormat(format),
+                            .conversion = Conversion(conversion)};
+      const View cpp_view = make_view(camera, Conventions::gsplat(), frame);
+      both.cpp->render_into({&cpp_view, 1});
+      auto view = sized<swiftgs_view>();
+      view.camera = &given, view.format = format, view.conversion = conversion;
+      view.colour = {found.data(), std::int64_t(pitch)};
+      auto c_frame = sized<swiftgs_frame>();
+      c_frame.views = &view, c_frame.count = 1;
+      REQUIRE(swiftgs_renderer_render(both.c.get(), &c_frame) == SWIFTGS_OK);
+      CHECK(found == expected);
+      all.insert(found);
+    }
+  CHECK(all.size() == 15);
+}
+
+TEST_CASE("c: where a scene lies and how a camera moves around it are those of the C++ interface") {
+  const auto scene = make_scene();
+  const Scene same = make_builtin_scene(count);
+  const auto numbers = [](const auto& array) {
+    return std::vector<double>(std::begin(array), std::end(array));
+  };
+  const auto of = [](const dvec3& v) { return std::vector<double>{v.x, v.y, v.z}; };
+  auto bounds = sized<swiftgs_scene_bounds>();
+  REQUIRE(swiftgs_scene_robust_bounds(scene.get(), &bounds) == SWIFTGS_OK);
+  const SceneBounds expected = robust_bounds(same);
+  CHECK(numbers(bounds.low) == of(expected.low));
+  CHECK(numbers(bounds.high) == of(expected.high));
+  CHECK(numbers(bounds.centre) == of(expected.centre));
+  CHECK(bounds.radius == expected.radius);
+
+  const OrbitView view = default_view(same, width, height, dvec3(0, 0, 7));
+  auto camera = sized<swiftgs_camera>();
+  auto orbit = sized<swiftgs_orbit>();
+  orbit.up[2] = 7;
+  REQUIRE(swiftgs_scene_default_view(scene.get(), width, height, &camera, &orbit) == SWIFTGS_OK);
+  CHECK(numbers(orbit.target) == of(view.target));
+  CHECK(numbers(orbit.up) == of(view.up));
+  orbit.turn = 1, orbit.rise = 0.2, orbit.distance = 2;
+  REQUIRE(swiftgs_camera_orbit(&camera, &orbit) == SWIFTGS_OK);
+  const Camera moved = swiftgs::orbit(view, 1, 0.2, 2);
+  CHECK(camera.fx == moved.fx);
+  CHECK(numbers(camera.translation) == of(moved.translation));
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      CHECK(camera.rotation[3 * row + column] == moved.rotation[column][row]);
 }
 
 TEST_CASE("c: placed scenes have the bits of the C++ interface") {
