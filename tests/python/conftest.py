@@ -16,6 +16,8 @@ import swiftgs
 
 WIDTH, HEIGHT = 80, 48
 ARRAYS = ("means", "scales", "rotations", "opacities", "sh0", "sh_rest")  # of a scene
+OF_GAUSSIANS = ("means", "quats", "scales", "opacities", "colors")  # arguments of `rasterization`
+OF_ALL = (*OF_GAUSSIANS, "viewmats", "Ks")
 ROOT = pathlib.Path(__file__).parents[2]
 reasons = []
 

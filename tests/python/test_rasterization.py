@@ -8,7 +8,7 @@ import pytest
 
 import float64
 import swiftgs
-from conftest import HEIGHT, ROOT, WIDTH, Lent, decibels, seen_from
+from conftest import HEIGHT, OF_ALL, OF_GAUSSIANS, ROOT, WIDTH, Lent, decibels, seen_from
 
 PAGE = (ROOT / "docs/python.md").read_text()
 
@@ -127,15 +127,14 @@ def batch_of(arguments, worlds, cameras):
         viewmats[:, 0, 3] += np.arange(cameras, dtype=np.float32) / 4 - world / 8
         alone.append(dict(arguments, means=means, viewmats=viewmats, Ks=np.repeat(arguments["Ks"], cameras, axis=0),
                           backgrounds=rng.uniform(0, 1, (cameras, 3)).astype(np.float32)))
-    shared = ("means", "quats", "scales", "opacities", "colors", "viewmats", "Ks", "backgrounds")
-    together = dict(arguments, **{name: np.stack([each[name] for each in alone]) for name in shared})
+    together = dict(arguments, **{name: np.stack([each[name] for each in alone]) for name in (*OF_ALL, "backgrounds")})
     return together, alone
 
 
 @pytest.mark.parametrize("cameras", (1, 3))
 def test_a_batch_has_the_bits_of_each_scene_alone(cameras, gsplat_arguments):
     together, alone = batch_of(gsplat_arguments, 4, cameras)
-    for name in ("means", "quats", "scales", "opacities", "colors", "viewmats", "Ks", "backgrounds"):
+    for name in (*OF_ALL, "backgrounds"):
         together[name] = together[name].reshape(2, 2, *together[name].shape[1:])
     for mode in ("RGB", "RGB+ED", "D"):
         colours, alphas, meta = swiftgs.rasterization(**together, render_mode=mode)
@@ -168,7 +167,7 @@ def test_a_batch_of_one_and_of_empty_scenes(gsplat_arguments):
     together, alone = batch_of(gsplat_arguments, 1, 1)
     assert np.array_equal(swiftgs.rasterization(**together)[0][0], swiftgs.rasterization(**alone[0])[0])
     together, _ = batch_of(gsplat_arguments, 2, 1)
-    for name in ("means", "quats", "scales", "opacities", "colors"):
+    for name in OF_GAUSSIANS:
         together[name] = together[name][:, :0]
     colours, alphas, _ = swiftgs.rasterization(**together)
     assert (colours == together["backgrounds"][:, :, None, None]).all() and not alphas.any()
@@ -213,9 +212,8 @@ def test_what_a_trainer_passes_for_evaluation_too():
 
 def test_other_orders_and_libraries_of_arrays(gsplat_arguments):
     plain = swiftgs.rasterization(**gsplat_arguments)[0]
-    names = ("means", "quats", "scales", "opacities", "colors")
     for change in (np.asfortranarray, lambda a: np.repeat(a, 2, axis=0)[::2], lambda a: Lent(a.copy())):
-        given = dict(gsplat_arguments, **{name: change(gsplat_arguments[name]) for name in names})
+        given = dict(gsplat_arguments, **{name: change(gsplat_arguments[name]) for name in OF_GAUSSIANS})
         assert np.array_equal(swiftgs.rasterization(**given)[0], plain)
     given = dict(gsplat_arguments, viewmats=gsplat_arguments["viewmats"].tolist(),
                  Ks=Lent(gsplat_arguments["Ks"].copy()))
@@ -223,8 +221,7 @@ def test_other_orders_and_libraries_of_arrays(gsplat_arguments):
 
 
 def test_no_gaussians_leave_the_background(gsplat_arguments):
-    names = ("means", "quats", "scales", "opacities", "colors")
-    none = dict(gsplat_arguments, **{name: gsplat_arguments[name][:0] for name in names})
+    none = dict(gsplat_arguments, **{name: gsplat_arguments[name][:0] for name in OF_GAUSSIANS})
     colours, alphas, _ = swiftgs.rasterization(**none, backgrounds=np.array([[0.25, 0.5, 1]]))
     assert np.all(colours == np.array([0.25, 0.5, 1], np.float32)) and not alphas.any()
 

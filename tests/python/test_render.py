@@ -453,8 +453,6 @@ def test_a_renderer_may_be_closed_while_another_thread_draws(camera):
 def test_images_are_saved(renderer, camera, tmp_path):
     frame = renderer.render([camera, camera], alpha=True, depth=True)
     frame.save(tmp_path / "a.pfm", 1)
-    pixels = (tmp_path / "a.pfm").read_bytes().split(b"\n", 3)[3]
-    assert np.array_equal(np.frombuffer(pixels, "<f4").reshape(HEIGHT, WIDTH, 3)[::-1], frame.colour[1])
     renderer.render(camera, format="rgba8").save(str(tmp_path / "a.png"))
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
     read = swiftgs.load_image(tmp_path / "a.pfm")

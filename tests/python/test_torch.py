@@ -6,19 +6,16 @@ import numpy as np
 import pytest
 
 import swiftgs
-from conftest import HEIGHT, WIDTH, arrays_of, decibels, has_device, seen_from
+from conftest import HEIGHT, OF_ALL, WIDTH, arrays_of, decibels, has_device, seen_from
 
 torch = pytest.importorskip("torch", reason="no PyTorch here")
 
 DEVICES = ["cpu"] + ["cuda"] * (has_device() and torch.cuda.is_available())
 on_each_device = pytest.mark.parametrize("device", DEVICES)
-NAMES = ("means", "quats", "scales", "opacities", "colors")
 
 
 def tensors(arguments, device):
-    return dict(arguments, **{name: torch.tensor(arguments[name], device=device) for name in NAMES},
-                viewmats=torch.tensor(arguments["viewmats"], device=device),
-                Ks=torch.tensor(arguments["Ks"], device=device))
+    return dict(arguments, **{name: torch.tensor(arguments[name], device=device) for name in OF_ALL})
 
 
 @pytest.fixture
