@@ -84,25 +84,6 @@ void test_planes(void) {
   swiftgs_scene_free(scene), swiftgs_renderer_free(d.renderer);
 }
 
-void test_pitches(void) {
-  struct drawing d;
-  set_up(&d, small_renderer);
-  float* const plain = draw_plain(d.renderer, &d.camera);
-
-  /* Bottom row first, with two floats between rows that nothing writes. */
-  enum { row = 3 * width + 2 };
-  float* const up = make_floats(row * height);
-  for (int i = 0; i < row * height; ++i) up[i] = -7;
-  d.view.colour = (swiftgs_plane){up + row * (height - 1), -(int64_t)sizeof(float) * row};
-  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
-  for (int y = 0; y < height; ++y) {
-    const float* const at = up + row * (height - 1 - y);
-    CHECK(same_floats(at, plain + 3 * width * y, 3 * width));
-    CHECK(at[row - 2] == -7 && at[row - 1] == -7);
-  }
-  swiftgs_renderer_free(d.renderer);
-}
-
 void test_views(void) {
   swiftgs_renderer* const renderer = make_renderer(small_renderer);
   const swiftgs_camera near = make_camera(width, height);
@@ -133,62 +114,25 @@ void test_views(void) {
   swiftgs_renderer_free(renderer);
 }
 
-void test_over(void) {
-  struct drawing d;
-  set_up(&d, small_renderer);
-  const float background[3] = {0.25f, 0.5f, 4};
-  memcpy(d.view.background, background, sizeof(background));
-  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
-
-  /* Over an image of the background's colour the result is the same. */
-  float* const over = make_floats(3 * pixels);
-  for (int i = 0; i < 3 * pixels; ++i) over[i] = background[i % 3];
-  d.view.colour.data = over, d.view.over = 1;
-  memset(d.view.background, 0, sizeof(d.view.background));
-  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
-  CHECK(same_floats(over, d.colour, 3 * pixels));
-  CHECK(!same_floats(over, draw_plain(d.renderer, &d.camera), 3 * pixels));
-  swiftgs_renderer_free(d.renderer);
-}
-
 void test_occluder(void) {
   struct drawing d;
   set_up(&d, small_renderer);
-  float *const plain = draw_plain(d.renderer, &d.camera), *const occluder = make_floats(pixels);
   /* The left half is hidden by what is directly before the camera, the right one by nothing. */
+  float* const occluder = make_floats(pixels);
   for (int i = 0; i < pixels; ++i) occluder[i] = i % width < width / 2 ? 0 : INFINITY;
   d.view.occluder = (swiftgs_plane){occluder, 4 * width};
-  d.view.background[1] = 2;
-  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
-  bool hidden = true, seen = true;
-  for (int i = 0; i < pixels; ++i) {
-    const float* const at = d.colour + 3 * i;
-    if (i % width < width / 2)
-      hidden &= at[0] == 0 && at[1] == 2 && at[2] == 0;
-    else
-      seen &= at[0] == plain[3 * i] && at[2] == plain[3 * i + 2];
-  }
-  CHECK(hidden && seen);
-  swiftgs_statistics statistics = {.size = sizeof(statistics)};
   d.frame.measure = SWIFTGS_MEASURE_COUNTS;
+  swiftgs_statistics statistics = {.size = sizeof(statistics)};
   CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
-  d.frame.measure = 0;
   CHECK_OK(swiftgs_renderer_statistics(d.renderer, &statistics));
   CHECK(statistics.intersections_hidden > 0 && statistics.intersections_hidden < statistics.intersections);
   /* A program that is older than this number. */
   statistics.size = offsetof(swiftgs_statistics, intersections_hidden), statistics.intersections_hidden = 7;
   CHECK_OK(swiftgs_renderer_statistics(d.renderer, &statistics));
   CHECK(statistics.balanced_ms > 0 && statistics.intersections_hidden == 7);
-  /* The same, reversed and without a far plane: 1 is before the camera, 0 nothing. */
-  float* const same = make_floats(3 * pixels);
-  memcpy(same, d.colour, 3 * pixels * sizeof(float));
-  for (int i = 0; i < pixels; ++i) occluder[i] = i % width < width / 2 ? 1 : 0;
-  d.view.stored_depth = swiftgs_stored_perspective(INFINITY, 1e-3);
-  CHECK_OK(swiftgs_renderer_render_into(d.renderer, &d.frame));
-  CHECK(same_floats(same, d.colour, 3 * pixels));
   d.view.stored_depth = swiftgs_stored_orthographic(5, 5);
-  CHECK_ERROR(swiftgs_renderer_render_into(d.renderer, &d.frame), SWIFTGS_INVALID_ARGUMENT,
-              "stored depths that are finite and differ");
+  CHECK_INVALID(swiftgs_renderer_render_into(d.renderer, &d.frame),
+                "stored depths that are finite and differ");
   swiftgs_renderer_free(d.renderer);
 }
 

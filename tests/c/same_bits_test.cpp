@@ -190,36 +190,56 @@ TEST_CASE("c: every lens and measure of depth has the bits of the C++ interface"
   for (std::size_t i = 0; i < all.size(); i += 3) CHECK(all[i + 1].depth != all[i + 2].depth);
 }
 
-TEST_CASE("c: every format and conversion has the bits of the C++ interface") {
+TEST_CASE("c: views into images of every format have the bits of the C++ interface") {
   Both both(find_renderer("serial"));
   const Camera camera = builtin_camera(width, height);
   const swiftgs_camera given = camera_of_c();
+  std::vector<float> occluder(width * height);
+  for (std::size_t i = 0; i < occluder.size(); ++i) occluder[i] = i % 3 ? 1 : 0.98f;
   std::set<std::vector<std::byte>> all;
+  // Bottom row first, with gaps between rows. Half of the frames lie over an image and behind surfaces.
+  const auto draw = [&](int format, int conversion, bool over) {
+    const std::size_t row = width * bytes_per_pixel(PixelFormat(format)), pitch = row + 16;
+    std::vector<std::byte> expected(height * pitch, std::byte(60)), found = expected;
+    const auto last_row = [&](std::vector<std::byte>& image) { return &image[(height - 1) * pitch]; };
+    FrameView frame{.width = width,
+                    .height = height,
+                    .colour = {last_row(expected), -std::ptrdiff_t(pitch)},
+                    .format = PixelFormat(format),
+                    .over = over,
+                    .conversion = Conversion(conversion)};
+    auto view = sized<swiftgs_view>();
+    view.camera = &given, view.format = format, view.conversion = conversion, view.over = over;
+    view.colour = {last_row(found), -std::int64_t(pitch)};
+    for (int k = 0; k < 3; ++k) view.background[k] = 0.25f * float(k);
+    if (over) {
+      frame.occluder = {occluder.data(), sizeof(float) * width};
+      frame.stored_depth = StoredDepth::perspective(0.1, 100);
+      view.occluder = {occluder.data(), sizeof(float) * width};
+      view.stored_depth = swiftgs_stored_perspective(0.1, 100);
+    }
+    const View drawn = make_view(camera, Conventions::gsplat(), frame, vec3(0, 0.25f, 0.5f));
+    both.cpp->render_into({&drawn, 1});
+    auto frame_of_c = sized<swiftgs_frame>();
+    frame_of_c.views = &view, frame_of_c.count = 1;
+    REQUIRE(swiftgs_renderer_render(both.c.get(), &frame_of_c) == SWIFTGS_OK);
+    CHECK(found == expected);
+    for (std::size_t y = 0; y < height; ++y)
+      CHECK(std::all_of(&found[y * pitch + row], &found[y * pitch + row] + 16,
+                        [](std::byte byte) { return byte == std::byte(60); }));
+    all.insert(found);
+  };
   for (const int format :
        {SWIFTGS_RGB_FLOAT, SWIFTGS_RGBA_FLOAT, SWIFTGS_RGBA_HALF, SWIFTGS_RGBA_8, SWIFTGS_BGRA_8})
     for (const int conversion :
-         {SWIFTGS_CONVERT_NOTHING, SWIFTGS_CONVERT_SRGB_TO_LINEAR, SWIFTGS_CONVERT_LINEAR_TO_SRGB}) {
-      CAPTURE(format);
-      CAPTURE(conversion);
-      const std::size_t pitch = width * bytes_per_pixel(PixelFormat(format));
-      std::vector<std::byte> expected(height * pitch), found(height * pitch);
-      const FrameView frame{.width = width,
-                            .height = height,
-                            .colour = {expected.data(), std::ptrdiff_t(pitch)},
-                            .format = PixelFormat(format),
-                            .conversion = Conversion(conversion)};
-      const View cpp_view = make_view(camera, Conventions::gsplat(), frame);
-      both.cpp->render_into({&cpp_view, 1});
-      auto view = sized<swiftgs_view>();
-      view.camera = &given, view.format = format, view.conversion = conversion;
-      view.colour = {found.data(), std::int64_t(pitch)};
-      auto c_frame = sized<swiftgs_frame>();
-      c_frame.views = &view, c_frame.count = 1;
-      REQUIRE(swiftgs_renderer_render(both.c.get(), &c_frame) == SWIFTGS_OK);
-      CHECK(found == expected);
-      all.insert(found);
-    }
-  CHECK(all.size() == 15);
+         {SWIFTGS_CONVERT_NOTHING, SWIFTGS_CONVERT_SRGB_TO_LINEAR, SWIFTGS_CONVERT_LINEAR_TO_SRGB})
+      for (const bool over : {false, true}) {
+        CAPTURE(format);
+        CAPTURE(conversion);
+        CAPTURE(over);
+        draw(format, conversion, over);
+      }
+  CHECK(all.size() == 5 * 3 * 2);
 }
 
 TEST_CASE("c: where a scene lies and how a camera moves around it are those of the C++ interface") {
