@@ -38,6 +38,7 @@ extern const char* const small_renderer;
 
 /* The built-in scene in `small_count` Gaussians. */
 swiftgs_scene* make_scene(void);
+swiftgs_gaussians arrays_of(const swiftgs_scene* scene);
 /* The built-in camera with an image of the given size. */
 swiftgs_camera make_camera(int32_t width, int32_t height);
 /* A renderer with that scene. */
@@ -59,6 +60,8 @@ struct drawing {
   swiftgs_frame frame;
 };
 void set_up(struct drawing* drawing, const char* renderer);
+/* Draws the frame: whether its image has the bits of `expected`. */
+bool draws(struct drawing* drawing, const float* expected);
 /* The image of a plain view of `camera`, in memory of its own. */
 float* draw_plain(swiftgs_renderer* renderer, const swiftgs_camera* camera);
 /* Whether `count` floats have the same bits. */

@@ -61,9 +61,7 @@ static void copy(void* to, const void* from, size_t bytes) {
  * host. */
 static void test_device_arrays(void) {
   swiftgs_scene *made = make_scene(), *fetched = NULL;
-  swiftgs_gaussians host = {.size = sizeof(host)};
-  CHECK_OK(swiftgs_scene_get_arrays(made, &host));
-  swiftgs_gaussians device = host;
+  swiftgs_gaussians host = arrays_of(made), device = host;
   device.memory = SWIFTGS_DEVICE;
   float* const features = make_floats(2 * small_count);
   for (int i = 0; i < 2 * small_count; ++i) features[i] = (float)i;
@@ -82,8 +80,7 @@ static void test_device_arrays(void) {
   CHECK(cudaMemcpy2D(means, 20, host.means.data, 12, 12, small_count, cudaMemcpyHostToDevice) == cudaSuccess);
   device.means = (swiftgs_array){means, 20};
   CHECK_OK(swiftgs_scene_from_arrays(&device, &fetched));
-  swiftgs_gaussians found = {.size = sizeof(found)};
-  CHECK_OK(swiftgs_scene_get_arrays(fetched, &found));
+  const swiftgs_gaussians found = arrays_of(fetched);
   CHECK(memcmp(found.means.data, host.means.data, 12 * small_count) == 0);
   CHECK(memcmp(found.rotations.data, host.rotations.data, 16 * small_count) == 0);
   CHECK(memcmp(found.sh_rest.data, host.sh_rest.data, 180 * small_count) == 0);
@@ -99,19 +96,15 @@ static void test_device_arrays(void) {
   CHECK(cudaStreamCreateWithFlags(&stream, cudaStreamNonBlocking) == cudaSuccess);
   device.stream = stream;
   for (int i = 0; i < 2; ++i) { /* the second takes the memory of the first again */
-    memset(d.colour, 0, 3 * sizeof(float) * pixels);
     CHECK_OK(swiftgs_renderer_set_gaussians(renderer, &device));
     if (i == 1) CHECK(cudaMemsetAsync(means, 0xff, 20 * small_count, stream) == cudaSuccess);
-    CHECK_OK(swiftgs_renderer_render(renderer, &d.frame));
-    CHECK(same_floats(d.colour, expected, 3 * pixels));
+    CHECK(draws(&d, expected));
   }
   /* Borrowed arrays are drawn as they are now. */
   CHECK_OK(swiftgs_renderer_borrow_gaussians(renderer, &device));
-  CHECK_OK(swiftgs_renderer_render(renderer, &d.frame));
-  CHECK(!same_floats(d.colour, expected, 3 * pixels));
+  CHECK(!draws(&d, expected));
   CHECK(cudaMemcpy2D(means, 20, host.means.data, 12, 12, small_count, cudaMemcpyHostToDevice) == cudaSuccess);
-  CHECK_OK(swiftgs_renderer_render(renderer, &d.frame));
-  CHECK(same_floats(d.colour, expected, 3 * pixels));
+  CHECK(draws(&d, expected));
   CHECK_INVALID(swiftgs_renderer_borrow_gaussians(renderer, &host), "the arrays lie on the host, expected");
   CHECK_OK(swiftgs_renderer_set_gaussians(renderer, &device));
   /* An update goes the same way, and arrays of the host do not. */
@@ -120,21 +113,18 @@ static void test_device_arrays(void) {
   swiftgs_gaussians update = {.size = sizeof(update), .count = small_count, .means = {moved, 20}};
   update.memory = SWIFTGS_DEVICE, update.stream = stream;
   CHECK_OK(swiftgs_renderer_update_scene(renderer, 0, 0, &update));
-  CHECK_OK(swiftgs_renderer_render(renderer, &d.frame));
-  CHECK(!same_floats(d.colour, expected, 3 * pixels));
+  CHECK(!draws(&d, expected));
   update.means.data = means;
   CHECK_OK(swiftgs_renderer_update_scene(renderer, 0, 0, &update));
   CHECK(cudaMemsetAsync(means, 0xff, 20 * small_count, stream) == cudaSuccess);
-  CHECK_OK(swiftgs_renderer_render(renderer, &d.frame));
-  CHECK(same_floats(d.colour, expected, 3 * pixels));
+  CHECK(draws(&d, expected));
   update = host;
   CHECK_INVALID(swiftgs_renderer_update_scene(renderer, 0, 0, &update),
                 "the arrays lie on the host, expected");
   cudaFree(moved);
   host.stream = stream; /* arrays of the host are for every renderer */
   CHECK_OK(swiftgs_renderer_set_gaussians(renderer, &host));
-  CHECK_OK(swiftgs_renderer_render(renderer, &d.frame));
-  CHECK(same_floats(d.colour, expected, 3 * pixels));
+  CHECK(draws(&d, expected));
   swiftgs_renderer_free(renderer);
   cudaStreamDestroy(stream);
 

@@ -51,6 +51,12 @@ swiftgs_scene* make_scene(void) {
   return scene;
 }
 
+swiftgs_gaussians arrays_of(const swiftgs_scene* scene) {
+  swiftgs_gaussians arrays = {.size = sizeof(arrays)};
+  CHECK_OK(swiftgs_scene_get_arrays(scene, &arrays));
+  return arrays;
+}
+
 swiftgs_camera make_camera(int32_t width, int32_t height) {
   swiftgs_camera camera = {.size = sizeof(camera)};
   if (swiftgs_camera_builtin(width, height, &camera) != SWIFTGS_OK) give_up("a camera");
@@ -100,6 +106,13 @@ void set_up(struct drawing* drawing, const char* renderer) {
   drawing->colour = make_floats(3 * small_width * small_height);
   drawing->view = make_view(&drawing->camera, drawing->colour);
   drawing->frame = make_frame(&drawing->view, 1);
+}
+
+bool draws(struct drawing* drawing, const float* expected) {
+  const size_t count = 3 * small_width * small_height;
+  memset(drawing->colour, 0, sizeof(float) * count);
+  CHECK_OK(swiftgs_renderer_render(drawing->renderer, &drawing->frame));
+  return same_floats(drawing->colour, expected, count);
 }
 
 float* draw_plain(swiftgs_renderer* renderer, const swiftgs_camera* camera) {

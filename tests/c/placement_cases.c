@@ -9,15 +9,19 @@
 
 enum { pixels = small_width * small_height, floats = 3 * pixels, half = small_count / 2 };
 
-/* Gaussians [first, first + count) of a scene. */
-static swiftgs_scene* part_of(const swiftgs_scene* scene, uint64_t first, uint64_t count) {
-  swiftgs_gaussians arrays = {.size = sizeof(arrays)};
-  CHECK_OK(swiftgs_scene_get_arrays(scene, &arrays));
+/* Arrays of the Gaussians [first, first + count) of a scene. */
+static swiftgs_gaussians range_of(const swiftgs_scene* scene, uint64_t first, uint64_t count) {
+  swiftgs_gaussians arrays = arrays_of(scene);
   swiftgs_array* const all[] = {&arrays.means,     &arrays.scales, &arrays.rotations,
                                 &arrays.opacities, &arrays.sh0,    &arrays.sh_rest};
   for (size_t i = 0; i < sizeof(all) / sizeof(all[0]); ++i)
     all[i]->data += first * (uint64_t)all[i]->stride / sizeof(float);
   arrays.count = count;
+  return arrays;
+}
+
+static swiftgs_scene* part_of(const swiftgs_scene* scene, uint64_t first, uint64_t count) {
+  const swiftgs_gaussians arrays = range_of(scene, first, count);
   swiftgs_scene* part = NULL;
   CHECK_OK(swiftgs_scene_from_arrays(&arrays, &part));
   return part;
@@ -54,13 +58,10 @@ void test_placed(void) {
   float* const expected = draw_plain(whole, &d->camera);
 
   /* The halves are the whole: by themselves, and placed by zeros. Their numbers go on. */
-  CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
-  CHECK(same_floats(d->colour, expected, floats));
+  CHECK(draws(d, expected));
   swiftgs_placement both[2] = {{.size = sizeof(both[0])}, {.size = sizeof(both[0]), .scene = 1}};
   CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
-  memset(d->colour, 0, sizeof(float) * floats);
-  CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
-  CHECK(same_floats(d->colour, expected, floats));
+  CHECK(draws(d, expected));
   uint32_t* const id = make_memory(sizeof(uint32_t) * pixels);
   memcpy(id, h.id, sizeof(uint32_t) * pixels);
   int of_second = 0;
@@ -73,8 +74,7 @@ void test_placed(void) {
   /* The other half first: the same picture, other numbers. */
   both[0].scene = 1, both[1].scene = 0;
   CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
-  CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
-  CHECK(same_floats(d->colour, expected, floats));
+  CHECK(draws(d, expected));
   for (int i = 0; i < pixels; ++i)
     CHECK(h.id[i] == (id[i] == SWIFTGS_NOTHING ? id[i] : (id[i] + half) % small_count));
 
@@ -103,39 +103,20 @@ void test_placed(void) {
   CHECK(!same_floats(first, second, floats));
   CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
   d->view.first_shown = 1;
-  CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
-  CHECK(same_floats(d->colour, first, floats));
+  CHECK(draws(d, first));
   d->view.first_shown = 0, d->view.shown_count = 1;
-  CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
-  CHECK(same_floats(d->colour, second, floats));
+  CHECK(draws(d, second));
 
-  /* Ranges of a scene show alone, and make up the scene. A program of before ranges shows all. */
+  /* Ranges of a scene make it up. A program of before ranges shows all. */
   swiftgs_placement ranges[3] = {both[0], both[0], both[0]};
   ranges[0].count = 100, ranges[1].first = 100, ranges[1].count = 28, ranges[2].first = 128;
   d->view.shown_count = 0;
   CHECK_OK(swiftgs_renderer_place(d->renderer, ranges, 3));
-  CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
-  CHECK(same_floats(d->colour, second, floats));
-  CHECK_OK(swiftgs_renderer_place(d->renderer, ranges, 2));
-  CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
-  CHECK(!same_floats(d->colour, second, floats));
-  for (int i = 0; i < pixels; ++i) CHECK(h.id[i] == SWIFTGS_NOTHING || h.id[i] < 128);
+  CHECK(draws(d, second));
   ranges[2].size = offsetof(swiftgs_placement, first);
   CHECK_OK(swiftgs_renderer_place(d->renderer, &ranges[2], 1));
-  CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
-  CHECK(same_floats(d->colour, second, floats));
+  CHECK(draws(d, second));
   CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
-
-  /* What is transparent or clipped does not show. Here that is the first half. */
-  both[1].transparency = 1;
-  for (int i = 0; i < 3; ++i) {
-    CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
-    CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
-    CHECK(same_floats(d->colour, second, floats));
-    both[1].transparency = 0;
-    both[1].half_space_count = i == 0, both[1].half_spaces[3] = -1; /* 0 >= 1 */
-    both[1].centre[0] = 1e6f, both[1].radius = i == 1 ? 1 : 0;
-  }
 
   /* Another scene takes the place of all, and another renderer shares it. */
   swiftgs_scene* const scene = make_scene();
@@ -158,21 +139,14 @@ void test_update(void) {
   set_up_halves(&h);
   struct drawing* const d = &h.d;
   swiftgs_scene* const scene = make_scene();
-  swiftgs_gaussians whole = {.size = sizeof(whole)};
-  CHECK_OK(swiftgs_scene_get_arrays(scene, &whole));
   float* const before = draw_plain(d->renderer, &d->camera);
 
   /* The other half takes the place of the first, in two steps, and then its means alone. */
-  swiftgs_gaussians some = whole;
-  some.count = 300;
-  swiftgs_array* const all[] = {&some.means,     &some.scales, &some.rotations,
-                                &some.opacities, &some.sh0,    &some.sh_rest};
-  for (size_t i = 0; i < 6; ++i) all[i]->data += half * (uint64_t)all[i]->stride / sizeof(float);
+  swiftgs_gaussians some = range_of(scene, half, 300);
   CHECK_OK(swiftgs_renderer_update_scene(d->renderer, 0, 0, &some));
   float* const part = draw_plain(d->renderer, &d->camera);
   CHECK(!same_floats(part, before, floats));
-  for (size_t i = 0; i < 6; ++i) all[i]->data += 300 * (uint64_t)all[i]->stride / sizeof(float);
-  some.count = half - 300;
+  some = range_of(scene, half + 300, half - 300);
   CHECK_OK(swiftgs_renderer_update_scene(d->renderer, 0, 300, &some));
   swiftgs_renderer* const twice = make_renderer(small_renderer);
   swiftgs_scene* const second = part_of(scene, half, half);
@@ -180,7 +154,8 @@ void test_update(void) {
   CHECK_OK(swiftgs_renderer_set_scene(twice, second));
   CHECK_OK(swiftgs_renderer_add_scene(twice, second, &number));
   CHECK(same_floats(draw_plain(d->renderer, &d->camera), draw_plain(twice, &d->camera), floats));
-  const swiftgs_gaussians means = {.size = sizeof(means), .count = half, .means = whole.means};
+  const swiftgs_gaussians means = {
+      .size = sizeof(means), .count = half, .means = range_of(scene, 0, half).means};
   CHECK_OK(swiftgs_renderer_update_scene(d->renderer, 0, 0, &means));
   CHECK_OK(swiftgs_renderer_update_scene(twice, 0, 0, &means));
   float* const moved = draw_plain(twice, &d->camera);
@@ -193,7 +168,7 @@ void test_update(void) {
                 "update_scene: the scene is number 2, expected less than 2");
   CHECK_INVALID(swiftgs_renderer_update_scene(twice, 0, 1, &means),
                 "update: 1000 Gaussians from number 1 on, expected some of the scene's 1000");
-  some = whole, some.count = 1, some.sh_degree = 2;
+  some = range_of(scene, 0, 1), some.sh_degree = 2;
   CHECK_INVALID(swiftgs_renderer_update_scene(twice, 0, 0, &some), "update: sh_degree is 2, expected 3");
   const float bad = NAN;
   const swiftgs_gaussians wrong = {.size = sizeof(wrong), .count = 1, .opacities.data = &bad};
@@ -281,38 +256,27 @@ void test_placed_errors(void) {
   CHECK_INVALID(swiftgs_renderer_place(NULL, &zeros, 1), "renderer is NULL");
   CHECK_INVALID(swiftgs_renderer_place(renderer, NULL, 1), "swiftgs_placement is NULL");
   CHECK_INVALID(swiftgs_renderer_place(renderer, NULL, 0), "place: expected one placement or more");
-  swiftgs_placement wrong[14];
-  for (int i = 0; i < 14; ++i) wrong[i] = zeros;
-  wrong[0].scene = 2;
-  wrong[1].scale = -1;
-  wrong[2].scale = INFINITY;
-  wrong[3].translation[1] = NAN;
-  wrong[4].rotation[0] = 1;
-  wrong[5].rotation[0] = wrong[5].rotation[4] = 1, wrong[5].rotation[8] = -1;
-  wrong[6].transparency = 1.5;
-  wrong[7].transparency = NAN;
-  wrong[8].half_space_count = 7;
-  wrong[9].half_space_count = 1, wrong[9].half_spaces[2] = NAN;
-  wrong[10].radius = -1;
-  wrong[11].size = 8;
-  wrong[12].first = half, wrong[12].count = 1;
-  wrong[13].first = half + 1;
-  const char* const messages[14] = {"place: the scene is number 2, expected less than 2",
-                                    "placed scene: expected a finite scale above 0",
-                                    "placed scene: expected a finite scale above 0",
-                                    "placed scene: expected a finite translation",
-                                    "placed scene: expected a rotation with orthonormal columns",
-                                    "placed scene: expected a rotation, not a mirror",
-                                    "swiftgs_placement: transparency is 1.5",
-                                    "swiftgs_placement: transparency is nan",
-                                    "placed scene: expected a clip of 0 to 6 half-spaces",
-                                    "placed scene: expected a clip with half-spaces of finite numbers",
-                                    "placed scene: expected a clip with a radius of 0 or more",
-                                    "swiftgs_placement: size is 8, expected 256",
-                                    "place: placement 0 shows 1 Gaussians from number",
-                                    "placement 0 shows all Gaussians from number"};
-  for (int i = 0; i < 14; ++i) CHECK_INVALID(swiftgs_renderer_place(renderer, &wrong[i], 1), messages[i]);
-  const swiftgs_placement two[2] = {zeros, wrong[11]};
+  swiftgs_placement wrong;
+#define REFUSE(changes, part) \
+  wrong = zeros, changes, CHECK_INVALID(swiftgs_renderer_place(renderer, &wrong, 1), part)
+  REFUSE(wrong.scene = 2, "place: the scene is number 2, expected less than 2");
+  REFUSE(wrong.scale = -1, "placed scene: expected a finite scale above 0");
+  REFUSE(wrong.scale = INFINITY, "placed scene: expected a finite scale above 0");
+  REFUSE(wrong.translation[1] = NAN, "placed scene: expected a finite translation");
+  REFUSE(wrong.rotation[0] = 1, "placed scene: expected a rotation with orthonormal columns");
+  REFUSE((wrong.rotation[0] = wrong.rotation[4] = 1, wrong.rotation[8] = -1),
+         "placed scene: expected a rotation, not a mirror");
+  REFUSE(wrong.transparency = 1.5, "swiftgs_placement: transparency is 1.5");
+  REFUSE(wrong.transparency = NAN, "swiftgs_placement: transparency is nan");
+  REFUSE(wrong.half_space_count = 7, "placed scene: expected a clip of 0 to 6 half-spaces");
+  REFUSE((wrong.half_space_count = 1, wrong.half_spaces[2] = NAN),
+         "placed scene: expected a clip with half-spaces of finite numbers");
+  REFUSE(wrong.radius = -1, "placed scene: expected a clip with a radius of 0 or more");
+  REFUSE((wrong.first = half, wrong.count = 1), "place: placement 0 shows 1 Gaussians from number");
+  REFUSE(wrong.first = half + 1, "placement 0 shows all Gaussians from number");
+  REFUSE(wrong.size = 8, "swiftgs_placement: size is 8, expected 256");
+#undef REFUSE
+  const swiftgs_placement two[2] = {zeros, wrong};
   CHECK_INVALID(swiftgs_renderer_place(renderer, two, 2), "swiftgs_placement: size of number 1 is 8");
 
   /* Nothing has changed: the halves are the whole. */

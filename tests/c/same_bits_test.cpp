@@ -2,9 +2,12 @@
 
 // The C interface beside the C++ that it is made of: the same bits, and a status for every exception.
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <memory>
 #include <new>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -18,9 +21,12 @@
 
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/default_view.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/io/progress.hpp>
+#include <swiftgs/orbit.hpp>
 #include <swiftgs/rotation.hpp>
+#include <swiftgs/scene_bounds.hpp>
 
 #include "structs.hpp"
 
@@ -182,6 +188,90 @@ TEST_CASE("c: every lens and measure of depth has the bits of the C++ interface"
   // The lenses show different images, and the measures different depths.
   for (std::size_t i = 3; i < all.size(); i += 3) CHECK(all[i].colour != all[i - 3].colour);
   for (std::size_t i = 0; i < all.size(); i += 3) CHECK(all[i + 1].depth != all[i + 2].depth);
+}
+
+TEST_CASE("c: views into images of every format have the bits of the C++ interface") {
+  Both both(find_renderer("serial"));
+  const Camera camera = builtin_camera(width, height);
+  const swiftgs_camera given = camera_of_c();
+  std::vector<float> occluder(width * height);
+  for (std::size_t i = 0; i < occluder.size(); ++i) occluder[i] = i % 3 ? 1 : 0.98f;
+  std::set<std::vector<std::byte>> all;
+  // Bottom row first, with gaps between rows. Half of the frames lie over an image and behind surfaces.
+  const auto draw = [&](int format, int conversion, bool over) {
+    const std::size_t row = width * bytes_per_pixel(PixelFormat(format)), pitch = row + 16;
+    std::vector<std::byte> expected(height * pitch, std::byte(60)), found = expected;
+    const auto last_row = [&](std::vector<std::byte>& image) { return &image[(height - 1) * pitch]; };
+    FrameView frame{.width = width,
+                    .height = height,
+                    .colour = {last_row(expected), -std::ptrdiff_t(pitch)},
+                    .format = PixelFormat(format),
+                    .over = over,
+                    .conversion = Conversion(conversion)};
+    auto view = sized<swiftgs_view>();
+    view.camera = &given, view.format = format, view.conversion = conversion, view.over = over;
+    view.colour = {last_row(found), -std::int64_t(pitch)};
+    for (int k = 0; k < 3; ++k) view.background[k] = 0.25f * float(k);
+    if (over) {
+      frame.occluder = {occluder.data(), sizeof(float) * width};
+      frame.stored_depth = StoredDepth::perspective(0.1, 100);
+      view.occluder = {occluder.data(), sizeof(float) * width};
+      view.stored_depth = swiftgs_stored_perspective(0.1, 100);
+    }
+    const View drawn = make_view(camera, Conventions::gsplat(), frame, vec3(0, 0.25f, 0.5f));
+    both.cpp->render_into({&drawn, 1});
+    auto frame_of_c = sized<swiftgs_frame>();
+    frame_of_c.views = &view, frame_of_c.count = 1;
+    REQUIRE(swiftgs_renderer_render(both.c.get(), &frame_of_c) == SWIFTGS_OK);
+    CHECK(found == expected);
+    for (std::size_t y = 0; y < height; ++y)
+      CHECK(std::all_of(&found[y * pitch + row], &found[y * pitch + row] + 16,
+                        [](std::byte byte) { return byte == std::byte(60); }));
+    all.insert(found);
+  };
+  for (const int format :
+       {SWIFTGS_RGB_FLOAT, SWIFTGS_RGBA_FLOAT, SWIFTGS_RGBA_HALF, SWIFTGS_RGBA_8, SWIFTGS_BGRA_8})
+    for (const int conversion :
+         {SWIFTGS_CONVERT_NOTHING, SWIFTGS_CONVERT_SRGB_TO_LINEAR, SWIFTGS_CONVERT_LINEAR_TO_SRGB})
+      for (const bool over : {false, true}) {
+        CAPTURE(format);
+        CAPTURE(conversion);
+        CAPTURE(over);
+        draw(format, conversion, over);
+      }
+  CHECK(all.size() == 5 * 3 * 2);
+}
+
+TEST_CASE("c: where a scene lies and how a camera moves around it are those of the C++ interface") {
+  const auto scene = make_scene();
+  const Scene same = make_builtin_scene(count);
+  const auto numbers = [](const auto& array) {
+    return std::vector<double>(std::begin(array), std::end(array));
+  };
+  const auto of = [](const dvec3& v) { return std::vector<double>{v.x, v.y, v.z}; };
+  auto bounds = sized<swiftgs_scene_bounds>();
+  REQUIRE(swiftgs_scene_robust_bounds(scene.get(), &bounds) == SWIFTGS_OK);
+  const SceneBounds expected = robust_bounds(same);
+  CHECK(numbers(bounds.low) == of(expected.low));
+  CHECK(numbers(bounds.high) == of(expected.high));
+  CHECK(numbers(bounds.centre) == of(expected.centre));
+  CHECK(bounds.radius == expected.radius);
+
+  const OrbitView view = default_view(same, width, height, dvec3(0, 0, 7));
+  auto camera = sized<swiftgs_camera>();
+  auto orbit = sized<swiftgs_orbit>();
+  orbit.up[2] = 7;
+  REQUIRE(swiftgs_scene_default_view(scene.get(), width, height, &camera, &orbit) == SWIFTGS_OK);
+  CHECK(numbers(orbit.target) == of(view.target));
+  CHECK(numbers(orbit.up) == of(view.up));
+  orbit.turn = 1, orbit.rise = 0.2, orbit.distance = 2;
+  REQUIRE(swiftgs_camera_orbit(&camera, &orbit) == SWIFTGS_OK);
+  const Camera moved = swiftgs::orbit(view, 1, 0.2, 2);
+  CHECK(camera.fx == moved.fx);
+  CHECK(numbers(camera.translation) == of(moved.translation));
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column)
+      CHECK(camera.rotation[3 * row + column] == moved.rotation[column][row]);
 }
 
 TEST_CASE("c: placed scenes have the bits of the C++ interface") {

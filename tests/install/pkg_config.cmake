@@ -1,10 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
-# Builds SOURCE of STANDARD (C++20) with DEFINITIONS in FOLDER by what PKG_CONFIG says of PACKAGES in LIBRARIES, and runs it. Fails unless
-# it leaves all FILES.
-if(NOT STANDARD)
-  set(STANDARD c++20)
-endif()
+# Builds SOURCE of STANDARD with DEFINITIONS in FOLDER by what PKG_CONFIG says of PACKAGES in LIBRARIES, and runs it.
+# Fails unless it leaves all FILES.
 file(REMOVE_RECURSE "${FOLDER}")
 file(MAKE_DIRECTORY "${FOLDER}")
 set(ENV{PKG_CONFIG_PATH} "${LIBRARIES}/pkgconfig:$ENV{PKG_CONFIG_PATH}")

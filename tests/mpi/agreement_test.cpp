@@ -38,11 +38,15 @@ TEST_CASE("mpi agreement: views that differ between ranks are refused on all of 
   distributed.render(part.view(), builtin_camera(100, 80), {}, frame);
   if (ranks_here().rank() == 0) CHECK(frame.width == 100);
   // So are planes that only one rank asks for.
-  RenderSettings settings;
-  settings.outputs.alpha = ranks_here().rank() == 1;
-  CHECK_THROWS_AS(distributed.render(part.view(), builtin_camera(100, 80), settings, frame),
-                  std::invalid_argument);
-  distributed.render(part.view(), builtin_camera(100, 80), {}, frame);
+  for (const Outputs& asked : {Outputs{.alpha = true}, Outputs{.normal = true}, Outputs{.id = true}}) {
+    RenderSettings settings;
+    if (ranks_here().rank() == 1) settings.outputs = asked;
+    CHECK_THROWS_WITH_AS(
+        distributed.render(part.view(), builtin_camera(100, 80), settings, frame),
+        "render: the views of rank 1 differ from those of rank 0, expected the same on all ranks",
+        std::invalid_argument);
+    distributed.render(part.view(), builtin_camera(100, 80), {}, frame);
+  }
 }
 
 TEST_CASE("mpi agreement: when ranks have met the first has heard all steps") {

@@ -6,6 +6,9 @@
 /// one rank alone.
 
 #include <cstddef>
+#include <cstring>
+#include <exception>
+#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -27,6 +30,14 @@ inline std::vector<Camera> some_cameras() {
   cameras[1] = scaled(cameras[1], 0.31);
   cameras.push_back(builtin_camera(167, 85));
   return cameras;
+}
+
+/// The built-in scene all around the camera.
+inline Camera builtin_panorama() {
+  Camera camera = builtin_camera(256, 128);
+  camera.lens.model = LensModel::equirectangular;
+  camera.fx = camera.width / 6.283185307179586, camera.fy = 2 * camera.height / 6.283185307179586;
+  return camera;
 }
 
 inline RenderSettings all_outputs() {
@@ -53,6 +64,36 @@ inline RenderSettings all_planes() {
       settings.outputs);
   settings.outputs.features = 14;
   return settings;
+}
+
+/// Whether `found` and `expected` have the same planes in the rows of `strip`.
+inline bool same_rows(const Frame& found, const Frame& expected, const ViewStrip& strip) {
+  bool same = true;
+  for_each_plane(
+      [&](std::size_t channel_count, const auto& a, const auto& b) {
+        const std::size_t row = channel_count * std::size_t(found.width);
+        const std::size_t first = row * std::size_t(strip.first_row), size = row * std::size_t(strip.rows);
+        same = same && a.size() == b.size() &&
+               (a.empty() || std::memcmp(&a[first], &b[first], size * sizeof a[0]) == 0);
+      },
+      found, expected);
+  return same;
+}
+
+/// The message of what f() throws on this rank: `failing` throws its own `Error`, the others are told of it.
+template <class Error = std::exception, class F>
+std::string message_of(int failing, const F& f) {
+  try {
+    f();
+  } catch (const RankError& error) {
+    CHECK(ranks_here().rank() != failing);
+    CHECK(error.rank() == failing);
+    return error.what();
+  } catch (const Error& error) {
+    CHECK(ranks_here().rank() == failing);
+    return error.what();
+  }
+  return {};
 }
 
 /// Renders `cameras` in one frame, several times, so that strips move, and compares it with one renderer of

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -43,36 +42,6 @@ struct ViewInto {
   }
 };
 
-/// Whether `found` and `expected` have the same planes in the rows of `strip`.
-bool same_rows(const Frame& found, const Frame& expected, const ViewStrip& strip) {
-  bool same = true;
-  for_each_plane(
-      [&](std::size_t channel_count, const auto& a, const auto& b) {
-        const std::size_t row = channel_count * std::size_t(found.width);
-        const std::size_t first = row * std::size_t(strip.first_row), size = row * std::size_t(strip.rows);
-        same = same && a.size() == b.size() &&
-               (a.empty() || std::memcmp(&a[first], &b[first], size * sizeof a[0]) == 0);
-      },
-      found, expected);
-  return same;
-}
-
-/// The message of what f() throws on this rank; that of `failing` is its own, the others are told of it.
-template <class F>
-std::string message_of(int failing, const F& f) {
-  try {
-    f();
-  } catch (const RankError& error) {
-    CHECK(ranks_here().rank() != failing);
-    CHECK(error.rank() == failing);
-    return error.what();
-  } catch (const std::exception& error) {
-    CHECK(ranks_here().rank() == failing);
-    return error.what();
-  }
-  return {};
-}
-
 }  // namespace
 
 TEST_CASE("mpi planes: each plane of several views has the bits of one process") {
@@ -81,11 +50,8 @@ TEST_CASE("mpi planes: each plane of several views has the bits of one process")
   for (std::size_t i = 0; i < scene.size(); i += 40)
     scene.sh0[i] = vec3(3e38f), std::fill_n(scene.sh_rest.begin() + std::ptrdiff_t(45 * i), 45, 3e38f);
   const Scene own = part_of(scene, own_part());
-  Camera panorama = builtin_camera(256, 128);
-  panorama.lens.model = LensModel::equirectangular;
-  panorama.fx = panorama.width / 6.283185307179586, panorama.fy = 2 * panorama.height / 6.283185307179586;
   std::vector<Camera> cameras = some_cameras();
-  cameras.push_back(panorama);
+  cameras.push_back(builtin_panorama());
   compare<Serial, EarlySort, PerPixel, Ellipse>(scene, own, cameras, 3, all_planes());
   compare<Serial, StandardSort, AxisSharedThreshold<FloatSplit>, Obb>(scene, own, cameras, 2, all_planes());
 }
@@ -206,19 +172,6 @@ TEST_CASE("mpi planes: parts may be empty") {
     compare<Serial, EarlySort, PerPixel, Ellipse>(scene, ranks_here().rank() == holder ? scene : none,
                                                   cameras, 2, all_planes());
   compare<Serial, EarlySort, PerPixel, Ellipse>(none, none, cameras, 1, all_planes());
-}
-
-TEST_CASE("mpi planes: views whose planes differ between ranks are refused on all of them") {
-  if (ranks_here().size() == 1) return;
-  Distributed distributed(ranks_here());
-  const auto part = distributed.backend().upload(part_of(make_builtin_scene(500), own_part()));
-  for (const Outputs& asked : {Outputs{.normal = true}, Outputs{.id = true}}) {
-    ViewInto into(builtin_camera(100, 80), ranks_here().rank() == 1 ? asked : Outputs{}, nullptr);
-    CHECK_THROWS_WITH_AS(
-        distributed.render_into(part.view(), {&into.view, 1}),
-        "render: the views of rank 1 differ from those of rank 0, expected the same on all ranks",
-        std::invalid_argument);
-  }
 }
 
 TEST_CASE("mpi planes: a part with too few features is told to all and they can go on") {

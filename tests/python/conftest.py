@@ -15,6 +15,9 @@ import pytest
 import swiftgs
 
 WIDTH, HEIGHT = 80, 48
+ARRAYS = ("means", "scales", "rotations", "opacities", "sh0", "sh_rest")  # of a scene
+OF_GAUSSIANS = ("means", "quats", "scales", "opacities", "colors")  # arguments of `rasterization`
+OF_ALL = (*OF_GAUSSIANS, "viewmats", "Ks")
 ROOT = pathlib.Path(__file__).parents[2]
 reasons = []
 
@@ -43,7 +46,7 @@ def expected(scene, camera):
 @pytest.fixture
 def arrays(scene):
     """Arguments of `set_gaussians` and `Scene.from_arrays`."""
-    return {name: getattr(scene, name) for name in ("means", "scales", "rotations", "opacities", "sh0", "sh_rest")}
+    return arrays_of(scene)
 
 
 @pytest.fixture
@@ -61,6 +64,16 @@ def fox():
     if not folder.is_dir():
         pytest.skip(f"no scene at {folder}")
     return folder
+
+
+def arrays_of(scene, chosen=slice(None)):
+    """Arrays of some of a scene's Gaussians."""
+    return {name: getattr(scene, name)[chosen] for name in ARRAYS}
+
+
+def seen_from(*eye):
+    """A camera that looks at the built-in scene from elsewhere."""
+    return swiftgs.Camera.look_at(eye, (0, 0, 0), width=WIDTH, height=HEIGHT, vertical_fov=0.9)
 
 
 def has_device():

@@ -19,10 +19,6 @@ NEAR, BLUR, ALPHA_MIN, STOP, MARGIN, TILE = 0.01, 0.3, 1 / 255, 1e-4, 0.3, 16
 Rules = collections.namedtuple("Rules", "alpha_max draws_last")
 GSPLAT, UNCLAMPED = RULES = Rules(0.99, False), Rules(1, True)
 
-# A scene where a matrix [4, 4] places it: a rotation times a scale, and a translation.
-Placed = collections.namedtuple("Placed", "means quats scales opacities sh world_from_scene opacity",
-                                defaults=(np.eye(4), 1))
-
 
 def distance(found, wanted):
     """How far an image is from that of `render`: decibels, how many of its pixels decide otherwise, and decibels of
@@ -85,15 +81,10 @@ def shown_tangents(K, width, height, lens):
     return found.min(axis=0), found.max(axis=0)
 
 
-def seen_by(placed, turn, move, lens):
-    """What a camera sees of a placed scene: positions [N, 3] and half axes [N, 3, 3] in camera space, opacities and
-    colours."""
-    means, quats, scales, opacities, sh, world_from_scene, opacity = (np.asarray(a, np.float64) for a in placed)
-    opacities = opacity * opacities
-    size = np.cbrt(np.linalg.det(world_from_scene[:3, :3]))
-    turned, moved = world_from_scene[:3, :3] / size, world_from_scene[:3, 3]
-    # In camera space from the scene at once: what is far away in the world may be close to the camera.
-    at = size * means @ (turn @ turned).T + (turn @ moved + move)
+def seen_by(scene, turn, move, lens):
+    """What a camera sees: positions [N, 3] and half axes [N, 3, 3] in camera space, opacities and colours."""
+    means, quats, scales, opacities, sh = (np.asarray(a, np.float64) for a in scene)
+    at = means @ turn.T + move
     seen = (at[:, 2] >= NEAR) & (opacities >= ALPHA_MIN)
     if lens and lens.get("model", "perspective") == "perspective":
         seen[seen] = np.linalg.det(derivatives(at[seen], lens)[:, :, :2]) > 0  # the rest lies beyond the fold-over
@@ -104,23 +95,17 @@ def seen_by(placed, turn, move, lens):
         1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y), 2 * (x * y + w * z),
         1 - 2 * (x * x + z * z), 2 * (y * z - w * x), 2 * (x * z - w * y), 2 * (y * z + w * x),
         1 - 2 * (x * x + y * y)], axis=-1).reshape(-1, 3, 3)
-    direction = at @ turn @ turned  # of the scene
+    direction = at @ turn  # of the scene
     direction /= np.linalg.norm(direction, axis=1, keepdims=True)
     colour = np.maximum((basis(direction)[:, :sh.shape[1], None] * sh).sum(axis=1) + 0.5, 0)
-    return at, turn @ turned @ (rotation * size * scales[:, None, :]), opacities, colour
+    return at, turn @ (rotation * scales[:, None, :]), opacities, colour
 
 
 def render(means, quats, scales, opacities, sh, viewmat, K, width, height, lens=None, rules=(GSPLAT,)):
-    """`render_placed` of a scene alone."""
-    return render_placed([Placed(means, quats, scales, opacities, sh)], viewmat, K, width, height, lens, rules)
-
-
-def render_placed(scenes, viewmat, K, width, height, lens=None, rules=(GSPLAT,)):
     """[height, width, 3] in float64, on black, or one such image for each of several rules. `lens` are arguments of
     `plane`."""
     viewmat, K = (np.asarray(a, np.float64) for a in (viewmat, K))
-    at, axes, opacities, colour = (np.concatenate(each) for each in zip(
-        *(seen_by(placed, viewmat[:3, :3], viewmat[:3, 3], lens) for placed in scenes)))
+    at, axes, opacities, colour = seen_by((means, quats, scales, opacities, sh), viewmat[:3, :3], viewmat[:3, 3], lens)
 
     # Covariances in the image: J A A' J' of half axes A, with x/z and y/z cut where they lie far beside the image.
     fx, fy, cx, cy = K[0, 0], K[1, 1], K[0, 2], K[1, 2]

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 import swiftgs
-from conftest import HEIGHT, WIDTH, decibels, need_device
+from conftest import HEIGHT, OF_ALL, WIDTH, decibels, need_device
 
 cupy = pytest.importorskip("cupy", reason="no CuPy here")
 need_device_or_skip = pytest.fixture(autouse=True)(need_device)
-NAMES = ("means", "quats", "scales", "opacities", "colors", "viewmats", "Ks")
 
 
 class Bare:
@@ -29,7 +28,7 @@ class Bare:
 
 
 def arrays(arguments):
-    return dict(arguments, **{name: cupy.asarray(arguments[name]) for name in NAMES})
+    return dict(arguments, **{name: cupy.asarray(arguments[name]) for name in OF_ALL})
 
 
 def test_arrays_come_back_as_arrays_of_cupy(gsplat_arguments):
@@ -71,7 +70,7 @@ def test_frames_are_drawn_into_arrays_that_may_have_gaps_and_go_up(scene, camera
 def test_arrays_without_dlpack(gsplat_arguments, scene, camera):
     given = arrays(gsplat_arguments)
     wanted = swiftgs.rasterization(**given)[0]
-    for name in NAMES:
+    for name in OF_ALL:
         given[name] = Bare(given[name])
     images, alphas, _ = swiftgs.rasterization(**given)
     assert isinstance(images, swiftgs.DeviceArray) and images.shape == (1, HEIGHT, WIDTH, 3)
@@ -85,7 +84,7 @@ def test_arrays_without_dlpack(gsplat_arguments, scene, camera):
 
 def test_memory_is_held_as_long_as_it_is_used(gsplat_arguments):
     wanted = swiftgs.rasterization(**arrays(gsplat_arguments))[0]
-    given = {name: Bare(array) if name in NAMES else array for name, array in arrays(gsplat_arguments).items()}
+    given = {name: Bare(array) if name in OF_ALL else array for name, array in arrays(gsplat_arguments).items()}
     image = cupy.from_dlpack(swiftgs.rasterization(**given)[0])  # outlives the DeviceArray
     del given
     gc.collect()

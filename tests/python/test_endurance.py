@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import swiftgs
-from conftest import side_by_side
+from conftest import arrays_of, side_by_side
 from swiftgs import _dlpack
 
 
@@ -43,12 +43,12 @@ def test_ten_thousand_frames_leave_nothing_behind():
 def test_scenes_renderers_and_errors_leave_nothing_behind():
     camera = swiftgs.Camera.builtin(32, 24)
     scene = swiftgs.Scene.builtin(500)
-    arrays = (scene.means, scene.scales, scene.rotations, scene.opacities, scene.sh0, scene.sh_rest)
+    arrays = arrays_of(scene)
     arguments = (scene.means, scene.rotations, scene.scales, scene.opacities, scene.sh, camera.viewmat[None],
                  camera.K[None], 32, 24)
 
     def work():
-        with swiftgs.Scene.from_arrays(*arrays) as mine, swiftgs.Renderer("serial", scene=mine) as renderer:
+        with swiftgs.Scene.from_arrays(**arrays) as mine, swiftgs.Renderer("serial", scene=mine) as renderer:
             renderer.render(camera)
             assert mine.means.shape == (500, 3)
         try:

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 import swiftgs
-from conftest import HEIGHT, WIDTH, decibels, has_device
+from conftest import HEIGHT, OF_ALL, WIDTH, decibels, has_device
 
 jax = pytest.importorskip("jax", reason="no JAX here")
-NAMES = ("means", "quats", "scales", "opacities", "colors", "viewmats", "Ks")
 
 
 def devices():
@@ -22,7 +21,7 @@ on_each_device = pytest.mark.parametrize("device", devices(), ids=lambda device:
 
 
 def arrays(arguments, device):
-    return dict(arguments, **{name: jax.device_put(arguments[name], device) for name in NAMES})
+    return dict(arguments, **{name: jax.device_put(arguments[name], device) for name in OF_ALL})
 
 
 @on_each_device

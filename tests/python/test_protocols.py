@@ -14,11 +14,9 @@ import numpy as np
 import pytest
 
 import swiftgs
-from conftest import HEIGHT, WIDTH
+from conftest import HEIGHT, OF_GAUSSIANS, WIDTH
 from swiftgs import _c, _dlpack, _gsplat
 from swiftgs._c import lib
-
-NAMES = ("means", "quats", "scales", "opacities", "colors")
 
 
 class Array:
@@ -124,7 +122,7 @@ class Pretended:
         return renderer
 
     def arguments(self, arguments, kind=None):
-        return dict(arguments, **{name: (kind or self.array)(arguments[name]) for name in NAMES})
+        return dict(arguments, **{name: (kind or self.array)(arguments[name]) for name in OF_GAUSSIANS})
 
 
 @pytest.fixture

@@ -8,23 +8,24 @@ import pytest
 
 import float64
 import swiftgs
-from conftest import HEIGHT, ROOT, WIDTH, Lent, decibels
+from conftest import HEIGHT, OF_ALL, OF_GAUSSIANS, ROOT, WIDTH, Lent, decibels, seen_from
 
 PAGE = (ROOT / "docs/python.md").read_text()
 
 
-def same_rotations(scene):
+@pytest.fixture
+def same_rotations(arrays):
     """A renderer whose quaternions were normalised once more, as those of `rasterization` are."""
     renderer = swiftgs.Renderer("cpu")
-    renderer.set_gaussians(scene.means, scene.scales, scene.rotations, scene.opacities, scene.sh0, scene.sh_rest)
+    renderer.set_gaussians(**arrays)
     return renderer
 
 
-def test_one_camera(scene, camera, expected, gsplat_arguments):
+def test_one_camera(same_rotations, camera, expected, gsplat_arguments):
     colours, alphas, meta = swiftgs.rasterization(**gsplat_arguments)
     assert colours.shape == (1, HEIGHT, WIDTH, 3) and alphas.shape == (1, HEIGHT, WIDTH, 1)
     assert colours.dtype == alphas.dtype == np.float32
-    frame = same_rotations(scene).render(camera, alpha=True)
+    frame = same_rotations.render(camera, alpha=True)
     # The camera's matrices are float32 here.
     assert decibels(colours[0], frame.colour) > 90 and decibels(alphas[0, ..., 0], frame.alpha) > 90
     assert decibels(colours[0], expected.colour) > 90
@@ -33,10 +34,10 @@ def test_one_camera(scene, camera, expected, gsplat_arguments):
         meta["means2d"]
 
 
-def test_matrices_in_double_give_the_bits_of_a_frame(scene, camera, gsplat_arguments):
+def test_matrices_in_double_give_the_bits_of_a_frame(same_rotations, camera, gsplat_arguments):
     gsplat_arguments.update(viewmats=camera.viewmat[None], Ks=camera.K[None])
     colours, alphas, _ = swiftgs.rasterization(**gsplat_arguments)
-    frame = same_rotations(scene).render(camera, alpha=True)
+    frame = same_rotations.render(camera, alpha=True)
     assert np.array_equal(colours[0], frame.colour) and np.array_equal(alphas[0, ..., 0], frame.alpha)
 
 
@@ -49,26 +50,8 @@ def test_images_are_those_of_a_plain_renderer_in_float64():
     assert decibels(colours[0], wanted) > 110
 
 
-@pytest.mark.parametrize("size", (0.1, 1, 20))
-def test_the_plain_renderer_places_scenes_as_a_camera_moves_the_other_way(size):
-    scene, camera = swiftgs.Scene.builtin(3000), swiftgs.Camera.builtin(80, 45)
-    arrays = scene.means, scene.rotations, scene.scales, scene.opacities, scene.sh
-    wanted = float64.render(*arrays, camera.viewmat, camera.K, 80, 45)
-    turned, moved = np.array([[0.36, 0.48, -0.8], [-0.8, 0.6, 0], [0.48, 0.64, 0.6]]), np.array([3.0, -1, 2])
-    world_from_scene, viewmat = np.eye(4), np.eye(4)
-    world_from_scene[:3, :3], world_from_scene[:3, 3] = size * turned, moved
-    viewmat[:3, :3] = camera.viewmat[:3, :3] @ turned.T
-    viewmat[:3, 3] = size * camera.viewmat[:3, 3] - viewmat[:3, :3] @ moved
-    placed = [float64.Placed(*(array[part] for array in arrays), world_from_scene)
-              for part in (slice(0, 1000), slice(1000, None))]
-    assert decibels(float64.render_placed(placed, viewmat, camera.K, 80, 45), wanted) > 200
-    faint = float64.render_placed([placed[0]._replace(opacity=0.5), placed[1]], viewmat, camera.K, 80, 45)
-    less = np.where(np.arange(3000) < 1000, 0.5, 1) * np.asarray(scene.opacities, np.float64)
-    assert decibels(faint, float64.render(*arrays[:3], less, arrays[4], camera.viewmat, camera.K, 80, 45)) > 200
-
-
 def test_batches_of_cameras_with_backgrounds(gsplat_arguments, camera):
-    other = swiftgs.Camera.look_at((1, -2, -4), (0, 0, 0), width=WIDTH, height=HEIGHT, vertical_fov=0.9)
+    other = seen_from(1, -2, -4)
     backgrounds = np.array([[1, 0, 0], [0, 0, 1], [0, 1, 0]], np.float32)
     gsplat_arguments.update(viewmats=np.stack([camera.viewmat, other.viewmat, camera.viewmat]),
                             Ks=np.stack([camera.K, other.K, camera.K]))
@@ -144,15 +127,14 @@ def batch_of(arguments, worlds, cameras):
         viewmats[:, 0, 3] += np.arange(cameras, dtype=np.float32) / 4 - world / 8
         alone.append(dict(arguments, means=means, viewmats=viewmats, Ks=np.repeat(arguments["Ks"], cameras, axis=0),
                           backgrounds=rng.uniform(0, 1, (cameras, 3)).astype(np.float32)))
-    shared = ("means", "quats", "scales", "opacities", "colors", "viewmats", "Ks", "backgrounds")
-    together = dict(arguments, **{name: np.stack([each[name] for each in alone]) for name in shared})
+    together = dict(arguments, **{name: np.stack([each[name] for each in alone]) for name in (*OF_ALL, "backgrounds")})
     return together, alone
 
 
 @pytest.mark.parametrize("cameras", (1, 3))
 def test_a_batch_has_the_bits_of_each_scene_alone(cameras, gsplat_arguments):
     together, alone = batch_of(gsplat_arguments, 4, cameras)
-    for name in ("means", "quats", "scales", "opacities", "colors", "viewmats", "Ks", "backgrounds"):
+    for name in (*OF_ALL, "backgrounds"):
         together[name] = together[name].reshape(2, 2, *together[name].shape[1:])
     for mode in ("RGB", "RGB+ED", "D"):
         colours, alphas, meta = swiftgs.rasterization(**together, render_mode=mode)
@@ -185,7 +167,7 @@ def test_a_batch_of_one_and_of_empty_scenes(gsplat_arguments):
     together, alone = batch_of(gsplat_arguments, 1, 1)
     assert np.array_equal(swiftgs.rasterization(**together)[0][0], swiftgs.rasterization(**alone[0])[0])
     together, _ = batch_of(gsplat_arguments, 2, 1)
-    for name in ("means", "quats", "scales", "opacities", "colors"):
+    for name in OF_GAUSSIANS:
         together[name] = together[name][:, :0]
     colours, alphas, _ = swiftgs.rasterization(**together)
     assert (colours == together["backgrounds"][:, :, None, None]).all() and not alphas.any()
@@ -230,9 +212,8 @@ def test_what_a_trainer_passes_for_evaluation_too():
 
 def test_other_orders_and_libraries_of_arrays(gsplat_arguments):
     plain = swiftgs.rasterization(**gsplat_arguments)[0]
-    names = ("means", "quats", "scales", "opacities", "colors")
     for change in (np.asfortranarray, lambda a: np.repeat(a, 2, axis=0)[::2], lambda a: Lent(a.copy())):
-        given = dict(gsplat_arguments, **{name: change(gsplat_arguments[name]) for name in names})
+        given = dict(gsplat_arguments, **{name: change(gsplat_arguments[name]) for name in OF_GAUSSIANS})
         assert np.array_equal(swiftgs.rasterization(**given)[0], plain)
     given = dict(gsplat_arguments, viewmats=gsplat_arguments["viewmats"].tolist(),
                  Ks=Lent(gsplat_arguments["Ks"].copy()))
@@ -240,8 +221,7 @@ def test_other_orders_and_libraries_of_arrays(gsplat_arguments):
 
 
 def test_no_gaussians_leave_the_background(gsplat_arguments):
-    names = ("means", "quats", "scales", "opacities", "colors")
-    none = dict(gsplat_arguments, **{name: gsplat_arguments[name][:0] for name in names})
+    none = dict(gsplat_arguments, **{name: gsplat_arguments[name][:0] for name in OF_GAUSSIANS})
     colours, alphas, _ = swiftgs.rasterization(**none, backgrounds=np.array([[0.25, 0.5, 1]]))
     assert np.all(colours == np.array([0.25, 0.5, 1], np.float32)) and not alphas.any()
 
@@ -281,13 +261,13 @@ PINHOLE_COEFFICIENTS = {"radial_coeffs": [[0.2, 0.05, 0.004, 0.03, 0.002, 0.001]
     ({"camera_model": "fisheye", "radial_coeffs": [[0.05, -0.01, 0.002, -0.0003]], "with_ut": True},
      {"model": "fisheye", "radial": (0.05, -0.01, 0.002, -0.0003)}, 30),
     ({**PINHOLE_COEFFICIENTS, "with_ut": True}, PINHOLE, 60)], ids=str)
-def test_lenses(options, lens, focal, gsplat_arguments, scene, camera):
+def test_lenses(options, lens, focal, gsplat_arguments, same_rotations, scene, camera):
     K = np.array([[focal, 0, WIDTH / 2 + 3], [0, focal + 1, HEIGHT / 2 - 2], [0, 0, 1]], np.float64)
     gsplat_arguments.update(viewmats=camera.viewmat[None], Ks=K[None])
     given = {name: np.array(value) if name.endswith("coeffs") else value for name, value in options.items()}
     colours, alphas, _ = swiftgs.rasterization(**gsplat_arguments, **given, render_mode="RGB+ED")
     through = swiftgs.Camera.from_matrices(camera.viewmat, K, WIDTH, HEIGHT, **lens)
-    frame = same_rotations(scene).render(through, alpha=True, depth=True, conventions=swiftgs.Conventions(depth="z"))
+    frame = same_rotations.render(through, alpha=True, depth=True, conventions=swiftgs.Conventions(depth="z"))
     assert decibels(colours[0, ..., :3], frame.colour) > 100 and np.allclose(alphas[0, ..., 0], frame.alpha, atol=1e-5)
     assert np.allclose(colours[0, ..., 3], frame.depth, rtol=1e-3, atol=1e-3)
     pinhole = swiftgs.rasterization(**gsplat_arguments)[0]

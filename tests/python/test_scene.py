@@ -11,19 +11,27 @@ import numpy as np
 import pytest
 
 import swiftgs
-from conftest import Lent
+from conftest import ARRAYS, Lent
 
-NAMES = ("means", "scales", "rotations", "opacities", "sh0", "sh_rest")
+PLY_NAMES = "x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3".split()
+
+
+def ply_head(form, **elements):
+    """The head of a PLY with elements of so many rows of these properties, all floats."""
+    lines = ["ply", f"format {form} 1.0"]
+    for name, (count, properties) in elements.items():
+        lines += [f"element {name} {count}", *(f"property float {each}" for each in properties)]
+    return "\n".join([*lines, "end_header", ""])
 
 
 def same(first, second):
-    return all(np.array_equal(getattr(first, name), getattr(second, name)) for name in NAMES)
+    return all(np.array_equal(getattr(first, name), getattr(second, name)) for name in ARRAYS)
 
 
 def test_a_scene_tells_what_it_holds(scene):
     assert len(scene) == 2000 and scene.sh_degree == 3 and not scene.antialiased
     assert scene.format == "" and scene.stored == 2000 and scene.dropped == 0
-    assert {name: getattr(scene, name).shape for name in NAMES} == {
+    assert {name: getattr(scene, name).shape for name in ARRAYS} == {
         "means": (2000, 3), "scales": (2000, 3), "rotations": (2000, 4), "opacities": (2000,), "sh0": (2000, 3),
         "sh_rest": (2000, 15, 3)}
     assert scene.sh.shape == (2000, 16, 3) and np.array_equal(scene.sh[:, 1:], scene.sh_rest)
@@ -73,10 +81,8 @@ def test_files_come_back_and_name_what_they_lose(scene, tmp_path):
 def test_gaussians_that_are_left_out_are_a_warning(tmp_path):
     numbers = np.ones((3, 14), np.float32)
     numbers[1, 0] = np.nan
-    names = "x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3".split()
-    header = "ply\nformat binary_little_endian 1.0\nelement vertex 3\n" + "".join(
-        f"property float {name}\n" for name in names) + "end_header\n"
-    (tmp_path / "a.ply").write_bytes(header.encode() + numbers.tobytes())
+    head = ply_head("binary_little_endian", vertex=(3, PLY_NAMES))
+    (tmp_path / "a.ply").write_bytes(head.encode() + numbers.tobytes())
     with pytest.warns(UserWarning, match="1 of 3 Gaussians have a NaN"):
         scene = swiftgs.load(tmp_path / "a.ply")
     assert (len(scene), scene.dropped, scene.stored) == (2, 1, 3)
@@ -84,12 +90,10 @@ def test_gaussians_that_are_left_out_are_a_warning(tmp_path):
 
 
 def test_the_camera_of_a_photograph_comes_with_its_scene(scene, tmp_path):
-    names = "x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3".split()
     elements = {"extrinsic": np.eye(4).ravel(), "intrinsic": [40, 0, 24, 0, 41, 16, 0, 0, 1], "image_size": [48, 32]}
-    header = "ply\nformat ascii 1.0\nelement vertex 1\n" + "".join(f"property float {name}\n" for name in names)
-    header += "".join(f"element {name} {len(of)}\nproperty float {name}\n" for name, of in elements.items())
+    head = ply_head("ascii", vertex=(1, PLY_NAMES), **{name: (len(of), [name]) for name, of in elements.items()})
     rows = ["0 0 1 0 0 0 0 0 0 0 1 0 0 0", *(str(number) for of in elements.values() for number in of)]
-    (tmp_path / "a.ply").write_text(header + "end_header\n" + "\n".join(rows) + "\n")
+    (tmp_path / "a.ply").write_text(head + "\n".join(rows) + "\n")
     assert swiftgs.load(tmp_path / "a.ply").camera == swiftgs.Camera(48, 32, 40, 41)
     assert scene.camera is None
 

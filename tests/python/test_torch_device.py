@@ -17,19 +17,6 @@ def device():
         pytest.skip("no CUDA device for PyTorch")
 
 
-def test_devices_are_not_mixed(gsplat_arguments, scene, camera):
-    given, on_host = tensors(gsplat_arguments, "cuda"), tensors(gsplat_arguments, "cpu")
-    with pytest.raises(ValueError, match="scales lies on the host and means on CUDA device 0"):
-        swiftgs.rasterization(**dict(given, scales=on_host["scales"]))
-    with pytest.raises(ValueError, match="means lies on CUDA device 0, expected the memory of the renderer 'cpu/"):
-        swiftgs.rasterization(**given, renderer=swiftgs.Renderer("cpu"))
-    image = torch.zeros(HEIGHT, WIDTH, 3, device="cuda")
-    with pytest.raises(ValueError, match="the frame lies on CUDA device 0, expected the host for 'cpu/"):
-        swiftgs.Renderer("cpu", scene=scene).render(camera, out=swiftgs.Frame(image))
-    with pytest.raises(ValueError, match="alpha lies on the host, expected all planes on one"):
-        swiftgs.Frame(image, torch.zeros(HEIGHT, WIDTH))
-
-
 @pytest.mark.parametrize("own_stream", [False, True])
 def test_work_is_in_the_order_of_the_current_stream(own_stream, gsplat_arguments):
     given = tensors(gsplat_arguments, "cuda")

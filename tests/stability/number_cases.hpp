@@ -66,14 +66,9 @@ TEST_CASE(SWIFTGS_STABILITY ": everything at the camera and behind it leaves the
 TEST_CASE(SWIFTGS_STABILITY ": opacities of 0 and 1 and between with denormal ones among them") {
   StressCase drawn = usual_scene(8);
   const float denormal = std::numeric_limits<float>::denorm_min(), least = std::numeric_limits<float>::min();
-  const float opacities[] = {0,
-                             1,
-                             denormal,
-                             least / 3,
-                             1.0f / 255,
-                             std::nextafter(1.0f / 255, 0.0f),
-                             std::nextafter(1.0f / 255, 1.0f),
-                             std::nextafter(1.0f, 0.0f)};
+  const float alpha_min = 1.0f / 255, below = std::nextafter(alpha_min, 0.0f),
+              above = std::nextafter(alpha_min, 1.0f);
+  const float opacities[] = {0, 1, denormal, least / 3, alpha_min, below, above, std::nextafter(1.0f, 0.0f)};
   for (std::size_t i = 0; i < drawn.scene.size(); ++i) drawn.scene.opacities[i] = opacities[i % 8];
   check_drawn(drawn);
 }
@@ -111,32 +106,13 @@ TEST_CASE(SWIFTGS_STABILITY ": numbers that are not finite are left out among ot
   Scene& scene = drawn.scene;
   const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
   for (std::size_t i = 0; i < scene.size(); i += 2) {
-    const float value = wild[i / 2 % 3];
-    switch (i / 6 % 8) {
-      case 0:
-        scene.means[i][int(i) % 3] = value;
-        break;
-      case 1:
-        scene.scales[i][int(i) % 3] = value;
-        break;
-      case 2:
-        scene.rotations[i].x = value;
-        break;
-      case 3:
-        scene.opacities[i] = value;
-        break;
-      case 4:
-        scene.means[i] = vec3(value);
-        break;
-      case 5:
-        scene.sh_rest[rest * i + 4] = value;
-        break;
-      case 6:
-        scene.sh0[i] = vec3(value);
-        break;
-      default:
-        scene.rotations[i] = {value, value, value, value};
-    }
+    vec3 &mean = scene.means[i], &scale = scene.scales[i], &rgb = scene.sh0[i];
+    Quaternion& q = scene.rotations[i];
+    const std::vector<float*> members[] = {
+        {&mean[int(i) % 3]},      {&scale[int(i) % 3]},        {&q.x},
+        {&scene.opacities[i]},    {&mean.x, &mean.y, &mean.z}, {&scene.sh_rest[rest * i + 4]},
+        {&rgb.x, &rgb.y, &rgb.z}, {&q.w, &q.x, &q.y, &q.z}};
+    for (float* member : members[i / 6 % 8]) *member = wild[i / 2 % 3];
   }
   check_drawn(drawn);
 }

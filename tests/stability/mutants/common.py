@@ -34,7 +34,7 @@ def write(path, text):
 
 def mutated(mutant):
     text = (ROOT / mutant.file).read_text()
-    for old, new in ((mutant.old, mutant.new), *mutant.also):
+    for old, new in mutant.changes:
         if text.count(old) != 1:
             raise Failed(f"expected once in {mutant.file}: {old}\nfound {text.count(old)} times")
         text = text.replace(old, new)
