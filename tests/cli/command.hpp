@@ -3,9 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
-#include <filesystem>
 #include <initializer_list>
-#include <set>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -42,6 +40,7 @@ inline Outcome swiftgs(const TemporaryFolder& place, const std::string& argument
 inline Outcome run_noting(const TemporaryFolder& place, const std::string& arguments) {
   Outcome outcome = swiftgs(place, arguments);
   CAPTURE(arguments);
+  CAPTURE(outcome.err);
   CHECK(outcome.code == 0);
   return outcome;
 }
@@ -73,14 +72,6 @@ inline void fails(const TemporaryFolder& place, const std::string& arguments,
     CAPTURE(told);
     CHECK(contains(told, part));
   }
-}
-
-/// Names of the files in a folder.
-inline std::set<std::string> files_in(const std::filesystem::path& folder) {
-  std::set<std::string> names;
-  for (const auto& entry : std::filesystem::directory_iterator(folder))
-    names.insert(entry.path().filename().string());
-  return names;
 }
 
 }  // namespace swiftgs::test

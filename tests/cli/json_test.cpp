@@ -60,8 +60,7 @@ TEST_CASE("cli json: a dash puts the results and nothing else on standard output
   for (const auto& [name, arguments, prints_beside] : commands) {
     CAPTURE(arguments);
     const TemporaryFolder place;
-    const Outcome outcome = swiftgs::test::swiftgs(place, arguments + " --json -");
-    CHECK(outcome.code == 0);
+    const Outcome outcome = run_noting(place, arguments + " --json -");
     REQUIRE(json::accept(outcome.out));
     CHECK(json::parse(outcome.out)["format"] == "swiftgs-" + name);
     CHECK((outcome.err != "") == prints_beside);
@@ -121,8 +120,8 @@ TEST_CASE("cli json: render has a row for each image with what it prints of it")
                 R"({"scene": "builtin:50", "view": "front", "width": 26, "image": "a/b/front.png"})");
   CHECK(rows[1]["image"] == "a/b/orbit-00.png");
   CHECK(rows[1]["ms"]["total"] > 0);
-  const json counted = json::parse(
-      swiftgs::test::swiftgs(place, "render builtin:50 --scale 0.02 --stats --json -").out)["rows"][0];
+  const json counted =
+      json::parse(run_noting(place, "render builtin:50 --scale 0.02 --stats --json -").out)["rows"][0];
   CHECK(counted["gaussians"] == 50);
   for (const char* member : {"visible", "intersections", "contributing_pairs"}) CHECK(counted[member] > 0);
   CHECK(counted["pixels_stopped"].is_number());

@@ -54,15 +54,14 @@ float red_at(const Image& image, int column, int row) {
 TEST_CASE("cli layouts: a photograph's scene is drawn from its own camera") {
   const TemporaryFolder place;
   place.write("photo.ply", photograph());
-  const Outcome outcome = swiftgs::test::swiftgs(place, "render photo.ply --format pfm");
-  CHECK(outcome.code == 0);
+  const Outcome outcome = run_noting(place, "render photo.ply --format pfm");
   CHECK(outcome.err == "swiftgs: photo.ply: The file holds the camera of its photograph, of 48x32 pixels.\n");
   const Image image = read_image(place / "renders/view.pfm");
   CHECK(image.width == 48);
   CHECK(image.height == 32);
   CHECK(red_at(image, 14, 11) > 0.6f);  // 24 - 20 / 2, 16 - 10 / 2
   CHECK(red_at(image, 34, 21) < 0.01f);
-  CHECK(swiftgs::test::swiftgs(place, "render photo.ply --format pfm --scale 2").code == 0);
+  run_noting(place, "render photo.ply --format pfm --scale 2");
   CHECK(read_image(place / "renders/view.pfm").width == 96);
 }
 
@@ -71,7 +70,7 @@ TEST_CASE("cli layouts: cameras that are given go before that of the file") {
   place.write("photo.ply", photograph());
   place.write("cameras.json", R"([{"id": 0, "img_name": "a", "width": 20, "height": 10, "fx": 20, "fy": 20,
       "position": [0, 0, 0], "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]]}])");
-  CHECK(swiftgs::test::swiftgs(place, "render photo.ply --cameras cameras.json --format pfm").code == 0);
+  run_noting(place, "render photo.ply --cameras cameras.json --format pfm");
   CHECK(read_image(place / "renders/a.pfm").width == 20);
 }
 
@@ -82,11 +81,8 @@ TEST_CASE("cli layouts: convert moves positions in double before it rounds them"
   property(gaussian, "y") = {"double", "y", 5403209.78125};
   place.write("utm.ply", ply(gaussian));
   place.write("near.ply", ply(red_gaussian()));
-  const Outcome outcome =
-      swiftgs::test::swiftgs(place,
-                             "convert near.ply utm.ply b.ply --transform move:-512345,-5403209,0 "
-                             "--transform scale:2");
-  CHECK(outcome.code == 0);
+  const Outcome outcome = run_noting(
+      place, "convert near.ply utm.ply b.ply --transform move:-512345,-5403209,0 --transform scale:2");
   CHECK(lines_in(outcome.err) == 1);  // the origin
   const swiftgs::Scene scene = load_scene(place / "b.ply");
   REQUIRE(scene.size() == 2);

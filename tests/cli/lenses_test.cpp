@@ -17,10 +17,7 @@
 
 using nlohmann::json;
 using swiftgs::Image;
-using swiftgs::test::contains;
-using swiftgs::test::json_in;
-using swiftgs::test::run;
-using swiftgs::test::TemporaryFolder;
+using namespace swiftgs::test;
 
 namespace {
 
@@ -67,7 +64,7 @@ TEST_CASE("cli lenses: an orthographic view shows the middle of the scene at its
   one.opacities[0] = 0.9f, one.sh0[0] = swiftgs::vec3(-1);
   std::fill(one.sh_rest.begin(), one.sh_rest.end(), 0.0f);
   write_scene(place / "one.ply", one);
-  place.write("cameras.json", swiftgs::test::cameras_json({"a"}));
+  place.write("cameras.json", cameras_json({"a"}));
   const auto pixels = [&](const std::string& lens) {
     run(place, "render one.ply --cameras cameras.json --format pfm --background 1,1,1 --lens " + lens);
     return swiftgs::read_image(place / "renders/a.pfm").pixels;
@@ -96,7 +93,7 @@ TEST_CASE("cli lenses: a panorama is twice as wide as high and shows what is beh
 TEST_CASE("cli lenses: unknown names are refused with what is expected") {
   const TemporaryFolder place;
   const auto refuses = [&](const std::string& options, const std::string& told) {
-    CHECK(swiftgs::test::refusal(place, "render builtin:50 " + options) == "swiftgs: " + told + "\n");
+    CHECK(refusal(place, "render builtin:50 " + options) == "swiftgs: " + told + "\n");
   };
   refuses("--lens round", "--lens 'round': expected perspective, fisheye, orthographic or equirectangular");
   refuses("--panorama --lens fisheye", "--panorama: expected no --lens fisheye beside it");
@@ -106,7 +103,7 @@ TEST_CASE("cli lenses: unknown names are refused with what is expected") {
 
 TEST_CASE("cli lenses: info tells those of a capture's cameras") {
   const TemporaryFolder place;
-  place.write("garden/cameras.json", swiftgs::test::cameras_json({"a.jpg", "b.jpg"}));
+  place.write("garden/cameras.json", cameras_json({"a.jpg", "b.jpg"}));
   write_scene(place / "garden/scene.ply", swiftgs::make_builtin_scene(100));
   CHECK(contains(run(place, "info garden").out, "lenses          2 perspective\n"));
   CHECK(json::parse(run(place, "info garden --json -").out)["lenses"] == json{{"perspective", 2}});

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// expected: SwiftGS: expected a little-endian processor
+// expected alone_big_endian_processor: SwiftGS: expected a little-endian processor
 #ifndef SWIFTGS_EXPECT_COMPILE
 #undef __BYTE_ORDER__
 #define __BYTE_ORDER__ __ORDER_BIG_ENDIAN__

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// expected: GLM_FORCE_SWIZZLE and GLM_FORCE_INTRINSICS change how functions take a vec3
+// expected alone_glm_with_swizzle_operators: GLM_FORCE_SWIZZLE and GLM_FORCE_INTRINSICS change how functions
+// take a vec3
 #define GLM_FORCE_INTRINSICS
 #ifndef SWIFTGS_EXPECT_COMPILE
 #define GLM_FORCE_SWIZZLE

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
-// expected: T::exponent\(x, y\)
+// expected exponent_in_double: T::exponent\(x, y\)
 #include <swiftgs/raster/axis_shared.hpp>
 
 struct DoubleExponent : swiftgs::FloatCholesky {
   static constexpr std::string_view name = "double-exponent";
   using FloatCholesky::FloatCholesky;
-#ifdef SWIFTGS_EXPECT_COMPILE
+#ifndef exponent_in_double
   using Exponent = float;
 #else
   using Exponent = double;

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-// expected: sort: expected .template <class B> struct Scratch
+// expected policies_in_another_order: sort: expected .template <class B> struct Scratch
 #include <swiftgs/swiftgs.hpp>
 
 using namespace swiftgs;
 
-#ifdef SWIFTGS_EXPECT_COMPILE
+#ifndef policies_in_another_order
 using Refused = Renderer<Serial, EarlySort, PerPixel, Ellipse>;
 #else
 using Refused = Renderer<Serial, PerPixel, EarlySort, Ellipse>;

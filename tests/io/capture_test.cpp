@@ -4,7 +4,7 @@
 #include <swiftgs/io/cameras.hpp>
 #include <swiftgs/io/capture.hpp>
 
-#include "io/scenes.hpp"
+#include "io/files.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -168,13 +168,4 @@ TEST_CASE("capture: the cameras of a training split are found and those of a tes
   place.write("nerf/transforms_train.json", split("train"));
   CHECK_THROWS_WITH_AS(find_capture(place / "nerf"), doctest::Contains("found transforms_train.json"),
                        std::invalid_argument);
-}
-
-TEST_CASE("capture: a scene is read from its folder") {
-  const TemporaryFolder place;
-  place.write("fox/cameras.json", cameras_json);
-  write_scene(place / "fox/fox.ply", some_scene(5, 1));
-  CHECK(read_scene(place / "fox").scene.size() == 5);
-  CHECK(load_scene(place / "fox/").size() == 5);
-  CHECK_THROWS_AS(load_scene(place.path()), std::invalid_argument);
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <cmath>
 #include <sstream>
 
 #include "camera_files.hpp"
@@ -37,6 +38,30 @@ const std::pair<Model, std::string> refused_models[] = {
     {{15, "FISHEYE", {50, 60, 33, 22}}, ""},
     {{11, "RAD_TAN_THIN_PRISM_FISHEYE", {50, 60, 33, 22, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}}, ""},
     {{17, "EQUIRECTANGULAR", {64, 48}}, ""}};
+
+/// A point of the plane before distortion.
+Pixel on_plane(bool fisheye, const dvec3& p) {
+  const double tangent = std::hypot(p.x, p.y) / p.z;
+  const double turned = fisheye ? std::atan(tangent) / tangent : 1;
+  return {p.x / p.z * turned, p.y / p.z * turned};
+}
+
+/// OpenCV's terms p1 and p2.
+Pixel tangential(double p1, double p2, Pixel at) {
+  const double squared = at.x * at.x + at.y * at.y;
+  return {2 * p1 * at.x * at.y + p2 * (squared + 2 * at.x * at.x),
+          p1 * (squared + 2 * at.y * at.y) + 2 * p2 * at.x * at.y};
+}
+
+/// 1 + k[0] r^2 + k[1] r^4 + ...
+double radial(const std::vector<double>& k, Pixel at) {
+  double sum = 1, power = 1;
+  for (const double one : k) sum += one * (power *= at.x * at.x + at.y * at.y);
+  return sum;
+}
+
+/// Points in all four quarters of an image.
+const dvec3 seen_points[] = {{0.3, -0.2, 1}, {-0.5, 0.35, 1.25}, {0.7, 0.9, 2}, {-0.25, -0.6, 0.8}};
 
 /// A model with numbers that all differ, and the part of each term of COLMAP's src/colmap/sensor/models.h.
 struct Distorted {

@@ -46,11 +46,8 @@ std::vector<File> all_files() {
   std::vector<File> files = plys();
   for (File& file : spzs(some_scene(3, 1))) files.push_back(std::move(file));
   const GltfParts gltf_parts = encode_gltf(some_scene(3, 1));
-  GltfParts spz_inside = encode_gltf(some_scene(1, 0));
-  add_accessor(spz_inside, gzip_spz(encode_spz(some_scene(9, 1), 2)), {});
-  spz_inside.root["accessors"].erase(spz_inside.root["accessors"].size() - 1);
-  spz_inside.extension()["extensions"]["KHR_gaussian_splatting_compression_spz_2"] = {
-      {"bufferView", spz_inside.root["bufferViews"].size() - 1}};
+  const GltfParts spz_inside =
+      gltf_with_spz(gzip_spz(encode_spz(some_scene(9, 1), 2)), "KHR_gaussian_splatting_compression_spz_2");
   files.push_back({"glb", glb(gltf_parts)});
   files.push_back({"gltf", gltf(gltf_parts)});
   files.push_back({"glb with SPZ", glb(spz_inside)});

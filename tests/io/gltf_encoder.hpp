@@ -85,6 +85,19 @@ inline GltfParts encode_gltf(const Scene& scene) {
   return parts;
 }
 
+/// One primitive whose Gaussians are in an SPZ, which `extension` names.
+inline GltfParts gltf_with_spz(const std::string& spz, const std::string& extension) {
+  GltfParts parts = encode_gltf(some_scene(1, 0));
+  parts.buffer = spz;
+  parts.root["buffers"][0]["byteLength"] = spz.size();
+  parts.root["bufferViews"] = nlohmann::json::array({{{"buffer", 0}, {"byteLength", spz.size()}}});
+  for (nlohmann::json& accessor : parts.root["accessors"]) accessor.erase("bufferView");
+  parts.extension()["extensions"][extension] = {{"bufferView", 0}};
+  parts.root["extensionsUsed"].push_back(extension);
+  parts.root["extensionsRequired"] = parts.root["extensionsUsed"];
+  return parts;
+}
+
 inline std::string chunk(std::string_view type, std::string content, char padding) {
   content.resize((content.size() + 3) / 4 * 4, padding);
   std::string bytes;

@@ -24,22 +24,11 @@ void check_moved(const Scene& moved, const Scene& scene, const dmat3& linear, do
   REQUIRE(moved.size() == scene.size());
   const dvec3 direction(0.48, -0.6, 0.64);
   const dvec3 turned = map(direction) / scale;
+  const dmat3 in_scene(map({1, 0, 0}), map({0, 1, 0}), map({0, 0, 1}));
   for (std::size_t i = 0; i < scene.size(); ++i) {
     const dvec3 mean = map(dvec3(scene.means[i])) + flipped(offset);
     for (int c = 0; c < 3; ++c) CHECK(double(moved.means[i][c]) == doctest::Approx(mean[c]).epsilon(1e-5));
-    const auto before = covariance(scene, i), after = covariance(moved, i);
-    const dmat3 sigma(before[0], before[1], before[2], before[1], before[3], before[4], before[2], before[4],
-                      before[5]);
-    dmat3 m;
-    for (int column = 0; column < 3; ++column) {
-      dvec3 unit(0.0);
-      unit[column] = 1;
-      m[column] = map(unit);
-    }
-    const dmat3 expected = m * sigma * glm::transpose(m);
-    const double size = expected[0][0] + expected[1][1] + expected[2][2];
-    for (int a = 0, k = 0; a < 3; ++a)
-      for (int b = a; b < 3; ++b, ++k) CHECK(std::abs(after[std::size_t(k)] - expected[a][b]) < 1e-6 * size);
+    check_moved_covariance(moved, scene, i, in_scene);
     const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
     const vec3 was = sh_colour(scene.sh_degree, scene.sh0[i], &scene.sh_rest[i * rest], vec3(direction));
     const vec3 is = sh_colour(moved.sh_degree, moved.sh0[i], &moved.sh_rest[i * rest], vec3(turned));

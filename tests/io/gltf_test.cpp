@@ -8,22 +8,6 @@ using namespace swiftgs;
 using namespace swiftgs::test;
 using nlohmann::json;
 
-namespace {
-
-GltfParts with_spz(const std::string& spz, const std::string& extension) {
-  GltfParts parts = encode_gltf(some_scene(1, 0));
-  parts.buffer = spz;
-  parts.root["buffers"][0]["byteLength"] = spz.size();
-  parts.root["bufferViews"] = json::array({{{"buffer", 0}, {"byteLength", spz.size()}}});
-  for (json& accessor : parts.root["accessors"]) accessor.erase("bufferView");
-  parts.extension()["extensions"][extension] = {{"bufferView", 0}};
-  parts.root["extensionsUsed"].push_back(extension);
-  parts.root["extensionsRequired"] = parts.root["extensionsUsed"];
-  return parts;
-}
-
-}  // namespace
-
 TEST_CASE("gltf: every degree is read from text and from binary") {
   for (int degree = 0; degree <= 3; ++degree) {
     CAPTURE(degree);
@@ -91,7 +75,7 @@ TEST_CASE("gltf: SPZ inside is read under its names and with the axes of glTF") 
   for (const char* name : {"KHR_gaussian_splatting_compression_spz_2",
                            "KHR_gaussian_splatting_compression_spz", "KHR_spz_gaussian_splats_compression"}) {
     CAPTURE(name);
-    GltfParts parts = with_spz(spz, name);
+    GltfParts parts = gltf_with_spz(spz, name);
     const SceneFile file = read(glb(parts));
     check_whole(file, "glTF (binary, SPZ version 2 inside)", 25);
     check_same(file.scene, luf);
@@ -104,7 +88,7 @@ TEST_CASE("gltf: SPZ inside is read under its names and with the axes of glTF") 
 TEST_CASE("gltf: an error inside SPZ names the buffer view") {
   SpzParts spz = encode_spz(some_scene(3, 0), 2);
   spz.sh_degree = 9;
-  const GltfParts parts = with_spz(plain_spz(spz), "KHR_gaussian_splatting_compression_spz_2");
+  const GltfParts parts = gltf_with_spz(plain_spz(spz), "KHR_gaussian_splatting_compression_spz_2");
   CHECK(contains(complaint_about(glb(parts)), "a file: buffer view 0: byte 12: expected SH degree"));
 }
 

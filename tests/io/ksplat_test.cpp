@@ -270,10 +270,3 @@ TEST_CASE("ksplat: a header that lies is refused") {
     CHECK_NOTHROW(complaint_of(with(file, i, char(file[i] ^ 0x95))));
   }
 }
-
-TEST_CASE("ksplat: a file is known by its beginning or its name's ending") {
-  const std::string file = ksplat({encode_section(exact_scene(9, 1), 0, 9, 0, 4)}, 0);
-  CHECK(read(file, "a.bin").format == ".ksplat (level 0)");
-  CHECK(contains(complaint_about("text", "a.ksplat"), "headers of a .ksplat scene"));
-  CHECK(contains(complaint_about(std::string(6000, '\0'), "a.bin"), "found something else"));
-}

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <sstream>
 #include <string>
 #include <vector>
+
+#include <swiftgs/io/scene_file.hpp>
 
 #include "files.hpp"
 
@@ -24,6 +27,20 @@ inline std::vector<PlyValue> plain_gaussian() {
           {"float", "opacity", 0},   {"float", "scale_0", -1},  {"float", "scale_1", -2},
           {"float", "scale_2", -3},  {"float", "rot_0", 2},     {"float", "rot_1", 0},
           {"float", "rot_2", 0},     {"float", "rot_3", 0}};
+}
+
+/// Checks that `file` holds the one Gaussian of `plain_gaussian`, whatever its layout.
+inline void check_plain(const SceneFile& file) {
+  const Scene& scene = file.scene;
+  REQUIRE(scene.size() == 1);
+  CHECK_NOTHROW(validate(scene));
+  CHECK(scene.means[0] == vec3(1, 2, -3));
+  CHECK(scene.sh0[0] == vec3(0.25f, -0.5f, 0.75f));
+  CHECK(scene.opacities[0] == 0.5f);
+  CHECK(scene.scales[0] == vec3(std::exp(-1.0f), std::exp(-2.0f), std::exp(-3.0f)));
+  CHECK(scene.rotations[0] == Quaternion{1, 0, 0, 0});
+  CHECK(file.stored == 1);
+  CHECK(file.dropped_nonfinite == 0);
 }
 
 inline PlyValue& property(std::vector<PlyValue>& values, const std::string& name) {

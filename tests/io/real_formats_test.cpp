@@ -62,18 +62,6 @@ TEST_CASE("real files: files of other programs are read") {
   }
 }
 
-TEST_CASE("real files: a PLY of another program is written unchanged") {
-  if (skipped()) return;
-  const Scene scene = load_scene(folder / "fox_5k.ply");
-  const TemporaryFolder temporary;
-  write_scene(temporary / "again.ply", scene);
-  const Scene again = load_scene(temporary / "again.ply");
-  CHECK(again.means == scene.means);
-  CHECK(again.sh0 == scene.sh0);
-  CHECK(again.sh_rest == scene.sh_rest);
-  CHECK(content_of(temporary / "again.ply").size() == content_of(folder / "fox_5k.ply").size());
-}
-
 TEST_CASE("real files: one Gaussian of a SOG is what PlayCanvas's own reader makes of it") {
   if (skipped()) return;
   const Scene scene = subset(load_scene(folder / "massa.sog"), {12'345});

@@ -65,11 +65,9 @@ TEST_CASE("scene parts: they are of one size and follow each other") {
 }
 
 TEST_CASE("scene parts: the built-in scene is made in parts") {
-  for (const std::size_t count : {1, 997, 20'000}) {
-    const Scene whole = make_builtin_scene(count);
-    for (const std::size_t of : {1, 2, 3, 16})
-      CHECK(same_bits(joined(of, [&](ScenePart part) { return make_builtin_scene(count, part); }), whole));
-  }
+  for (const auto& [count, of] : {std::pair{1u, 3u}, {997u, 2u}, {997u, 16u}})
+    CHECK(same_bits(joined(of, [count = count](ScenePart part) { return make_builtin_scene(count, part); }),
+                    make_builtin_scene(count)));
 }
 
 TEST_CASE("scene parts: files are read in parts") {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <random>
@@ -109,23 +108,26 @@ inline void check_whole(const SceneFile& file, const std::string& format, std::s
 }
 
 /// A scene that was written, and what was read of it.
-struct Written {
-  std::vector<std::string> notes{};  ///< of the writer
+struct Written : WrittenScene {
   std::string content{};
   SceneFile file{};
 
   const Scene& scene() const { return file.scene; }
 };
 
+/// Checks that a reader finds what the writer says.
 inline Written write_and_read(const Scene& scene, const std::string& ending,
                               const SceneWriteOptions& options = {}) {
   const TemporaryFolder folder;
-  const WrittenScene written = write_scene(folder / ("a" + ending), scene, options);
-  Written result{written.notes, content_of(folder / ("a" + ending)),
-                 read_scene(folder / ("a" + ending), {.spz_frame = options.spz_frame})};
-  CHECK(written.bytes == result.content.size());
-  check_whole(result.file, written.format, written.gaussians);
-  return result;
+  const std::filesystem::path path = folder / ("a" + ending);
+  Written written{write_scene(path, scene, options), content_of(path), {}};
+  written.file = read_scene(path, {.spz_frame = options.spz_frame});
+  check_whole(written.file, written.format, written.gaussians);
+  CHECK(written.bytes == written.content.size());
+  CHECK(written.gaussians == written.scene().size());
+  CHECK(written.sh_degree == written.scene().sh_degree);
+  CHECK(written.antialiased == written.scene().antialiased);
+  return written;
 }
 
 /// What a `Progress` was told.
@@ -144,20 +146,27 @@ struct Listener {
   }
 };
 
-/// Upper triangle of R diag(s^2) R^T of Gaussian `i`: xx, xy, xz, yy, yz, zz.
-inline std::array<double, 6> covariance(const Scene& scene, std::size_t i) {
+/// R diag(s^2) R^T of Gaussian `i`.
+inline dmat3 covariance(const Scene& scene, std::size_t i) {
   const auto [qw, qx, qy, qz] = scene.rotations[i];
   const double w = qw, x = qx, y = qy, z = qz;
   const double r[3][3] = {{1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)},
                           {2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)},
                           {2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)}};
-  std::array<double, 6> result{};
-  int entry = 0;
+  dmat3 result(0);
   for (int a = 0; a < 3; ++a)
-    for (int b = a; b < 3; ++b, ++entry)
-      for (int k = 0; k < 3; ++k)
-        result[entry] += r[a][k] * r[b][k] * std::pow(double(scene.scales[i][k]), 2);
+    for (int b = 0; b < 3; ++b)
+      for (int k = 0; k < 3; ++k) result[a][b] += r[a][k] * r[b][k] * std::pow(double(scene.scales[i][k]), 2);
   return result;
+}
+
+/// Checks that the covariance of Gaussian `i` of `moved` is that of `scene` after a linear map.
+inline void check_moved_covariance(const Scene& moved, const Scene& scene, std::size_t i,
+                                   const dmat3& linear) {
+  const dmat3 expected = linear * covariance(scene, i) * glm::transpose(linear), found = covariance(moved, i);
+  const double size = expected[0][0] + expected[1][1] + expected[2][2];
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b) CHECK(std::abs(found[a][b] - expected[a][b]) < 1e-6 * size);
 }
 
 }  // namespace swiftgs::test

@@ -2,8 +2,6 @@
 #include <filesystem>
 #include <system_error>
 
-#include <swiftgs/io/capture.hpp>
-
 #include "scenes.hpp"
 #include "sog_encoder.hpp"
 
@@ -74,6 +72,7 @@ TEST_CASE("streamed sog: a level is the Gaussians of its chunks in the order of 
   CHECK(coarse.scene.sh_degree == 2);
   CHECK(coarse.scene.means == streamed.chunk("1_0").means);
   CHECK(coarse.scene.sh_rest == streamed.chunk("1_0").sh_rest);
+  CHECK(load_scene(streamed.place / "scan", {.level = 1}).means == coarse.scene.means);
 }
 
 TEST_CASE("streamed sog: the environment follows every level and is noted") {
@@ -88,15 +87,6 @@ TEST_CASE("streamed sog: the environment follows every level and is noted") {
     REQUIRE(file.notes.size() == 2);
     CHECK(contains(file.notes[1], "5 Gaussians of the environment"));
   }
-}
-
-TEST_CASE("streamed sog: its folder is a capture") {
-  const Streamed streamed;
-  streamed.read(lod_meta());
-  const Capture capture = find_capture(streamed.place / "scan");
-  CHECK(capture.scene == streamed.place / "scan/lod-meta.json");
-  CHECK(capture.name == "scan");
-  CHECK(load_scene(streamed.place / "scan", {.level = 1}).size() == 7);
 }
 
 TEST_CASE("streamed sog: Gaussians in no leaf are left out and counted") {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "transforms_json.hpp"
 
+#include <cmath>
 #include <system_error>
 
 #include <nlohmann/json.hpp>
@@ -86,17 +87,9 @@ const std::string models =
     "OPENCV_FISHEYE, SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE, THIN_PRISM_FISHEYE, EQUIRECTANGULAR, ORTHOPHOTO, "
     "found ";
 
-/// The distorted point of the plane, as a pixel of `some_file`.
-Pixel pixel_at(double x, double y) { return {500 * x + 321, 510.5 * y + 239.25}; }
-
 const json six = {{"k1", -0.11}, {"k2", 0.07}, {"k3", 0.023}, {"k4", -0.017}, {"p1", 0.013}, {"p2", -0.021}};
 
-/// nerfstudio's radial_and_tangential_undistort, the other way round.
-Pixel shown_with_six(bool fisheye, const dvec3& p) {
-  const Pixel at = on_plane(fisheye, p), aside = tangential(0.013, -0.021, at);
-  const double scale = radial({-0.11, 0.07, 0.023, -0.017}, at);
-  return pixel_at(at.x * scale + aside.x, at.y * scale + aside.y);
-}
+const Distortion of_six{.radial = {-0.11, 0.07, 0.023, -0.017}, .tangential = {0.013, -0.021}};
 
 }  // namespace
 
@@ -156,20 +149,20 @@ TEST_CASE("transforms.json: angles of view stand for focal lengths and centres f
                  "in 'fl_x', 'fl_y', 'x_fov', 'y_fov', 'camera_angle_x' or 'camera_angle_y'"));
 }
 
-TEST_CASE("transforms.json: coefficients move points as nerfstudio's do") {
+// What each of a lens's coefficients does is held by the tests of COLMAP's models.
+TEST_CASE("transforms.json: coefficients stand in a list or each under its name") {
   const json list = {-0.11, 0.07, 0.023, -0.017, 0.013, -0.021};
   for (const char* model : {"", "PINHOLE", "OPENCV", "OPENCV_FISHEYE"}) {
     CAPTURE(model);
     const bool fisheye = model == std::string("OPENCV_FISHEYE");
+    const Lens expected{fisheye ? LensModel::fisheye : LensModel::perspective, of_six};
     json file = with(some_file(), six), listed = some_file();
     // The list counts before keys of their own.
     listed["distortion_params"] = list, listed["k1"] = 0.5;
     if (*model) file["camera_model"] = listed["camera_model"] = model;
     for (const json& one : {file, listed}) {
       CHECK(parse_file(one).notes.empty());
-      const Camera camera = parse(one).at(1);
-      CHECK(camera.lens.model == (fisheye ? LensModel::fisheye : LensModel::perspective));
-      for (const dvec3& p : seen_points) check_pixel(camera, p, shown_with_six(fisheye, p));
+      CHECK(parse(one).at(1).lens == expected);
     }
   }
 }
@@ -177,11 +170,9 @@ TEST_CASE("transforms.json: coefficients move points as nerfstudio's do") {
 TEST_CASE("transforms.json: the fourth to sixth coefficients of FULL_OPENCV are below the line") {
   json file = with(some_file(), six);
   file["camera_model"] = "FULL_OPENCV", file["k4"] = 0.19, file["k5"] = 0.053, file["k6"] = -0.029;
-  for (const dvec3& p : seen_points) {
-    const Pixel at = on_plane(false, p), aside = tangential(0.013, -0.021, at);
-    const double scale = radial({-0.11, 0.07, 0.023}, at) / radial({0.19, 0.053, -0.029}, at);
-    check_pixel(parse(file).at(0), p, pixel_at(at.x * scale + aside.x, at.y * scale + aside.y));
-  }
+  CHECK(parse(file).at(0).lens.distortion == Distortion{.radial = {-0.11, 0.07, 0.023},
+                                                        .rational = {0.19, 0.053, -0.029},
+                                                        .tangential = {0.013, -0.021}});
   const std::pair<json, const char*> changes[] = {
       {{{"camera_model", "OPENCV"}}, "OPENCV with k5 = 0.053"},
       {{{"camera_model", nullptr}}, "k5 = 0.053"},
@@ -197,19 +188,16 @@ TEST_CASE("transforms.json: names that COLMAP has for coefficients count") {
   CHECK(parse(file).at(0).lens == Lens{LensModel::perspective, {.radial = {-0.11}}});
   file = with(some_file(), six);
   file["camera_model"] = "THIN_PRISM_FISHEYE", file["sx1"] = 0.031, file["sy1"] = -0.043;
-  for (const dvec3& p : seen_points) {
-    const Pixel at = on_plane(true, p), before = shown_with_six(true, p);
-    const double squared = at.x * at.x + at.y * at.y;
-    check_pixel(parse(file).at(0), p, {before.x + 500 * 0.031 * squared, before.y - 510.5 * 0.043 * squared});
-  }
+  Distortion prism = of_six;
+  prism.prism[0] = 0.031, prism.prism[1] = -0.043;
+  CHECK(parse(file).at(0).lens == Lens{LensModel::fisheye, prism});
 }
 
 TEST_CASE("transforms.json: a frame's own coefficients and lens win") {
   json file = with(some_file(), six);
   json& frame = file["frames"][1];
   frame["k1"] = 0.25, frame["p2"] = 0, frame["k2"] = nullptr;
-  CHECK(parse(file).at(0).lens.distortion ==
-        Distortion{.radial = {-0.11, 0.07, 0.023, -0.017}, .tangential = {0.013, -0.021}});
+  CHECK(parse(file).at(0).lens.distortion == of_six);
   CHECK(parse(file).at(1).lens.distortion ==
         Distortion{.radial = {0.25, 0.07, 0.023, -0.017}, .tangential = {0.013, 0}});
   frame["distortion_params"] = {1, 2, 3, 4, 5, 6};
@@ -228,15 +216,10 @@ TEST_CASE("transforms.json: a frame's own coefficients and lens win") {
 
 TEST_CASE("transforms.json: instant-ngp's fisheye lenses have no model's name") {
   json file = with(some_file(), {{"is_fisheye", true}, {"k1", -0.11}, {"k2", 0.07}, {"k3", 0}, {"k4", 0}});
-  const Camera camera = parse(file).at(0);
-  CHECK(camera.lens == Lens{LensModel::fisheye, {.radial = {-0.11, 0.07}}});
-  for (const dvec3& p : seen_points) {
-    const Pixel at = on_plane(true, p);
-    const double scale = radial({-0.11, 0.07}, at);
-    check_pixel(camera, p, pixel_at(at.x * scale, at.y * scale));
-  }
+  const Lens expected{LensModel::fisheye, {.radial = {-0.11, 0.07}}};
+  CHECK(parse(file).at(0).lens == expected);
   file["camera_model"] = "OPENCV_FISHEYE";
-  CHECK(parse(file).at(0).lens == camera.lens);
+  CHECK(parse(file).at(0).lens == expected);
   file["camera_model"] = "OPENCV";
   CHECK(complaint_about(file) ==
         "transforms.json: byte 0: expected one lens, found 'is_fisheye' and the camera model OPENCV");

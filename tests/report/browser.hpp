@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdlib>
-#include <stdexcept>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -28,13 +27,6 @@ inline bool can_draw(const TemporaryFolder& place) {
   return !std::string(SWIFTGS_BROWSER).empty();
 }
 
-/// `text` with `from`, which it must hold, as `to`.
-inline std::string with(std::string text, const std::string& from, const std::string& to) {
-  const std::size_t at = text.rfind(from);
-  if (at == text.npos) throw std::runtime_error("expected " + from);
-  return text.replace(at, from.size(), to);
-}
-
 /// Opens the page of `html` in a browser and runs `probe` in it, a script whose `tell(value)` says what it
 /// found.
 inline nlohmann::json found_in(const TemporaryFolder& place, const std::string& html,
@@ -42,7 +34,10 @@ inline nlohmann::json found_in(const TemporaryFolder& place, const std::string& 
   const std::string tell =
       "const tell = value => { const told = document.createElement('pre'); told.id = 'told';"
       " told.textContent = encodeURIComponent(JSON.stringify(value)); document.body.append(told); };\n";
-  place.write("probed.html", with(html, "</body>", "<script>{" + tell + probe + "}</script>\n</body>"));
+  const std::size_t end_of_page = html.rfind("</body>");
+  REQUIRE(end_of_page != html.npos);
+  place.write("probed.html",
+              std::string(html).insert(end_of_page, "<script>{" + tell + probe + "}</script>\n"));
   const std::string folder = place.path().string();
   const std::string command =
       "timeout 120 '" SWIFTGS_BROWSER "' --headless --no-sandbox --disable-gpu --user-data-dir='" + folder +

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <limits>
 
+#include "io/png_encoder.hpp"
 #include "report/browser.hpp"
 #include "report/made_results.hpp"
 
@@ -181,15 +182,10 @@ TEST_CASE("report: files of several machines share one page") {
 TEST_CASE("report: frames stand beside their reference and error map") {
   const TemporaryFolder place;
   if (!can_draw(place)) return;
-  // One grey pixel.
-  const unsigned char pixel[] = {
-      0x89, 0x50, 0x4e, 0x47, 0x0d, 0x0a, 0x1a, 0x0a, 0x00, 0x00, 0x00, 0x0d, 0x49, 0x48, 0x44, 0x52, 0x00,
-      0x00, 0x00, 0x01, 0x00, 0x00, 0x00, 0x01, 0x08, 0x00, 0x00, 0x00, 0x00, 0x3a, 0x7e, 0x9b, 0x55, 0x00,
-      0x00, 0x00, 0x0a, 0x49, 0x44, 0x41, 0x54, 0x78, 0x9c, 0x63, 0x68, 0x00, 0x00, 0x00, 0x82, 0x00, 0x81,
-      0x77, 0xcd, 0x72, 0xb6, 0x00, 0x00, 0x00, 0x00, 0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82};
+  const std::string one_pixel = png({.colour = png_grey, .rows = std::string("\0h", 2)});
   for (const char* name :
        {"images/frame.png", "images/error.png", "images/reference.png", "images/depth.png"})
-    place.write(name, {reinterpret_cast<const char*>(pixel), sizeof pixel});
+    place.write(name, one_pixel);
   Json results = results_of({{}});
   results["rows"][0]["image"] = "images/frame.png";
   results["rows"][0]["error_image"] = "images/error.png";
