@@ -97,8 +97,8 @@ class Scripts(unittest.TestCase):
                                  env={"PATH": f"{place / 'bin'}:{os.environ['PATH']}"})
         self.assertEqual((ran.returncode, ran.stderr), (0, ""))
         self.assertEqual(ran.stdout.splitlines(),
-                         ["test: 1 skipped, left to cmake/release_check.sh: packages and wheel in fresh systems, equal "
-                          "bytes, arm64, other compilers, kernels for every GPU",
+                         ["test: 1 skipped, left to cmake/release_check.sh: packages and wheel in fresh systems, CUDA "
+                          "in them, equal bytes, arm64, other compilers, kernels for every GPU",
                           "test: 2 skipped, no Chromium here (package chromium)",
                           "test: 1 skipped, no doxygen here (package doxygen)",
                           "1 passed, 0 failed, 4 skipped"])

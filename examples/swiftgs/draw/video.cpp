@@ -39,6 +39,11 @@ int start(pid_t& child, const std::vector<std::string>& words, int input, int er
   return error;
 }
 
+std::runtime_error not_installed(const std::string& file) {
+  return std::runtime_error("--video " + file +
+                            ": the program ffmpeg is not installed, expected it to make the video");
+}
+
 }  // namespace
 
 Video::Video(std::string file, int width, int height, double frames_a_second) : file_(std::move(file)) {
@@ -78,9 +83,7 @@ Video::Video(std::string file, int width, int height, double frames_a_second) : 
   close(pipe[0]);
   if (error == 0) return;
   std::fclose(frames_), std::fclose(errors_);
-  if (error == ENOENT)
-    throw std::runtime_error("--video " + file_ +
-                             ": the program ffmpeg is not installed, expected it to make the video");
+  if (error == ENOENT) throw not_installed(file_);
   throw std::system_error(error, std::generic_category(), "ffmpeg");
 }
 
@@ -94,18 +97,19 @@ Video::~Video() {
   std::fclose(errors_);
 }
 
-/// Whether ffmpeg ended well.
-bool Video::end() {
-  bool written = std::fclose(frames_) == 0;
+int Video::end() {
+  const bool written = std::fclose(frames_) == 0;
   int status = 0;
   pid_t ended = 0;
   while ((ended = waitpid(ffmpeg_, &status, 0)) == -1 && errno == EINTR) {
   }
   ffmpeg_ = -1;
-  return written && ended != -1 && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  return written && ended != -1 && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-void Video::fail() const {
+void Video::fail(int exit_status) const {
+  // A system may start a program without waiting to see whether it is there.
+  if (exit_status == 127) throw not_installed(file_);
   // The last line is of what follows from the first.
   std::rewind(errors_);
   std::array<char, 300> line{};
@@ -119,11 +123,11 @@ void Video::fail() const {
 void Video::add(const Frame& frame) {
   to_rgb_bytes(frame, bytes_);
   if (std::fwrite(bytes_.data(), 1, bytes_.size(), frames_) == bytes_.size()) return;
-  end(), fail();
+  fail(end());
 }
 
 void Video::finish() {
-  if (!end()) fail();
+  if (const int status = end(); status != 0) fail(status);
 }
 
 std::unique_ptr<Video> video_of(const std::string& file, const std::vector<View>& views,

@@ -31,8 +31,9 @@ class Video {
   void finish();
 
  private:
-  bool end();
-  [[noreturn]] void fail() const;
+  /// Ends ffmpeg. Returns its exit status, or -1 if it did not end by itself or did not take all frames.
+  int end();
+  [[noreturn]] void fail(int exit_status) const;
 
   std::string file_;
   pid_t ffmpeg_ = -1;  ///< -1 after its end
