@@ -126,42 +126,6 @@ SWIFTGS_DEVICE_CASE("cuda: an uploaded scene is copied without bands that are ze
   CHECK(cuda.upload(Scene()).view().size() == 0);
 }
 
-SWIFTGS_DEVICE_CASE("cuda: features are uploaded from either side and with any stride") {
-  const Cuda cuda;
-  const Scene scene = with_features(random_scene(700, 1, 3), 5);
-  const auto features_of = [&](const DeviceScene& uploaded) {
-    CHECK(uploaded.view().feature_channels == 5);
-    return to_host(cuda, uploaded.view().features, 5);
-  };
-  CHECK(features_of(cuda.upload(scene)) == scene.features);
-  const DeviceArrays on_device(scene);
-  const auto array = [](const auto& of) { return FloatArray{reinterpret_cast<const float*>(of.data())}; };
-  SceneArrays arrays;
-  arrays.count = scene.size(), arrays.sh_degree = 1, arrays.feature_channels = 5;
-  arrays.means = array(on_device.means), arrays.scales = array(on_device.scales);
-  arrays.rotations = array(on_device.rotations), arrays.opacities = array(on_device.opacities);
-  arrays.sh0 = array(on_device.sh0), arrays.sh_rest = array(on_device.sh_rest);
-  std::optional<DeviceScene> kept;
-  for (const std::size_t stride : {std::size_t(5), std::size_t(8)}) {
-    std::vector<float> rows(stride * scene.size());
-    for (std::size_t i = 0; i < scene.features.size(); ++i) rows[i / 5 * stride + i % 5] = scene.features[i];
-    const DeviceBuffer<float> memory = to_device(rows);
-    arrays.features = {memory.data(), std::ptrdiff_t(stride * sizeof(float))};
-    kept.emplace(cuda.upload(arrays, kept));  // the second takes the memory of the first again
-    CHECK(features_of(*kept) == scene.features);
-  }
-}
-
-SWIFTGS_DEVICE_CASE("cuda: an uploaded scene lives as long as its last copy") {
-  const Cuda cuda;
-  const Scene scene = random_scene(1000, 0, 7);
-  auto first = std::make_unique<DeviceScene>(cuda.upload(scene));
-  const DeviceScene copy = *first;
-  first.reset();
-  const DeviceScene other = cuda.upload(random_scene(1000, 0, 8));
-  CHECK(same_bits(to_host(cuda, copy.view().means), scene.means));
-}
-
 SWIFTGS_DEVICE_CASE("cuda: the clock is read without waiting and may be asked before its work is done") {
   Cuda cuda;
   DeviceBuffer<std::uint32_t> memory = to_device(std::vector<std::uint32_t>(50'000'000));

@@ -20,8 +20,6 @@ using namespace swiftgs::test;
 
 namespace {
 
-using Usual = Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
-
 /// Checks that `f` throws a `DeviceError` that begins with `call` and says that the stream is being captured.
 template <class F>
 void refused(const char* call, const F& f) {
@@ -51,24 +49,15 @@ SWIFTGS_DEVICE_CASE("cuda capture: no function of the backend that cannot be cap
   DeviceBuffer<FrameTotals> totals;
   totals.reset(1);
   const Cuda::TimePoint first = cuda.now(), second = cuda.now();
-  const DeviceArrays on_device(scene);
-  const auto array = [](const auto& of) { return FloatArray{reinterpret_cast<const float*>(of.data())}; };
-  const SceneArrays arrays{.count = scene.size(),
-                           .means = array(on_device.means),
-                           .scales = array(on_device.scales),
-                           .rotations = array(on_device.rotations),
-                           .opacities = array(on_device.opacities),
-                           .sh0 = array(on_device.sh0),
-                           .sh_rest = array(on_device.sh_rest),
-                           .sh_degree = 1};
-  std::optional<DeviceScene> kept(cuda.upload(arrays));
+  const ArraysOn<Cuda> arrays(cuda, scene);
+  std::optional<DeviceScene> kept(cuda.upload(arrays.all));
   stream.wait();
   for (const cudaStreamCaptureMode mode : modes) {
     const auto work = [&] {
       std::uint32_t word = 0;
       refused("upload", [&] { (void)cuda.upload(scene); });
       refused("upload", [&] { (void)cuda.upload(std::make_shared<const Scene>(scene)); });
-      refused("upload", [&] { (void)cuda.upload(arrays, kept); });
+      refused("upload", [&] { (void)cuda.upload(arrays.all, kept); });
       refused("download", [&] { cuda.download(Span<const std::uint32_t>{words.data(), 1}, &word); });
       refused("wait", [&] { cuda.wait(); });
       refused("exclusive_scan", [&] { (void)cuda.exclusive_scan(words.span()); });
@@ -121,7 +110,7 @@ SWIFTGS_DEVICE_CASE(
 SWIFTGS_DEVICE_CASES("cuda capture: a renderer refuses frames and draws as before afterwards", Sort,
                      StandardSort, EarlySort, AdaptiveSort) {
   const Stream stream;
-  Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer{Cuda(stream.get())};
+  Usual<Cuda, Sort> renderer{Cuda(stream.get())};
   const Camera camera = forward_camera(150, 90), larger = forward_camera(400, 300);
   const DeviceScene scene = renderer.backend().upload(random_scene(4000, 2, 3));
   RenderSettings counting, timing;
@@ -172,7 +161,7 @@ SWIFTGS_DEVICE_CASE("cuda capture: contributions refuse views and add up as befo
 SWIFTGS_DEVICE_CASE(
     "cuda capture: the default stream is not used while a stream that waits for it is captured") {
   const Stream waiting(cudaStreamDefault);
-  Usual renderer;
+  Usual<Cuda> renderer;
   const DeviceScene scene = renderer.backend().upload(random_scene(500, 0, 5));
   const Camera camera = forward_camera(60, 40);
   const Frame expected = renderer.render(scene, camera);

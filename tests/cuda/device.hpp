@@ -16,6 +16,7 @@
 #include <swiftgs/cuda/check.hpp>
 #include <swiftgs/swiftgs.hpp>
 
+#include "policies/arrays_on.hpp"
 #include "policies/tile_lists.hpp"
 #include "support/skip.hpp"
 
@@ -72,36 +73,9 @@ void copy_to_device(Span<const T> from, DeviceBuffer<T>& to) {
 template <class T>
 DeviceBuffer<T> to_device(const std::vector<T>& from) {
   DeviceBuffer<T> to;
-  copy_to_device(Span<const T>{from.data(), from.size()}, to);
+  copy_to_device(span_of(from), to);
   return to;
 }
-
-/// A caller's own arrays on the device.
-struct DeviceArrays {
-  explicit DeviceArrays(const Scene& scene)
-      : means(to_device(scene.means)),
-        scales(to_device(scene.scales)),
-        sh0(to_device(scene.sh0)),
-        rotations(to_device(scene.rotations)),
-        opacities(to_device(scene.opacities)),
-        sh_rest(to_device(scene.sh_rest)),
-        degree(scene.sh_degree) {}
-
-  SceneView view() const {
-    return {.means = means.span(),
-            .scales = scales.span(),
-            .rotations = rotations.span(),
-            .opacities = opacities.span(),
-            .sh0 = sh0.span(),
-            .sh_rest = {sh_rest.data(), means.size(), sizeof(vec3) * std::size_t(sh_rest_count(degree))},
-            .sh_degree = degree};
-  }
-
-  DeviceBuffer<vec3> means, scales, sh0;
-  DeviceBuffer<Quaternion> rotations;
-  DeviceBuffer<float> opacities, sh_rest;
-  int degree;
-};
 
 template <>
 struct CopySplats<Cuda> {

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
 
 #include <swiftgs/frame_planes.hpp>
 
@@ -16,7 +15,8 @@ namespace swiftgs::test {
 struct DrawOnDevice {
   template <class R>
   Frame operator()(R& renderer, const StressCase& drawn) const {
-    const DeviceArrays arrays(drawn.scene);  // as a caller's own, which nothing looks at before
+    const ArraysOn<Cuda> arrays(renderer.backend(),
+                                drawn.scene);  // as a caller's own, which nothing looks at before
     Frame frame = draw(renderer, drawn, arrays, true);
     if (drawn.occluder.empty()) {
       const Frame lean = draw(renderer, drawn, arrays, false);
@@ -28,7 +28,7 @@ struct DrawOnDevice {
 
  private:
   template <class R>
-  static Frame draw(R& renderer, const StressCase& drawn, const DeviceArrays& arrays, bool with_depth) {
+  static Frame draw(R& renderer, const StressCase& drawn, const ArraysOn<Cuda>& arrays, bool with_depth) {
     Frame frame;
     FrameView view = prepare(frame, drawn.camera.width, drawn.camera.height, {true, with_depth});
     FramePlanes<Cuda> planes;
@@ -36,7 +36,7 @@ struct DrawOnDevice {
     planes.place(view, 0);
     DeviceBuffer<float> occluder;
     if (!drawn.occluder.empty()) {
-      copy_to_device(Span<const float>{drawn.occluder.data(), drawn.occluder.size()}, occluder);
+      copy_to_device(span_of(drawn.occluder), occluder);
       view.occluder = {occluder.data(), std::ptrdiff_t(sizeof(float)) * frame.width};
     }
     const PlacedScene placed{arrays.view(), drawn.world_from_scene, 1, drawn.clip};

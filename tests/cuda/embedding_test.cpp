@@ -20,14 +20,6 @@ using namespace swiftgs::test;
 
 namespace {
 
-using Usual = Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
-
-RenderSettings with_planes() {
-  RenderSettings settings;
-  settings.outputs = {true, true};
-  return settings;
-}
-
 /// Draws as much of the scene as `image` is large.
 template <class R>
 void draw(R& renderer, const SceneView& scene, PlanesOn<Cuda>& image, const RenderSettings& settings = {}) {
@@ -39,7 +31,7 @@ void draw(R& renderer, const SceneView& scene, PlanesOn<Cuda>& image, const Rend
 /// Returns the colours of the last frame of each view.
 std::vector<std::vector<float>> render_many(const SceneView& scene, int frames) {
   const Stream stream;
-  Usual renderer{Cuda(stream.get())};
+  Usual<Cuda> renderer{Cuda(stream.get())};
   std::vector<PlanesOn<Cuda>> images;
   for (int view = 0; view < 3; ++view)
     images.emplace_back(renderer.backend(), 160 + 40 * view, 120 - 20 * view, Outputs{true, true});
@@ -65,27 +57,11 @@ cudaError_t poll_busy(const Stream& stream) {
 }  // namespace
 
 SWIFTGS_DEVICE_CASE(
-    "cuda embedding: frames are drawn from the caller's arrays into its memory on its stream") {
-  const Scene scene = random_scene(4000, 2, 1);
-  const Camera camera = forward_camera(150, 90);
-  Usual own;
-  const Frame expected = own.render(own.backend().upload(scene), camera, with_planes());
-
-  const DeviceArrays arrays(scene);
-  const Stream stream;
-  Usual renderer{Cuda(stream.get())};
-  PlanesOn<Cuda> image(renderer.backend(), 150, 90, {true, true});
-  draw(renderer, arrays.view(), image, with_planes());
-  stream.wait();
-  CHECK(same_planes(image.on_host(Cuda()), expected));
-}
-
-SWIFTGS_DEVICE_CASE(
     "cuda embedding: a frame waits for what its stream was given before and not for other streams") {
   const Scene scene = random_scene(4000, 0, 2);
-  const DeviceArrays arrays(scene);
+  const ArraysOn<Cuda> arrays(Cuda(), scene);
   const Stream stream;
-  Usual renderer{Cuda(stream.get())};
+  Usual<Cuda> renderer{Cuda(stream.get())};
   PlanesOn<Cuda> expected(renderer.backend(), 150, 90, {}), image(renderer.backend(), 150, 90, {});
   draw(renderer, arrays.view(), expected);
   stream.wait();
@@ -142,15 +118,15 @@ SWIFTGS_DEVICE_CASES("cuda embedding: a frame is drawn while its host polls a st
                      StandardSort, EarlySort, AdaptiveSort) {
   const Scene scene = random_scene(4000, 1, 9);
   const Camera camera = forward_camera(150, 90);
-  RenderSettings settings = with_planes();
+  RenderSettings settings = settings_of({true, true});
   settings.count = settings.time = true;
   const Stream stream, polled;
-  Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer{Cuda(stream.get())};
+  Usual<Cuda, Sort> renderer{Cuda(stream.get())};
   const auto uploaded = renderer.backend().upload(scene);
   const Frame expected = renderer.render(uploaded, camera, settings);
 
   // The answer stays behind as the last error of this thread. A renderer that is new allocates as well.
-  Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Ellipse> other{Cuda(stream.get())};
+  Usual<Cuda, Sort> other{Cuda(stream.get())};
   for (auto* each : {&renderer, &other}) {
     CHECK(poll_busy(polled) == cudaErrorNotReady);
     Frame frame;
@@ -164,7 +140,7 @@ SWIFTGS_DEVICE_CASES("cuda embedding: a frame is drawn while its host polls a st
 
 SWIFTGS_DEVICE_CASE(
     "cuda embedding: two renderers on two streams in two threads draw what each draws alone") {
-  const DeviceArrays first(random_scene(9000, 1, 3)), second(random_scene(7000, 3, 4));
+  const ArraysOn<Cuda> first(Cuda(), random_scene(9000, 1, 3)), second(Cuda(), random_scene(7000, 3, 4));
   constexpr int frames = 60;
   const auto alone_first = render_many(first.view(), 1), alone_second = render_many(second.view(), 1);
   REQUIRE_FALSE(same_bits(alone_first[0], alone_second[0]));
@@ -183,9 +159,9 @@ SWIFTGS_DEVICE_CASE(
 SWIFTGS_DEVICE_CASES("cuda embedding: a steady frame allocates nothing", Sort, StandardSort, EarlySort,
                      AdaptiveSort) {
   const Stream stream;
-  Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer{Cuda(stream.get())};
+  Usual<Cuda, Sort> renderer{Cuda(stream.get())};
   const auto scene = renderer.backend().upload(random_scene(20'000, 2, 7));
-  RenderSettings settings = with_planes();
+  RenderSettings settings = settings_of({true, true});
   settings.count = true;
   PlanesOn<Cuda> large(renderer.backend(), 400, 300, settings.outputs),
       small(renderer.backend(), 120, 200, settings.outputs);
@@ -202,12 +178,12 @@ SWIFTGS_DEVICE_CASES("cuda embedding: a steady frame allocates nothing", Sort, S
 SWIFTGS_DEVICE_CASE(
     "cuda embedding: a renderer by name works on the stream and in the memory that its options name") {
   const auto scene = std::make_shared<const Scene>(random_scene(2000, 1, 8));
-  Usual typed;
+  Usual<Cuda> typed;
   const DeviceScene uploaded = typed.backend().upload(scene);
   const Stream stream;
   StreamPool pool(stream.get());
   {
-    const auto any = make_renderer(Usual::name, {.stream = stream.get(), .memory = pool.hook()});
+    const auto any = make_renderer(Usual<Cuda>::name, {.stream = stream.get(), .memory = pool.hook()});
     any->set_scene(scene);
     const std::size_t of_scene = pool.in_use();
     CHECK(of_scene >= 2000 * 14 * sizeof(float));

@@ -13,10 +13,6 @@ using namespace swiftgs::test;
 
 namespace {
 
-using Usual = Renderer<Cuda, AdaptiveSort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
-template <class Sort>
-using With = Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
-
 /// A scene of `count` Gaussians that are all zero, in 16 bytes for each.
 SceneView zeros(const Cuda& cuda, std::size_t count, DeviceBuffer<Quaternion>& memory) {
   memory.reset(count);
@@ -46,7 +42,7 @@ std::string refusal(R& renderer, const SceneView& scene, const Camera& camera) {
 }  // namespace
 
 SWIFTGS_DEVICE_CASE("cuda endurance: ten thousand frames keep their bits and take no memory") {
-  Usual renderer;
+  Usual<Cuda, AdaptiveSort> renderer;
   const auto scene = renderer.backend().upload(random_scene(300, 0, 1));
   const Camera cameras[] = {forward_camera(64, 48), forward_camera(48, 80), forward_camera(33, 17)};
   std::vector<PlanesOn<Cuda>> images;
@@ -73,7 +69,7 @@ SWIFTGS_DEVICE_CASE("cuda endurance: renderers and scenes give back what they to
   const Scene scene = random_scene(20'000, 3, 2);
   const auto one = [&] {
     const Stream stream;
-    Usual renderer{Cuda(stream.get())};
+    Usual<Cuda, AdaptiveSort> renderer{Cuda(stream.get())};
     Frame frame;
     renderer.render(renderer.backend().upload(scene), forward_camera(100, 80), {}, frame);
   };
@@ -108,8 +104,8 @@ SWIFTGS_DEVICE_CASE("cuda endurance: memory that cannot be had is a capacity err
 }
 
 SWIFTGS_DEVICE_CASE("cuda endurance: a renderer that runs out of memory in a frame draws the next one") {
-  With<StandardSort> standard;
-  With<EarlySort> early;
+  Usual<Cuda, StandardSort> standard;
+  Usual<Cuda> early;
   const Cuda& cuda = early.backend();
   const auto scene = cuda.upload(random_scene(300, 1, 3)), giants = cuda.upload(giants_of(2000));
   const Camera camera = forward_camera(64, 48), huge = forward_camera(4096, 4096);

@@ -155,9 +155,6 @@ AskedView square_view(int side, const Wanted& wanted, const Conventions& convent
   return view;
 }
 
-template <class Raster>
-using With = Renderer<Cuda, EarlySort, Raster, Ellipse>;
-
 /// Rasterizers that cut lists into segments.
 using Segmented = TypeList<AxisSharedThreshold<FloatCholesky>, AxisShared<FloatCholesky>,
                            AxisSharedThreshold<FloatSplit>, AxisShared<FloatSplit>>;
@@ -167,7 +164,7 @@ template <class F>
 void for_each_segmented(const F& f) {
   for_each_type(Segmented(), [&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
-    f(With<Raster>());
+    f(Usual<Cuda, EarlySort, Raster>());
   });
 }
 
@@ -317,10 +314,9 @@ SWIFTGS_DEVICE_CASE("cuda long lists: frames are those of hosts, and their count
                        {"much, then little", layers_before_corners(50'000, 64), {}, true}};
   for (const auto& [name, scene, conventions, in_segments] : all) {
     CAPTURE(name);
-    Renderer<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> host;
-    RenderSettings settings;
-    settings.conventions = conventions;
-    settings.count = true, settings.outputs = {true, true};
+    Usual<Cpu> host;
+    RenderSettings settings = settings_of({true, true});
+    settings.conventions = conventions, settings.count = true;
     Frame expected, drawn;
     host.render(host.backend().upload(scene), camera, settings, expected);
     const RasterCounts counted = host.statistics().raster;
@@ -347,8 +343,7 @@ SWIFTGS_DEVICE_CASE(
   const Camera camera = square_camera(side);
   const Scene scene = with_features(layers_before_corners(50'000, side), 7);
   const Scene short_lists = layers_before_corners(50'000, side, false);
-  RenderSettings settings;
-  settings.outputs = {true, true};
+  const RenderSettings settings = settings_of({true, true});
   for_each_segmented([&](auto&& renderer) {
     const DeviceScene uploaded = renderer.backend().upload(scene);
     check_squares(renderer, uploaded, side, 32);
@@ -438,7 +433,7 @@ SWIFTGS_DEVICE_CASE("cuda long lists: a graph that runs again and again has the 
   for_each_type(Segmented(), [&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
     const Stream stream;
-    With<Raster> recorded{Cuda(stream.get())}, rendered{Cuda(stream.get())};
+    Usual<Cuda, EarlySort, Raster> recorded{Cuda(stream.get())}, rendered{Cuda(stream.get())};
     const Cuda& cuda = recorded.backend();
     const DeviceScene uploaded = cuda.upload(scene);
     for (const Wanted& wanted : wanted_planes()) {
@@ -549,7 +544,7 @@ SWIFTGS_DEVICE_CASE(
 }
 
 SWIFTGS_DEVICE_CASE("cuda long lists: counts tell of segments only where lists are long") {
-  With<AxisSharedThreshold<FloatCholesky>> renderer;
+  Usual<Cuda> renderer;
   const Camera camera = square_camera(64);
   const RasterCounts usual = counts_of(renderer, renderer.backend().upload(layers(500, 0.004, 0.01)), camera);
   CHECK(usual.segments == 0);

@@ -201,18 +201,6 @@ SWIFTGS_DEVICE_CASE(
   check_projection(stage, random_scene(300, 0, 5), forward_camera(max_image_side, max_image_side));
 }
 
-SWIFTGS_DEVICE_CASE("cuda project: only the bands that a view asks for are read") {
-  Stage stage;
-  const Scene scene = random_scene(3000, 3, 5);
-  const DeviceScene uploaded = stage.cuda.upload(scene);
-  for (const int degree : {0, 1, 2}) {
-    CAPTURE(degree);
-    SceneView on_device = uploaded.view(), on_host = view(scene);
-    on_device.sh_degree = on_host.sh_degree = degree;
-    check_projection(stage, on_device, on_host, forward_camera(320, 200));
-  }
-}
-
 SWIFTGS_DEVICE_CASE(
     "cuda project: coefficients may lie further apart than their bands need and begin anywhere") {
   Stage stage;

@@ -66,12 +66,6 @@ void check_on_all_backends(const SplatSet& splats, int width) {
   CHECK(on_cpu.counts.contributing_pairs == expected.counts.contributing_pairs);
 }
 
-template <class B>
-Frame frame_on(const Scene& scene, const Camera& camera) {
-  Renderer<B, EarlySort, HalfAsOpaque, Ellipse> renderer;
-  return renderer.render(renderer.backend().upload(scene), camera);
-}
-
 }  // namespace
 
 SWIFTGS_DEVICE_CASE("cuda raster pixels: rasterizers and terms of the caller draw what hosts draw") {
@@ -81,14 +75,6 @@ SWIFTGS_DEVICE_CASE("cuda raster pixels: rasterizers and terms of the caller dra
     check_on_all_backends<AxisShared<Round>>(splats, width);
     check_on_all_backends<AxisSharedThreshold<Round>>(splats, width);
   }
-}
-
-SWIFTGS_DEVICE_CASE("cuda raster pixels: a renderer takes a rasterizer of the caller on every backend") {
-  const Scene scene = random_scene(2000, 1, 22);
-  const Camera camera = forward_camera(170, 90);
-  const Frame serial = frame_on<Serial>(scene, camera);
-  CHECK(psnr(frame_on<Cpu>(scene, camera).colour, serial.colour) > 60);
-  CHECK(psnr(frame_on<Cuda>(scene, camera).colour, serial.colour) > 60);
 }
 
 SWIFTGS_DEVICE_CASE(

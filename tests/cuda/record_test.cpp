@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Frames that are recorded into a CUDA graph and run again: the same bits as frames that the host renders.
-#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -313,33 +312,12 @@ SWIFTGS_DEVICE_CASE("cuda record: an empty scene is drawn as its background") {
   CHECK(r.report.get(r.cuda).overflowed == 0);
 }
 
-SWIFTGS_DEVICE_CASE("cuda record: a graph draws the views of before after others were refused") {
-  Recording<> r;
-  const Graph graph = r.capture(frame_of(0));
-  for (int k = 0; k < 5; ++k) {
-    PlacedViews drawn(r.cuda, frame_of(k)), others(r.cuda, frame_of(k + 1));
-    r.renderer.set_views(drawn.span());
-    others.views[1].grid.rows.end += 1;
-    CHECK_THROWS_AS(r.renderer.set_views(others.span()), std::invalid_argument);
-    graph.run();
-    CHECK(r.wrong(drawn, frame_of(k)) == 0);
-  }
-}
-
 SWIFTGS_DEVICE_CASE("cuda record: a graph that runs again shows what its scene was updated to") {
   // Enough chunks for a list of those that show.
   Scene expected = order_spatially(make_builtin_scene(300'000));
   const Scene part = random_scene(20'000, expected.sh_degree, 4);
-  const DeviceArrays on_device(part);
-  const auto array = [](const auto& of) { return FloatArray{reinterpret_cast<const float*>(of.data())}; };
-  const SceneArrays moved{
-      .count = part.size(), .means = array(on_device.means), .rotations = array(on_device.rotations)};
-  SceneArrays replaced = moved;
-  replaced.scales = array(on_device.scales), replaced.opacities = array(on_device.opacities);
-  replaced.sh0 = array(on_device.sh0);
-  replaced.sh_rest = array(on_device.sh_rest), replaced.sh_degree = part.sh_degree;
-
   Recording<> r(expected);
+  const ArraysOn<Cuda> arrays(r.cuda, part);
   REQUIRE_FALSE(r.scene.view().chunks.empty());
   REQUIRE(r.scene.view().sh_degree == part.sh_degree);
   const Graph graph = r.capture(frame_of(0), {600'000, 12'000'000});
@@ -349,25 +327,19 @@ SWIFTGS_DEVICE_CASE("cuda record: a graph that runs again shows what its scene w
     r.run(graph, views);
     return differing(views.finish(r.cuda), draw_together(r.other, fresh.view(), frame_of(0))) + !r.reported();
   };
-  const auto copy = [](const auto& from, auto& to, std::size_t at) {
-    std::copy(from.begin(), from.end(), to.begin() + std::ptrdiff_t(at));
-  };
   CHECK(wrong() == 0);
   std::size_t first = 1001;
-  r.cuda.update(r.scene, first, moved);
+  r.cuda.update(r.scene, first, some_of(arrays.all, means_and_rotations));
   CHECK(wrong() != 0);
-  copy(part.means, expected.means, first), copy(part.rotations, expected.rotations, first);
+  replace(expected, first, part, means_and_rotations);
   CHECK(wrong() == 0);
 
   // An update may be a graph as well.
   first = 200'003;
-  const Graph update(r.stream, [&] { r.cuda.update(r.scene, first, replaced); });
+  const Graph update(r.stream, [&] { r.cuda.update(r.scene, first, arrays.all); });
   CHECK(wrong() == 0);
   update.run();
-  copy(part.means, expected.means, first), copy(part.rotations, expected.rotations, first);
-  copy(part.scales, expected.scales, first), copy(part.opacities, expected.opacities, first);
-  copy(part.sh0, expected.sh0, first);
-  copy(part.sh_rest, expected.sh_rest, first * 3 * std::size_t(sh_rest_count(part.sh_degree)));
+  replace(expected, first, part);
   CHECK(wrong() == 0);
 }
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Whole frames from the device: the order of its raster blocks and its coarser tiles.
-#include <memory>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -11,7 +10,6 @@
 #include <swiftgs/edit.hpp>
 
 #include "cuda/device.hpp"
-#include "policies/cameras.hpp"
 #include "policies/views.hpp"
 
 namespace swiftgs::test {
@@ -29,14 +27,12 @@ using namespace swiftgs::test;
 
 namespace {
 
-using Usual = Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
-
 /// Calls f(together, alone) with two renderers of each rasterizer.
 template <class F>
 void for_each_raster_renderer(const F& f) {
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
-    Renderer<Cuda, EarlySort, Raster, Ellipse> together, alone;
+    Usual<Cuda, EarlySort, Raster> together, alone;
     f(together, alone);
   });
 }
@@ -53,15 +49,8 @@ static_assert(!may_gain_by_coarse_tiles<Cuda, PerPixel> &&
 
 }  // namespace
 
-SWIFTGS_DEVICE_CASE("cuda renderer: several views of a scene in chunks are drawn as each alone") {
-  const Scene builtin = make_builtin_scene(100'000);
-  const auto scene = std::make_shared<const Scene>(order_spatially(builtin));
-  const std::vector<Camera> cameras = builtin_cameras(5, 192, 108);
-  check_cameras(*make_renderer(Usual::name), scene, {cameras.data(), cameras.size()}, {});
-}
-
 SWIFTGS_DEVICE_CASE("cuda renderer: a large image with few splats has the same bits by coarser tiles") {
-  Usual renderer;
+  Usual<Cuda> renderer;
   const auto scene = renderer.backend().upload(random_scene(4000, 0, 3));
   const auto tiles_of = [&](auto& by, const Camera& camera, const auto& of) {
     const Frame frame = by.render(of, camera);
@@ -79,26 +68,9 @@ SWIFTGS_DEVICE_CASE("cuda renderer: a large image with few splats has the same b
   const Camera small = forward_camera(320, 200);
   for (int i = 0; i < 2; ++i) CHECK(tiles_of(renderer, small, scene).second == FrameTiles{20, 13, 16});
   CHECK(tiles_of(renderer, large, scene).second == fine);
-  Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, ThreeSigmaSquare> cutting;
+  Usual<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, ThreeSigmaSquare> cutting;
   const auto again = cutting.backend().upload(random_scene(4000, 0, 3));
   for (int i = 0; i < 2; ++i) CHECK(tiles_of(cutting, large, again).second == fine);
-}
-
-SWIFTGS_DEVICE_CASE(
-    "cuda renderer: a scene in the memory of one that is gone is not sorted by what was learnt of it") {
-  Renderer<Cuda, AdaptiveSort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer{Cuda(), AdaptiveSort(1)};
-  const Camera camera = forward_camera(200, 150);
-  const DeviceArrays memory(random_scene(50'000, 0, 1));
-  SceneView scene = memory.view();
-  scene.identity = new_scene_identity();
-  for (int i = 0; i < 50 && !renderer.sort().calibration(); ++i) {
-    renderer.render_resident(scene, camera, {});
-    renderer.backend().wait();
-  }
-  REQUIRE(renderer.sort().calibration());
-  scene.identity = new_scene_identity();
-  renderer.render_resident(scene, camera, {});
-  CHECK_FALSE(renderer.sort().calibration());
 }
 
 SWIFTGS_DEVICE_CASE(

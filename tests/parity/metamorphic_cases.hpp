@@ -13,7 +13,6 @@
 #include <cstdint>
 #include <iterator>
 #include <memory>
-#include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
@@ -21,6 +20,7 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/any_renderer.hpp>
+#include <swiftgs/edit.hpp>
 #include <swiftgs/project.hpp>
 #include <swiftgs/swiftgs.hpp>
 
@@ -36,7 +36,7 @@ struct World {
   Camera camera;
   Conventions conventions;
   /// Which Gaussian each was before a change; empty: the same.
-  std::vector<std::size_t> before_change{};
+  std::vector<std::uint32_t> before_change{};
 };
 
 /// The worlds that every test changes: ordinary Gaussians, needles, and means far beside the image.
@@ -44,29 +44,13 @@ enum class Kind { ordinary, needles, far_means };
 constexpr Kind kinds[] = {Kind::ordinary, Kind::needles, Kind::far_means};
 constexpr std::uint64_t seeds[] = {1, 2, 3, 4, 5, 6};
 
-/// `scene` with Gaussian order[i] at place i.
-Scene reordered(const Scene& scene, const std::vector<std::size_t>& order) {
-  Scene out;
-  out.sh_degree = scene.sh_degree, out.feature_channels = scene.feature_channels;
-  const std::size_t rest = 3 * std::size_t(sh_rest_count(scene.sh_degree));
-  for (const std::size_t i : order) {
-    out.means.push_back(scene.means[i]), out.scales.push_back(scene.scales[i]);
-    out.rotations.push_back(scene.rotations[i]), out.opacities.push_back(scene.opacities[i]);
-    out.sh0.push_back(scene.sh0[i]);
-    for (std::size_t k = 0; k < rest; ++k) out.sh_rest.push_back(scene.sh_rest[i * rest + k]);
-    const std::size_t channels = std::size_t(scene.feature_channels);
-    for (std::size_t k = 0; k < channels; ++k) out.features.push_back(scene.features[i * channels + k]);
-  }
-  return out;
-}
-
 /// Leaves out Gaussians until no two are drawn at depths within the last places in which backends may differ.
 void keep_distinct_depths(World& world) {
   const ViewConstants constants = view_constants(world.camera, world.conventions);
   const SceneView scene = view(world.scene);
   std::vector<float> depths;
-  std::vector<std::size_t> kept;
-  for (std::size_t i = 0; i < scene.size(); ++i) {
+  std::vector<std::uint32_t> kept;
+  for (std::uint32_t i = 0; i < scene.size(); ++i) {
     const ProjectedShape p = project_shape(constants, gaussian(scene, i));
     const auto close = [&](float depth) { return std::abs(depth - p.depth) <= 0x1p-20f * p.depth; };
     if (p.visible && std::any_of(depths.begin(), depths.end(), close)) continue;
@@ -74,7 +58,7 @@ void keep_distinct_depths(World& world) {
     kept.push_back(i);
   }
   CHECK(depths.size() > 20);
-  world.scene = reordered(world.scene, kept);
+  world.scene = subset(world.scene, kept);
 }
 
 World make_world(Kind kind, std::uint64_t seed) {
@@ -121,7 +105,7 @@ Frame render(AnyRenderer& renderer, const World& world) {
   renderer.render(world.camera, settings, frame);
   for (auto* const ids : {&frame.id, &frame.median_id})
     for (std::uint32_t& id : *ids)
-      if (id != no_gaussian && !world.before_change.empty()) id = std::uint32_t(world.before_change.at(id));
+      if (id != no_gaussian && !world.before_change.empty()) id = world.before_change.at(id);
   return frame;
 }
 
@@ -187,13 +171,13 @@ TEST_CASE(SWIFTGS_METAMORPHIC ": a world times a power of two has the same image
 TEST_CASE(SWIFTGS_METAMORPHIC ": the order of Gaussians of distinct depths does not matter") {
   check_all(
       [](World& world, std::uint64_t seed) {
-        std::vector<std::size_t> order(world.scene.size());
+        std::vector<std::uint32_t> order(world.scene.size());
         Random random(seed + 50);
-        for (std::size_t i = 0; i < order.size(); ++i) {
+        for (std::uint32_t i = 0; i < order.size(); ++i) {
           order[i] = i;
           std::swap(order[i], order[random.bits() % (i + 1)]);
         }
-        world.scene = reordered(world.scene, order), world.before_change = order;
+        world.scene = subset(world.scene, order), world.before_change = order;
       },
       unchanged);
 }
@@ -213,12 +197,12 @@ TEST_CASE(SWIFTGS_METAMORPHIC ": Gaussians that are culled change nothing") {
         // image.
         Random random(seed + 60);
         const Scene original = world.scene;
-        std::vector<std::size_t> order;
+        std::vector<std::uint32_t> order;
         std::vector<bool> culled;
-        for (std::size_t i = 0; i < original.size(); ++i)
+        for (std::uint32_t i = 0; i < original.size(); ++i)
           for (std::size_t copies = random.bits() % 4 + 1; copies > 0; --copies)
             order.push_back(i), culled.push_back(copies > 1);
-        world.scene = reordered(original, order), world.before_change = order;
+        world.scene = subset(original, order), world.before_change = order;
         const dvec3 eye = world.camera.centre();
         for (std::size_t n = 0; n < order.size(); ++n) {
           if (!culled[n]) continue;

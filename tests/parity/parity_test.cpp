@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <memory>
 #include <string_view>
 
 #include <doctest/doctest.h>
@@ -16,25 +15,6 @@ bool unavailable() { return false; }
 
 using namespace swiftgs;
 using namespace swiftgs::test;
-
-TEST_CASE("parity: the depth output is the reference's mean depth") {
-  const Scene scene = random_scene(300, 0, 8);
-  const Camera camera = forward_camera(60, 40);
-  const ReferenceFrame reference = render_reference(scene, camera, Conventions::gsplat(), dvec3(0), 2);
-  RenderSettings settings;
-  settings.outputs.depth = true;
-  for (const char* name :
-       {"serial/early/per-pixel/ellipse", "cpu/early/axis-shared-threshold-float-cholesky/ellipse"}) {
-    CAPTURE(name);
-    const auto renderer = make_renderer(name);
-    renderer->set_scene(std::make_shared<const Scene>(scene));
-    Frame frame;
-    renderer->render(camera, settings, frame);
-    // Depths reach 12.
-    CHECK(psnr(frame.depth, reference.depth) >= 105);
-    CHECK(max_abs_difference(frame.depth, reference.depth) <= 1e-3);
-  }
-}
 
 TEST_CASE("parity: cpu renderers give the same bits on 1 2 4 and 8 threads") {
   const Scene scene = make_builtin_scene(20'000);

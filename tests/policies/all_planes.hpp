@@ -2,6 +2,7 @@
 #pragma once
 
 #include <swiftgs/frame.hpp>
+#include <swiftgs/render_input.hpp>
 
 namespace swiftgs::test {
 
@@ -16,6 +17,13 @@ inline Outputs all_planes(int features = 0) {
           .id = true,
           .median_id = true,
           .features = features};
+}
+
+/// Settings that ask for these planes.
+inline RenderSettings settings_of(const Outputs& outputs, vec3 background = vec3(0)) {
+  RenderSettings settings;
+  settings.outputs = outputs, settings.background = background;
+  return settings;
 }
 
 }  // namespace swiftgs::test

@@ -5,7 +5,6 @@
 /// Renderers that are chosen at run time against those of their types.
 
 #include <cstddef>
-#include <utility>
 #include <vector>
 
 #include <swiftgs/any_renderer.hpp>
@@ -32,8 +31,7 @@ void check_drawn_frames(AnyRenderer& any, BoundRenderer<B>& typed, const PlacedS
   CHECK(same_counts(found.raster, taken.raster));
 
   const Camera cameras[] = {forward_camera(50, 40), turned_camera(33, 17, 0.2, 0.3)};
-  RenderSettings settings;
-  settings.outputs = {true, true}, settings.background = vec3(0.1f, 0.2f, 0.3f);
+  const RenderSettings settings = settings_of({true, true}, vec3(0.1f, 0.2f, 0.3f));
   const Span<const FrameView> resident = any.render_resident({cameras, 2}, settings);
   const Span<const FrameView> kept = typed.render_resident(scenes, {cameras, 2}, settings);
   REQUIRE(resident.size == kept.size);
@@ -65,15 +63,13 @@ void check_recorded_frames(AnyRenderer& any, BoundRenderer<B>& typed, const Plac
   for (AskedView& view : moved) view.camera.translation.x += 0.1;
   PlacedViews reserved(backend, asked), set(backend, moved), expected(backend, moved);
   typed.render_into(scenes, expected.span());
-  typename B::template Buffer<FrameReport> report;
-  report.reset(1);
+  Report<B> report;
   const Statistics taken = typed.statistics();
   any.reserve(reserved.span(), {2 * taken.visible, 2 * taken.intersections});
   any.set_views(set.span());
   record(report.data());
   any.wait();
-  FrameReport found;
-  backend.download(Span{std::as_const(report).data(), 1}, &found);
+  const FrameReport found = report.get(backend);
   CHECK(found.overflowed == 0);
   CHECK(found.visible == taken.visible);
   CHECK(found.intersections == taken.intersections);

@@ -19,6 +19,11 @@
 
 namespace swiftgs::test {
 
+/// The renderer that most tests draw with.
+template <class B, class Sort = EarlySort, class Raster = AxisSharedThreshold<FloatCholesky>,
+          class Bounds = Ellipse>
+using Usual = Renderer<B, Sort, Raster, Bounds>;
+
 /// Lets oneTBB run eight threads where the machine has fewer cores.
 inline const tbb::global_control eight_threads(tbb::global_control::max_allowed_parallelism, 8);
 

@@ -9,7 +9,6 @@
 #include <doctest/doctest.h>
 
 #include "policies/double_drawing.hpp"
-#include "policies/views.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -248,25 +247,6 @@ SWIFTGS_BLENDING("needles and giants leave no pixel that is not a number") {
                         [](float v) { return v >= 0 && v <= 1.001f; }));
       CHECK(std::all_of(frame.alpha.begin(), frame.alpha.end(), [](float v) { return v >= 0 && v <= 1; }));
     }
-  });
-}
-
-SWIFTGS_BLENDING("memory beyond each row of a pitched frame is left alone") {
-  const int width = 37, height = 21;
-  const SplatSet splats = usual_splats(200, width, height, 14);
-  Picture<B, Ellipse> picture(backend, splats, width, height, {.count = false});
-  with_each([&]<class Raster>(Raster raster) {
-    PlanesMemory memory(width, height, PixelFormat::rgb_float, 56);
-    PlacedFrame<B> placed(backend, memory);
-    FrameView frame = placed.frame();
-    frame.occluder = {};
-    picture.draw(raster, frame);
-    placed.finish(backend);
-    CHECK(memory.kept_to_its_rows());
-    const Frame tight = draw<Raster>(backend, splats, width, height).frame;
-    CHECK(same_bits(memory.rows(0), tight.colour));
-    CHECK(same_bits(memory.rows(1), tight.alpha));
-    CHECK(same_bits(memory.rows(2), tight.depth));
   });
 }
 

@@ -90,15 +90,14 @@ SWIFTGS_CONTRACT("borrowed: arrays of any stride have the bits of their copies i
         arrays.plain_colours = plain;
         const SceneView borrowed = view(arrays);
         const auto copy = backend.upload(arrays, none);
-        RenderSettings settings = settings_of_all(channels);
-        settings.outputs.normal = true;
+        const RenderSettings settings = settings_of_all(channels);
         for (const Camera& camera : cameras())
           CHECK(same_planes(renderer.render(borrowed, camera, settings),
                             renderer.render(copy, camera, settings)));
         std::vector<Frame> some(cameras().size()), expected(cameras().size());
         const std::vector<Camera> all = cameras();
-        renderer.render(borrowed, {all.data(), all.size()}, settings, {some.data(), some.size()});
-        renderer.render(copy, {all.data(), all.size()}, settings, {expected.data(), expected.size()});
+        renderer.render(borrowed, span_of(all), settings, span_of(some));
+        renderer.render(copy, span_of(all), settings, span_of(expected));
         for (std::size_t i = 0; i < some.size(); ++i) CHECK(same_planes(some[i], expected[i]));
       }
     }
@@ -116,16 +115,12 @@ SWIFTGS_CONTRACT("borrowed: bands side by side, as tensors have them, are drawn 
       std::copy_n(&scene.sh_rest[each * i], each, &bands[row * i + 3]);
     }
     const auto sh = to_backend(backend, bands);
-    const auto means = to_backend(backend, scene.means), scales = to_backend(backend, scene.scales);
-    const auto rotations = to_backend(backend, scene.rotations);
-    const auto opacities = to_backend(backend, scene.opacities);
-    const auto dense = [](const auto& of) { return FloatArray{reinterpret_cast<const float*>(of.data())}; };
+    const ArraysOn<B> dense(backend, scene);
     for (int degree = 0; degree <= stored; ++degree) {
       CAPTURE(stored);
       CAPTURE(degree);
-      SceneArrays arrays{.count = count, .sh_degree = degree};
-      arrays.means = dense(means), arrays.scales = dense(scales), arrays.rotations = dense(rotations);
-      arrays.opacities = dense(opacities);
+      SceneArrays arrays = dense.all;
+      arrays.sh_degree = degree;
       arrays.sh0 = {sh.data(), std::ptrdiff_t(row * sizeof(float))};
       arrays.sh_rest = {sh.data() + 3, std::ptrdiff_t(row * sizeof(float))};
       const auto copy = backend.upload(arrays, none);

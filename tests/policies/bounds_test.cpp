@@ -187,17 +187,6 @@ TEST_CASE("bounds: an ellipse of which the image shows the tip is as wide as the
   CHECK(tiles_of<Ellipse>(shape).size() <= 9);
 }
 
-TEST_CASE("bounds: an oblique ellipse leaves the corners of its box out") {
-  const SplatShape shape = make_splat(160, 144, 30, 3, 0.785398, 1);
-  const Tiles ellipse = tiles_of<Ellipse>(shape), box = tiles_of<OpacityBox>(shape);
-  const std::pair<int, int> upper_left = *box.begin(), lower_right = *box.rbegin();
-  CHECK(ellipse.count(upper_left));
-  CHECK(ellipse.count(lower_right));
-  CHECK_FALSE(ellipse.count({upper_left.first, lower_right.second}));
-  CHECK_FALSE(ellipse.count({lower_right.first, upper_left.second}));
-  CHECK(2 * ellipse.size() < box.size());
-}
-
 TEST_CASE("bounds: a splat off the screen is in no tile") {
   for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
     CAPTURE(Bounds::name);

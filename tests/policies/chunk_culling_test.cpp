@@ -2,7 +2,6 @@
 
 // Which chunks a view hides, through every lens, and what chunks hold.
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>

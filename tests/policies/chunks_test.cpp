@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <doctest/doctest.h>
-
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/edit.hpp>
 
@@ -10,9 +8,7 @@
 using namespace swiftgs;
 using namespace swiftgs::test;
 
-TEST_CASE_TEMPLATE("chunks: a scene with them has the same splats", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
-  B backend = test::make_backend<B>();
+SWIFTGS_CONTRACT("chunks: a scene with them has the same splats") {
   const auto scene = backend.upload(order_spatially(make_builtin_scene(30'000)));
   const SceneView with = scene.view();
   REQUIRE_FALSE(with.chunks.empty());

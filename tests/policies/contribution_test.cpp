@@ -75,17 +75,6 @@ Scene deep_scene(std::size_t count, std::uint64_t seed) {
   return scene;
 }
 
-/// A movement about no axis of the world.
-Similarity moved(double scale, dvec3 to = dvec3(0.3, -0.2, 0.7)) {
-  return {matrix_of(unit(DQuaternion{0.8, 0.3, -0.4, 0.2})), scale, to};
-}
-
-/// `scene` in a space of its own, from which `pose` brings it back to where it was.
-Placed placed_by(Scene scene, const Similarity& pose, float opacity = 1, const Clip& clip = {}) {
-  transform(scene, inverse(pose), dvec3(0.0));
-  return {std::move(scene), pose, opacity, clip};
-}
-
 /// Scenes of `count` Gaussians each, in spaces of their own, and an empty one.
 List some_placed(const std::function<Scene(std::size_t, std::uint64_t)>& make, std::size_t count) {
   Placed cut = placed_by(make(count, 24), moved(30, dvec3(1, 2, 3)), 0.7f);
@@ -97,20 +86,6 @@ List some_placed(const std::function<Scene(std::size_t, std::uint64_t)>& make, s
           placed_by(make(count, 23), moved(1e3), 0.9f),
           cut};
 }
-
-/// A list where backend `B` reads it.
-template <class B>
-struct ListOn {
-  std::vector<typename B::SceneOn> uploaded;
-  std::vector<PlacedScene> placed;
-
-  ListOn(const B& backend, const List& list) {
-    for (const Placed& p : list) {
-      uploaded.push_back(backend.upload(p.scene));
-      placed.push_back({uploaded.back().view(), p.pose, p.opacity, p.clip});
-    }
-  }
-};
 
 /// As `sums_of`, of placed scenes.
 template <class B>
@@ -124,9 +99,6 @@ template <class B>
 Sums sums_of_placed(const List& list, const std::vector<Camera>& cameras, const Conventions& conventions) {
   return sums_of_placed<B>(ListOn<B>(test::make_backend<B>(), list).placed, cameras, conventions);
 }
-
-template <class B>
-using Usual = Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
 
 /// Compares with the serial backend. Exponentials differ by 2 units in the last place; and where alpha or
 /// transmittance is at a threshold, a pixel more or less keeps a splat: with a weight of 1/255 at most at
@@ -229,18 +201,6 @@ SWIFTGS_CONTRACT("contribution: sees the Gaussians that a renderer sees") {
     contributions.add(camera, Conventions::gsplat());
     CHECK(contributions.visible() == renderer.statistics().visible);
     CHECK(contributions.visible() > 100);
-  }
-}
-
-TEST_CASE_TEMPLATE("contribution: is each Gaussian's weight in the float64 reference's image", B,
-                   SWIFTGS_TEST_HOSTS) {
-  const Scene scene = deep_scene(60, 13);
-  const Camera camera = forward_camera(64, 48);
-  Conventions conventions = Conventions::gsplat();
-  for (const bool antialiased : {false, true}) {
-    conventions.antialiased = antialiased;
-    check_against_reference(sums_of<B>(scene, {camera}, conventions),
-                            reference_weights({{scene}}, camera, conventions));
   }
 }
 

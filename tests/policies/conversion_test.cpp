@@ -60,9 +60,7 @@ double tolerance(PixelFormat format, double value) {
 }  // namespace
 
 SWIFTGS_CONTRACT("conversion: every format holds the converted straight colours and the same alpha") {
-  for_each_raster([&]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
-    Renderer<B, EarlySort, Raster, Ellipse> renderer(test::make_backend<B>());
+  with_each_renderer<B>([&](auto& renderer) {
     const auto scene = renderer.backend().upload(random_scene(200, 1, 6));
     const Image nothing(width, height, PixelFormat::rgba_float);
     Drawn splats = draw(renderer, scene.view(), nothing, Conversion::as_is, false, vec3(0));
@@ -109,9 +107,7 @@ SWIFTGS_CONTRACT("conversion: every format holds the converted straight colours 
 
 SWIFTGS_CASE_ON("conversion: hosts store the bits that the curve gives of what was blended",
                 SWIFTGS_TEST_HOSTS) {
-  for_each_raster([&]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
-    Renderer<B, EarlySort, Raster, Ellipse> renderer(test::make_backend<B>());
+  with_each_renderer<B>([&](auto& renderer) {
     const auto scene = renderer.backend().upload(random_scene(300, 1, 6));
     const Image nothing(width, height, PixelFormat::rgba_float);
     Image plain = draw(renderer, scene.view(), nothing, Conversion::as_is, false, vec3(0)).image;
@@ -133,7 +129,7 @@ SWIFTGS_CASE_ON("conversion: hosts store the bits that the curve gives of what w
 }
 
 SWIFTGS_CONTRACT("conversion: an image of 8 bits or halves keeps its bytes where no splat is") {
-  Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   const auto scene = renderer.backend().upload(Scene());
   for (const PixelFormat format : {PixelFormat::rgba_half, PixelFormat::rgba_8, PixelFormat::bgra_8})
     for (const Conversion conversion : conversions) {
@@ -148,11 +144,9 @@ SWIFTGS_CONTRACT("conversion: an image of 8 bits or halves keeps its bytes where
 }
 
 SWIFTGS_CONTRACT("conversion: recorded frames convert and keep to what was reserved") {
-  Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer(test::make_backend<B>()),
-      other(std::move(backend));
+  Usual<B> renderer(test::make_backend<B>()), other(std::move(backend));
   const auto scene = other.backend().upload(random_scene(500, 1, 10));
-  typename B::template Buffer<FrameReport> report;
-  report.reset(1);
+  Report<B> report;
   std::vector<AskedView> asked = different_views();
   PlacedViews reserved(other.backend(), asked);
   renderer.reserve(scene.view(), reserved.span());
@@ -166,7 +160,7 @@ SWIFTGS_CONTRACT("conversion: recorded frames convert and keep to what was reser
   std::vector<View> views = reserved.views;
   views[0].frame.conversion = Conversion::linear_to_srgb;
   CHECK_THROWS_WITH_AS(
-      renderer.set_views({views.data(), views.size()}),
+      renderer.set_views(span_of(views)),
       "set_views: the size or the planes of view 0 changed, expected those that were reserved",
       std::invalid_argument);
 }

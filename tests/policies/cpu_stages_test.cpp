@@ -106,6 +106,16 @@ std::size_t for_each_shared(const Projected& x, const Projected& y, const F& f) 
   return alone + x.gaussians.size() - a + y.gaussians.size() - b;
 }
 
+/// The largest differences of splats that both have.
+Apart worst_of(const Projected& x, const Projected& y, std::size_t& alone) {
+  Apart worst{};
+  alone = for_each_shared(x, y, [&](std::size_t a, std::size_t b) {
+    const Apart here = differences(x.shapes[a], x.depths[a], y.shapes[b], y.depths[b]);
+    for (std::size_t k = 0; k < here.size(); ++k) worst[k] = std::max(worst[k], here[k]);
+  });
+  return worst;
+}
+
 View whole(const Camera& camera, const Conventions& conventions = {}) {
   return make_view(camera, conventions, {.width = camera.width, .height = camera.height});
 }
@@ -119,24 +129,20 @@ TEST_CASE("cpu stages: every vector target projects to the scalar splats within 
   compensated.antialiased = true;
   for (const Camera& camera : {forward_camera(640, 480), turned_camera()})
     for (const Conventions& conventions : {Conventions::gsplat(), Conventions::inria(), compensated})
-      for_each_target(
-          targets, whole(camera, conventions), scene,
-          [&](const std::string& name, const Projected& scalar, const Projected& found) {
-            REQUIRE(scalar.shapes.size() > 10000);
-            const bool fuses = name.find("SSE") == std::string::npos && name.find("EMU") == std::string::npos;
-            Apart worst{};
-            const std::size_t alone = for_each_shared(scalar, found, [&](std::size_t a, std::size_t b) {
-              const Apart here =
-                  differences(scalar.shapes[a], scalar.depths[a], found.shapes[b], found.depths[b]);
-              for (std::size_t k = 0; k < here.size(); ++k) worst[k] = std::max(worst[k], here[k]);
-            });
-            for (std::size_t k = 0; k < worst.size(); ++k) {
-              CAPTURE(members[k].name);
-              const Limit limit = fuses ? members[k].fused : members[k].unfused;
-              CHECK(worst[k] <= (conventions.antialiased ? limit.compensated : limit.usual));
-            }
-            CHECK(alone <= 1);  // at the border of the image; none was measured
-          });
+      for_each_target(targets, whole(camera, conventions), scene,
+                      [&](const std::string& name, const Projected& scalar, const Projected& found) {
+                        REQUIRE(scalar.shapes.size() > 10000);
+                        const bool fuses =
+                            name.find("SSE") == std::string::npos && name.find("EMU") == std::string::npos;
+                        std::size_t alone = 0;
+                        const Apart worst = worst_of(scalar, found, alone);
+                        for (std::size_t k = 0; k < worst.size(); ++k) {
+                          CAPTURE(members[k].name);
+                          const Limit limit = fuses ? members[k].fused : members[k].unfused;
+                          CHECK(worst[k] <= (conventions.antialiased ? limit.compensated : limit.usual));
+                        }
+                        CHECK(alone <= 1);  // at the border of the image; none was measured
+                      });
 }
 
 TEST_CASE("cpu stages: every vector target projects needles through lenses as the scalar form does") {
@@ -159,14 +165,8 @@ TEST_CASE("cpu stages: every vector target projects needles through lenses as th
     for_each_target(targets, whole(camera, compensated), scene,
                     [&](const std::string&, const Projected& scalar, const Projected& found) {
                       REQUIRE(scalar.shapes.size() > 500);
-                      Apart worst{};
-                      const std::size_t alone =
-                          for_each_shared(scalar, found, [&](std::size_t a, std::size_t b) {
-                            const Apart here = differences(scalar.shapes[a], scalar.depths[a],
-                                                           found.shapes[b], found.depths[b]);
-                            for (std::size_t k = 0; k < here.size(); ++k)
-                              worst[k] = std::max(worst[k], here[k]);
-                          });
+                      std::size_t alone = 0;
+                      const Apart worst = worst_of(scalar, found, alone);
                       for (std::size_t k = 0; k < worst.size(); ++k) {
                         CAPTURE(members[k].name);
                         CHECK(worst[k] <= through_lens[k]);

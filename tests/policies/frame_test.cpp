@@ -26,8 +26,8 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
 
 RenderSettings settings_with(vec3 background) {
-  RenderSettings settings;
-  settings.background = background, settings.outputs = {true, true}, settings.count = true;
+  RenderSettings settings = settings_of({true, true}, background);
+  settings.count = true;
   return settings;
 }
 /// A device has other kernels for frames that are not counted.
@@ -37,16 +37,6 @@ RenderSettings uncounted(RenderSettings settings) {
 }
 /// Brighter than 8 bits hold, darker, and no part of the opacity.
 RenderSettings striking_background() { return settings_with(vec3(0.3f, 1.7f, -0.4f)); }
-
-/// Calls f(renderer) with a renderer of each rasterizer.
-template <class B, class F>
-void with_each_renderer(const F& f) {
-  for_each_raster([&]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
-    Renderer<B, EarlySort, Raster, Ellipse> renderer(test::make_backend<B>());
-    f(renderer);
-  });
-}
 
 /// Renders into an image, over what it holds or not.
 template <class R>
@@ -205,8 +195,7 @@ SWIFTGS_CONTRACT("frame: a surface in the middle leaves the image of the Gaussia
     if (all.means[i].z >= depth) nearer.opacities[i] = 0;
   const std::vector<float> occluder(70 * 45, depth);
   const ReferenceFrame reference =
-      render_reference(all, camera, Conventions::gsplat(), vec3(0.1f, 0.2f, 0.3f), 0,
-                       Span<const float>{occluder.data(), occluder.size()});
+      render_reference(all, camera, Conventions::gsplat(), vec3(0.1f, 0.2f, 0.3f), 0, span_of(occluder));
   with_each_renderer<B>([&](auto& renderer) {
     const auto scene = renderer.backend().upload(all);
     const auto expected =
@@ -284,8 +273,7 @@ SWIFTGS_CONTRACT("frame: each pixel is hidden by its own depth") {
     for (std::size_t x = 0; x < width; ++x)
       tight.push_back(occluder[y * pitch + x] = depths[(x + 3 * y) % std::size(depths)]);
   const ReferenceFrame reference =
-      render_reference(all, camera, Conventions::gsplat(), vec3(0.1f, 0.2f, 0.3f), 0,
-                       Span<const float>{tight.data(), tight.size()});
+      render_reference(all, camera, Conventions::gsplat(), vec3(0.1f, 0.2f, 0.3f), 0, span_of(tight));
   with_each_renderer<B>([&](auto& renderer) {
     const auto scene = renderer.backend().upload(all);
     const Frame frame = render_before(renderer, scene.view(), camera, occluder, pitch);

@@ -87,21 +87,18 @@ Statistics counted(R& renderer, const SceneView& scene, const std::vector<Occlud
     views.push_back(make_view(view.camera, {}, frame));
     views.back().grid = TileGrid::covering(width, height, side);
   }
-  renderer.render_into(scene, {views.data(), views.size()}, {.count = true});
+  renderer.render_into(scene, span_of(views), {.count = true});
   const Statistics statistics = renderer.statistics();
   CHECK(statistics.intersections_hidden == brute_force(renderer, views, asked));
-  renderer.render_into(scene, {views.data(), views.size()});
+  renderer.render_into(scene, span_of(views));
   CHECK(renderer.statistics().intersections_hidden == 0);
   return statistics;
 }
 
-template <class B>
-using With = Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
-
 }  // namespace
 
 SWIFTGS_CONTRACT("hidden: counted are the intersections that no pixel of their tile can show") {
-  With<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   const auto scene = renderer.backend().upload(random_scene(800, 0, 9));
   const OccludedView sloped{slope()}, plain{{}}, other{slope(), {}, turned_camera(width, height, 0.2, 0.4)};
   std::size_t one = 0;
@@ -119,7 +116,7 @@ SWIFTGS_CONTRACT("hidden: counted are the intersections that no pixel of their t
 }
 
 SWIFTGS_CONTRACT("hidden: a depth buffer taken for depths hides all and its stored depths do not") {
-  With<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   Scene behind_1 = random_scene(1500, 0, 9);
   for (vec3& mean : behind_1.means) mean.z = std::max(mean.z, 1.1f);
   const auto scene = renderer.backend().upload(behind_1);
@@ -142,7 +139,7 @@ SWIFTGS_CONTRACT("hidden: a depth buffer taken for depths hides all and its stor
 }
 
 SWIFTGS_CONTRACT("hidden: nothing is behind infinity or a depth that is not a number") {
-  With<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   const auto scene = renderer.backend().upload(random_scene(300, 0, 9));
   for (const float nowhere : {infinity, not_a_number, 1e20f}) {
     CAPTURE(nowhere);
@@ -155,7 +152,7 @@ SWIFTGS_CONTRACT("hidden: nothing is behind infinity or a depth that is not a nu
 }
 
 SWIFTGS_CONTRACT("hidden: a splat at the depth of the occluder is hidden") {
-  With<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   const Scene scene = random_scene(300, 0, 9);
   const auto uploaded = renderer.backend().upload(scene);
   counted(renderer, uploaded.view(), {{slope()}});
@@ -169,7 +166,7 @@ SWIFTGS_CONTRACT("hidden: a splat at the depth of the occluder is hidden") {
 }
 
 SWIFTGS_CONTRACT("hidden: counts of an image's parts are those of the image") {
-  With<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   const auto scene = renderer.backend().upload(random_scene(400, 0, 9));
   const std::vector<float> all = slope();
   const auto occluder = to_backend(renderer.backend(), all);

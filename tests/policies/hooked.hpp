@@ -18,9 +18,6 @@
 
 namespace swiftgs::test {
 
-template <class B, class Sort = EarlySort>
-using Usual = Renderer<B, Sort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
-
 template <class B>
 B make(const MemoryHook& memory, int threads = 2) {
   if constexpr (std::is_same_v<B, Cpu>)
@@ -49,16 +46,6 @@ struct Hooked<Cuda> : WithStream, StreamPool {
   Cuda backend(int = 2) { return Cuda(stream.get(), hook()); }
 };
 #endif
-
-/// The report of a recorded frame, in memory of a backend.
-template <class B>
-struct Report {
-  typename B::template Buffer<FrameReport> memory;
-
-  Report() { memory.reset(1); }
-  FrameReport* data() { return memory.data(); }
-  FrameReport get(const B& backend) const { return to_host(backend, memory.span())[0]; }
-};
 
 /// Stereo pairs that come nearer: the first show less than the later ones.
 inline std::vector<AskedView> asked_of(int frame, int views, double scale = 1) {

@@ -9,7 +9,6 @@
 #include <map>
 #include <string_view>
 #include <type_traits>
-#include <vector>
 
 #include <doctest/doctest.h>
 

@@ -2,10 +2,8 @@
 
 // Where lenses show points, with derivatives, limits and parts, against formulas in long double.
 #include <cmath>
-#include <cstdint>
 #include <random>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>

@@ -34,28 +34,22 @@ struct Columns {
   int begin, end;
 };
 
-template <class B>
-using Best = Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
-
 Scene test_scene() { return order_spatially(make_builtin_scene(20'000)); }
 
-RenderSettings all_outputs() {
-  RenderSettings settings;
-  settings.background = vec3(0.2f, 0.3f, 0.4f), settings.outputs = {true, true};
-  return settings;
-}
+RenderSettings all_outputs() { return settings_of({true, true}, vec3(0.2f, 0.3f, 0.4f)); }
 
-void check_equal(const Frame& a, const Frame& b) {
-  CHECK(a.colour == b.colour);
-  CHECK(a.alpha == b.alpha);
-  CHECK(a.depth == b.depth);
+/// `camera` turned about the vertical. @units{radians}
+Camera turned(Camera camera, double angle) {
+  const dmat3 about_y(dvec3(std::cos(angle), 0, -std::sin(angle)), dvec3(0, 1, 0),
+                      dvec3(std::sin(angle), 0, std::cos(angle)));
+  camera.rotation = about_y * camera.rotation, camera.translation = about_y * camera.translation;
+  return camera;
 }
 
 }  // namespace
 
-TEST_CASE_TEMPLATE("lens: frames are those of float64", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
-  Best<B> renderer(make_backend<B>());
+SWIFTGS_CONTRACT("lens: frames are those of float64") {
+  Usual<B> renderer(std::move(backend));
   const Scene scene = test_scene();
   const auto uploaded = renderer.backend().upload(Scene(scene));
   const RenderSettings settings = all_outputs();
@@ -71,21 +65,18 @@ TEST_CASE_TEMPLATE("lens: frames are those of float64", B, SWIFTGS_TEST_BACKENDS
   }
 }
 
-TEST_CASE_TEMPLATE("lens: views through different lenses in one frame have the bits of single frames", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
-  Best<B> renderer(make_backend<B>());
+SWIFTGS_CONTRACT("lens: views through different lenses in one frame have the bits of single frames") {
+  Usual<B> renderer(std::move(backend));
   const auto scene = renderer.backend().upload(test_scene());
   const std::vector<Camera> cameras = cameras_of_lenses();
   std::vector<Frame> together(cameras.size());
-  renderer.render(scene, {cameras.data(), cameras.size()}, all_outputs(), {together.data(), together.size()});
+  renderer.render(scene, span_of(cameras), all_outputs(), span_of(together));
   for (std::size_t i = 0; i < cameras.size(); ++i)
-    check_equal(together[i], renderer.render(scene, cameras[i], all_outputs()));
+    CHECK(same_planes(together[i], renderer.render(scene, cameras[i], all_outputs())));
 }
 
-TEST_CASE_TEMPLATE("lens: image strips have the bits of the whole image", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
-  Best<B> renderer(make_backend<B>());
+SWIFTGS_CONTRACT("lens: image strips have the bits of the whole image") {
+  Usual<B> renderer(std::move(backend));
   const auto scene = renderer.backend().upload(test_scene());
   const RenderSettings settings = all_outputs();
   for (const Camera& camera : cameras_of_lenses()) {
@@ -97,26 +88,20 @@ TEST_CASE_TEMPLATE("lens: image strips have the bits of the whole image", B, SWI
       const FrameView part = whole.part(0, top, camera.width, top == 0 ? 32 : camera.height - 32);
       views.push_back(make_view(camera, settings.conventions, part, settings.background, {0, top}));
     }
-    renderer.render_into(scene.view(), Span<const View>{views.data(), views.size()});
-    check_equal(strips.on_host(renderer.backend()), renderer.render(scene, camera, settings));
+    renderer.render_into(scene.view(), span_of(views));
+    CHECK(same_planes(strips.on_host(renderer.backend()), renderer.render(scene, camera, settings)));
   }
 }
 
-TEST_CASE_TEMPLATE("lens: chunks hide nothing that a lens shows", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
-  Best<B> renderer(make_backend<B>());
+SWIFTGS_CONTRACT("lens: chunks hide nothing that a lens shows") {
+  Usual<B> renderer(std::move(backend));
   const auto scene = renderer.backend().upload(test_scene());
   SceneView without_chunks = scene.view();
   REQUIRE_FALSE(without_chunks.chunks.empty());
   without_chunks.chunks = {};
   std::vector<Camera> cameras = cameras_of_lenses();
-  for (const double angle : {0.3, 2.0, 4.5}) {  // panoramas that look elsewhere
-    Camera turned = cameras[5];
-    const dmat3 about_y(dvec3(std::cos(angle), 0, -std::sin(angle)), dvec3(0, 1, 0),
-                        dvec3(std::sin(angle), 0, std::cos(angle)));
-    turned.rotation = about_y * turned.rotation, turned.translation = about_y * turned.translation;
-    cameras.push_back(turned);
-  }
+  for (const double angle : {0.3, 2.0, 4.5})  // panoramas that look elsewhere
+    cameras.push_back(turned(cameras[5], angle));
   for (const Camera& camera : cameras) {
     CAPTURE(name_of(camera.lens.model));
     renderer.render_resident(scene.view(), camera, all_outputs());
@@ -126,8 +111,8 @@ TEST_CASE_TEMPLATE("lens: chunks hide nothing that a lens shows", B, SWIFTGS_TES
   }
 }
 
-TEST_CASE_TEMPLATE("lens: recorded frames draw what frames draw", B, SWIFTGS_TEST_HOSTS) {
-  Best<B> renderer(make_backend<B>());
+SWIFTGS_CASE_ON("lens: recorded frames draw what frames draw", SWIFTGS_TEST_HOSTS) {
+  Usual<B> renderer(std::move(backend));
   const auto scene = renderer.backend().upload(test_scene());
   const RenderSettings settings = all_outputs();
   for (const Camera& camera : cameras_of_lenses()) {
@@ -139,22 +124,19 @@ TEST_CASE_TEMPLATE("lens: recorded frames draw what frames draw", B, SWIFTGS_TES
     renderer.reserve(scene.view(), {&view, 1});
     FrameReport report;
     renderer.record(scene.view(), &report);
-    check_equal(frame, renderer.render(scene, camera, settings));
+    CHECK(same_planes(frame, renderer.render(scene, camera, settings)));
   }
 }
 
-TEST_CASE_TEMPLATE("lens: a rectified view of a distorted one is the pinhole view", B, SWIFTGS_TEST_HOSTS) {
-  Best<B> renderer(make_backend<B>());
+SWIFTGS_CASE_ON("lens: a rectified view of a distorted one is the pinhole view", SWIFTGS_TEST_HOSTS) {
+  Usual<B> renderer(std::move(backend));
   // Balls of a fiftieth of their distance: a tenth would differ by the linearisation.
   Random random(1);
   Scene balls;
   for (int i = 0; i < 400; ++i) {
     const double z = random.in(2, 5), x = random.in(-0.6, 0.6), y = random.in(-0.4, 0.4);
-    balls.means.push_back(vec3(float(x * z), float(y * z), float(z)));
-    balls.scales.push_back(vec3(float(0.02 * z)));
-    balls.rotations.push_back({});
-    balls.opacities.push_back(0.7f);
-    balls.sh0.push_back(vec3(random.f(-1, 1), random.f(-1, 1), random.f(-1, 1)));
+    append(balls, vec3(float(x * z), float(y * z), float(z)), float(0.02 * z), 0.7f);
+    balls.sh0.back() = vec3(random.f(-1, 1), random.f(-1, 1), random.f(-1, 1));
   }
   const auto scene = renderer.backend().upload(std::move(balls));
   RenderSettings settings = all_outputs();
@@ -193,13 +175,11 @@ TEST_CASE_TEMPLATE("lens: a rectified view of a distorted one is the pinhole vie
   CHECK(-10 * std::log10(sum / (3.0 * compared)) >= 40);
 }
 
-TEST_CASE_TEMPLATE("lens: a panorama has no seam", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
-  Best<B> renderer(make_backend<B>());
+SWIFTGS_CONTRACT("lens: a panorama has no seam") {
+  Usual<B> renderer(std::move(backend));
   // One splat at the horizon, straight behind the camera.
   Scene scene;
-  scene.means = {{0, 0, -2}}, scene.scales = {vec3(0.2f)}, scene.rotations = {{}}, scene.opacities = {0.9f};
-  scene.sh0 = {vec3(1)};
+  append(scene, vec3(0, 0, -2), 0.2f, 0.9f);
   Camera camera;
   camera.width = 256, camera.height = 128, camera.lens.model = LensModel::equirectangular;
   camera.fx = camera.width / turn, camera.fy = 2 * camera.height / turn;
@@ -215,10 +195,10 @@ TEST_CASE_TEMPLATE("lens: a panorama has no seam", B, SWIFTGS_TEST_BACKENDS) {
   CHECK(frame.alpha[64 * 256 + 128] == 0);
 }
 
-TEST_CASE_TEMPLATE(
-    "lens: columns of a panorama have the bits of the whole, bottom up, over an image and behind depths", B,
+SWIFTGS_CASE_ON(
+    "lens: columns of a panorama have the bits of the whole, bottom up, over an image and behind depths",
     SWIFTGS_TEST_HOSTS) {
-  Best<B> renderer(make_backend<B>());
+  Usual<B> renderer(std::move(backend));
   const auto scene = renderer.backend().upload(test_scene());
   const Camera camera = cameras_of_lenses(256, 128)[5];
   const RenderSettings settings = all_outputs();
@@ -239,7 +219,7 @@ TEST_CASE_TEMPLATE(
       const FrameView frame = whole.part(part.begin, 0, part.end - part.begin, camera.height);
       views.push_back(make_view(camera, settings.conventions, frame, settings.background, {part.begin, 0}));
     }
-    renderer.render_into(scene.view(), Span<const View>{views.data(), views.size()});
+    renderer.render_into(scene.view(), span_of(views));
     if (bottom_up) {
       lines = out.colour;
       for (std::size_t y = 0; y < 128; ++y)
@@ -248,13 +228,12 @@ TEST_CASE_TEMPLATE(
     return out;
   };
   const Frame whole = draw({{0, 256}}, false);
-  check_equal(draw({{0, 256}}, true), whole);
-  check_equal(draw({{0, 48}, {48, 64}, {64, 256}}, false), whole);
+  CHECK(same_planes(draw({{0, 256}}, true), whole));
+  CHECK(same_planes(draw({{0, 48}, {48, 64}, {64, 256}}, false), whole));
 }
 
-TEST_CASE_TEMPLATE("lens: tiles that are no divisor of a panorama's parts are refused", B,
-                   SWIFTGS_TEST_HOSTS) {
-  Best<B> renderer(make_backend<B>());
+SWIFTGS_CASE_ON("lens: tiles that are no divisor of a panorama's parts are refused", SWIFTGS_TEST_HOSTS) {
+  Usual<B> renderer(std::move(backend));
   const auto scene = renderer.backend().upload(test_scene());
   const Camera camera = cameras_of_lenses(256, 128)[5];
   Frame frame;
@@ -265,18 +244,13 @@ TEST_CASE_TEMPLATE("lens: tiles that are no divisor of a panorama's parts are re
                        std::invalid_argument);
 }
 
-TEST_CASE_TEMPLATE("lens: a panorama that turns shows the same, moved", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
-  Best<B> renderer(make_backend<B>());
+SWIFTGS_CONTRACT("lens: a panorama that turns shows the same, moved") {
+  Usual<B> renderer(std::move(backend));
   const auto scene = renderer.backend().upload(test_scene());
-  Camera camera = cameras_of_lenses(256, 128)[5];
+  const Camera camera = cameras_of_lenses(256, 128)[5];
   const Frame before = renderer.render(scene, camera, all_outputs());
   constexpr int moved = 96;  // a multiple of the parts in which panoramas are drawn
-  const double angle = turn * moved / 256;
-  const dmat3 about_y(dvec3(std::cos(angle), 0, -std::sin(angle)), dvec3(0, 1, 0),
-                      dvec3(std::sin(angle), 0, std::cos(angle)));
-  camera.rotation = about_y * camera.rotation, camera.translation = about_y * camera.translation;
-  const Frame after = renderer.render(scene, camera, all_outputs());
+  const Frame after = renderer.render(scene, turned(camera, turn * moved / 256), all_outputs());
   double sum = 0;
   for (std::size_t y = 0; y < 128; ++y)
     for (std::size_t x = 0; x < 256; ++x)

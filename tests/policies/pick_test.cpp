@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <stdexcept>
 #include <utility>
@@ -18,14 +17,12 @@
 #include "policies/backends.hpp"
 #include "policies/random_splats.hpp"
 #include "policies/rasterizers.hpp"
+#include "policies/views.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
 
 namespace {
-
-template <class B, class Sort = EarlySort, class Bounds = Ellipse>
-using Best = Renderer<B, Sort, AxisSharedThreshold<FloatCholesky>, Bounds>;
 
 Camera small_camera() { return scaled(builtin_camera(), 0.1); }
 
@@ -43,12 +40,6 @@ std::vector<PickedPixel> pick_all(R& renderer, const Camera& camera, std::size_t
         std::copy_n(picked.data() + row * width, width, all.data() + (y + row) * camera.width + x);
     }
   return all;
-}
-
-RenderSettings all_outputs() {
-  RenderSettings settings;
-  settings.outputs = {true, true};
-  return settings;
 }
 
 /// Compares with the reference, close decisions excluded.
@@ -78,7 +69,7 @@ void check_picks(const std::vector<PickedPixel>& picks, const Scene& scene, cons
 SWIFTGS_CONTRACT("pick: pixels show the Gaussians that the reference finds") {
   const Scene scene = make_builtin_scene(20'000);
   const Camera camera = small_camera();
-  Best<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   renderer.render(renderer.backend().upload(scene), camera);
   check_picks(pick_all(renderer, camera), scene, camera);
 }
@@ -86,10 +77,10 @@ SWIFTGS_CONTRACT("pick: pixels show the Gaussians that the reference finds") {
 SWIFTGS_CONTRACT("pick: sorts and conservative bounds change no bit") {
   const Scene scene = make_builtin_scene(5'000);
   const Camera camera = small_camera();
-  Best<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   renderer.render(renderer.backend().upload(scene), camera);
   const std::vector<PickedPixel> expected = pick_all(renderer, camera);
-  Best<B, StandardSort, OpacityBox> other(make_backend<B>());
+  Usual<B, StandardSort, AxisSharedThreshold<FloatCholesky>, OpacityBox> other(make_backend<B>());
   other.render(other.backend().upload(scene), camera);
   CHECK(pick_all(other, camera) == expected);
 }
@@ -102,10 +93,9 @@ SWIFTGS_CONTRACT("pick: each view of a frame has its own pixels, through its own
   cameras[2].width = 2 * cameras[2].height;
   cameras[2].fx = cameras[2].width / 6.283185307179586, cameras[2].fy = cameras[2].height / 3.141592653589793;
   cameras[2].cx = 0.5 * cameras[2].width, cameras[2].cy = 0.5 * cameras[2].height;
-  Best<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   std::vector<Frame> frames(cameras.size());
-  renderer.render(renderer.backend().upload(scene), {cameras.data(), cameras.size()}, {},
-                  {frames.data(), frames.size()});
+  renderer.render(renderer.backend().upload(scene), span_of(cameras), {}, span_of(frames));
   for (std::size_t view = 0; view < cameras.size(); ++view) {
     CAPTURE(view);
     check_picks(pick_all(renderer, cameras[view], view), scene, cameras[view]);
@@ -118,7 +108,7 @@ SWIFTGS_CONTRACT("pick: strips of an image have its pixels, with coarse tiles to
   // Few splats in many pixels: a device draws the second frame with coarser tiles.
   const Camera camera = builtin_camera(2048, 1024);
   constexpr int top = 512;
-  Best<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   const auto scene = renderer.backend().upload(make_builtin_scene(2'000));
   const auto middle = [&](int y) { return renderer.pick({.x = 1000, .y = y, .width = 60, .height = 60}); };
   renderer.render(scene, camera);
@@ -131,27 +121,26 @@ SWIFTGS_CONTRACT("pick: strips of an image have its pixels, with coarse tiles to
   renderer.render_into(scene.view(), {&strip, 1});
   CHECK(middle(0) == expected);
 
-  Best<B> moved = std::move(renderer);
+  Usual<B> moved = std::move(renderer);
   CHECK(moved.pick({.x = 1000, .y = 0, .width = 60, .height = 60}) == expected);
 }
 
 SWIFTGS_CONTRACT("pick: a splat whose colour is not finite is not there") {
   Scene scene;
-  scene.means = {vec3(0, 0, 2), vec3(0, 0, 4)}, scene.scales = {vec3(1), vec3(1)};
-  scene.rotations = {{1, 0, 0, 0}, {1, 0, 0, 0}}, scene.opacities = {0.9f, 0.9f};
-  scene.sh0 = {vec3(3e38f), vec3(0)}, scene.sh_degree = 2;
+  append(scene, vec3(0, 0, 2), 1, 0.9f), append(scene, vec3(0, 0, 4), 1, 0.9f);
+  scene.sh0[0] = vec3(3e38f), scene.sh_degree = 2;
   scene.sh_rest.assign(2 * 24, 0);
   std::fill_n(scene.sh_rest.begin(), 24, 3e38f);
-  Best<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   const Camera camera = forward_camera(32, 32);
-  const Frame frame = renderer.render(renderer.backend().upload(scene), camera, all_outputs());
+  const Frame frame = renderer.render(renderer.backend().upload(scene), camera, settings_of({true, true}));
   CHECK(renderer.pick(16, 16).gaussian == 1);
   CHECK(frame.depth[16 * 32 + 16] == doctest::Approx(4));
 }
 
 SWIFTGS_CONTRACT("pick: nothing is where no splat shows") {
   const Camera camera = small_camera();
-  Best<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   renderer.render(renderer.backend().upload(Scene()), camera);
   CHECK(renderer.pick(camera.width - 1, camera.height - 1) == PickedPixel());
 }
@@ -166,12 +155,9 @@ SWIFTGS_CONTRACT("pick: of equal weights the nearest Gaussian, and a median only
   const auto pick_of_two = [&](float first_depth, float first_opacity, float second_depth,
                                float second_opacity) {
     Scene scene;
-    scene.means = {vec3(0, 0, first_depth), vec3(0, 0, second_depth)};
-    scene.scales = {vec3(1), vec3(1)};
-    scene.rotations = {{1, 0, 0, 0}, {1, 0, 0, 0}};
-    scene.opacities = {first_opacity, second_opacity};
-    scene.sh0 = {vec3(0), vec3(0)};
-    Best<B> renderer(make_backend<B>());
+    append(scene, vec3(0, 0, first_depth), 1, first_opacity);
+    append(scene, vec3(0, 0, second_depth), 1, second_opacity);
+    Usual<B> renderer(make_backend<B>());
     renderer.render(renderer.backend().upload(scene), camera, settings);
     return renderer.pick(16, 16);
   };
@@ -183,7 +169,7 @@ SWIFTGS_CONTRACT("pick: of equal weights the nearest Gaussian, and a median only
 
 SWIFTGS_CONTRACT("pick: invalid rectangles and views are refused, and so is a pick without a frame") {
   const Camera camera = small_camera();
-  Best<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   CHECK_THROWS_WITH_AS(renderer.pick(0, 0), "pick: expected a frame before", std::logic_error);
   const auto scene = renderer.backend().upload(make_builtin_scene(300));
   renderer.render(scene, camera);
@@ -207,14 +193,13 @@ SWIFTGS_CONTRACT("pick: invalid rectangles and views are refused, and so is a pi
 SWIFTGS_CONTRACT("pick: a recorded frame is picked in, and one above its capacity shows nothing") {
   const Scene scene = make_builtin_scene(3'000);
   const Camera camera = small_camera();
-  Best<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   const auto on = renderer.backend().upload(scene);
   renderer.render(on, camera);
   const std::vector<PickedPixel> expected = pick_all(renderer, camera);
   const FrameView frame = renderer.render_resident(on.view(), camera, {});
   const View view = make_view(camera, {}, frame);
-  typename B::template Buffer<FrameReport> report;
-  report.reset(1);
+  Report<B> report;
   renderer.reserve(on.view(), {&view, 1});
   CHECK_THROWS_AS(renderer.pick(0, 0), std::logic_error);
   renderer.record(on.view(), report.data());

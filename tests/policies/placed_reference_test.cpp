@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -30,14 +29,7 @@ constexpr int channels = 4;
 
 Similarity pose_of(std::uint64_t seed, double scale, dvec3 to) {
   Random random(seed);
-  const Quaternion q = random_rotation(random);
-  return {matrix_of(unit(DQuaternion{q.w, q.x, q.y, q.z})), scale, to};
-}
-
-/// `scene` in a space of its own, from which `pose` brings it back to where it was.
-Placed placed_by(Scene scene, const Similarity& pose, float opacity = 1, const Clip& clip = {}) {
-  transform(scene, inverse(pose), dvec3(0.0));
-  return {std::move(scene), pose, opacity, clip};
+  return pose_of(random, scale, to);
 }
 
 Placed moved(Placed placed, dvec3 by) {
@@ -69,25 +61,8 @@ std::vector<ReferenceScene> for_reference(const List& list) {
 ReferencePlanes reference_of(const List& list, const Camera& camera, const Conventions& conventions,
                              const std::vector<float>& occluder = {}) {
   const std::vector<ReferenceScene> scenes = for_reference(list);
-  return render_reference_planes({scenes.data(), scenes.size()}, camera, conventions, 0,
-                                 {occluder.data(), occluder.size()});
+  return render_reference_planes(span_of(scenes), camera, conventions, 0, span_of(occluder));
 }
-
-/// The list where backend `B` reads them.
-template <class B>
-class ListOn {
- public:
-  ListOn(const B& backend, const List& list) {
-    for (const Placed& p : list) {
-      uploaded_.push_back(backend.upload(p.scene));
-      placed.push_back({uploaded_.back().view(), p.pose, p.opacity, p.clip});
-    }
-  }
-  std::vector<PlacedScene> placed;
-
- private:
-  std::vector<typename B::SceneOn> uploaded_;
-};
 
 /// Largest difference of colours where no decision is close.
 double colour_error(const Frame& frame, const ReferencePlanes& expected, const PlaneBounds& bounds) {
@@ -307,7 +282,7 @@ SWIFTGS_CONTRACT("placed reference: each view shows its own under the numbers of
     views.push_back(make_view(camera, with_depth(at), memory.back().view()));
     views.back().shows = shows;
   }
-  renderer.render_into(on.placed, Span<const View>{views.data(), views.size()});
+  renderer.render_into(on.placed, span_of(views));
   for (std::size_t v = 0; v < views.size(); ++v) {
     CAPTURE(v);
     const std::size_t end = std::min(list.size(), std::size_t(shown[v].first) + shown[v].count);

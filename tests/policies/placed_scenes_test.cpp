@@ -16,6 +16,7 @@
 #include <swiftgs/edit.hpp>
 
 #include "policies/hooked.hpp"
+#include "policies/placed_list.hpp"
 #include "policies/planes.hpp"
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
@@ -30,11 +31,6 @@ constexpr int channels = 5;
 Scene scene_of_all(std::size_t count, std::uint64_t seed) {
   return with_features(random_scene(count, 3, seed), channels);
 }
-
-/// A rotation about no axis of the world.
-dmat3 some_rotation() { return matrix_of(unit(DQuaternion{0.8, 0.3, -0.4, 0.2})); }
-
-Similarity moved(double scale = 1, dvec3 to = dvec3(0.3, -0.2, 0.7)) { return {some_rotation(), scale, to}; }
 
 /// A scene of `scene`'s Gaussians from `first` on, in pieces that begin at no chunk.
 std::vector<PlacedScene> pieces(const SceneView& scene, std::size_t each) {
@@ -70,6 +66,7 @@ constexpr const char* not_a_translation = "placed scene: expected a finite trans
 constexpr const char* not_an_opacity = "placed scene: expected an opacity of 0 to 1";
 constexpr const char* not_a_count = "placed scene: expected a clip of 0 to 6 half-spaces";
 constexpr const char* not_a_half_space = "placed scene: expected a clip with half-spaces of finite numbers";
+constexpr const char* not_a_centre = "placed scene: expected a clip with a finite centre";
 constexpr const char* not_a_radius = "placed scene: expected a clip with a radius of 0 or more";
 constexpr Defect defects[] = {
     {not_orthonormal, [](PlacedScene& p) { p.world_from_scene.rotation[1][2] = nan_d; }},
@@ -88,11 +85,13 @@ constexpr Defect defects[] = {
     {not_an_opacity, [](PlacedScene& p) { p.opacity = -0.1f; }},
     {not_an_opacity, [](PlacedScene& p) { p.opacity = 1.1f; }},
     {not_a_count, [](PlacedScene& p) { p.clip.half_space_count = 1 << 20; }},
+    {not_a_count, [](PlacedScene& p) { p.clip.half_space_count = 7; }},
     {not_a_count, [](PlacedScene& p) { p.clip.half_space_count = -1; }},
     {not_a_half_space, [](PlacedScene& p) { p.clip.half_space_count = 1, p.clip.half_spaces[0].w = nan_f; }},
     {not_a_half_space,
      [](PlacedScene& p) { p.clip.half_space_count = 6, p.clip.half_spaces[5].x = INFINITY; }},
-    {"placed scene: expected a clip with a finite centre", [](PlacedScene& p) { p.clip.centre.y = nan_f; }},
+    {not_a_centre, [](PlacedScene& p) { p.clip.centre.y = nan_f; }},
+    {not_a_centre, [](PlacedScene& p) { p.clip.centre.y = INFINITY, p.clip.radius = 1; }},
     {not_a_radius, [](PlacedScene& p) { p.clip.radius = nan_f; }},
     {not_a_radius, [](PlacedScene& p) { p.clip.radius = -1; }}};
 
@@ -209,7 +208,7 @@ SWIFTGS_CONTRACT("placed scenes: each view shows its own, and the order of other
       views.push_back(make_view(camera, {}, memory[v].view(), vec3(0.2f, 0.4f, 0.1f)));
       views.back().shows = shown[v];
     }
-    renderer.render_into(placed, Span<const View>{views.data(), views.size()});
+    renderer.render_into(placed, span_of(views));
     for (auto& on : memory) frames.push_back(on.on_host(renderer.backend()));
     return frames;
   };
@@ -240,19 +239,21 @@ SWIFTGS_CONTRACT("placed scenes: clips and opacities are those of scenes that we
   const auto uploaded = backend.upload(scene);
   const Camera camera = turned_camera(150, 90, 0.1);
   const RenderSettings settings = settings_of_all(channels);
+  const auto draw = [&](const PlacedScene& placed) {
+    return renderer.render(std::vector<PlacedScene>{placed}, camera, settings);
+  };
   Clip both = Clip::sphere(vec3(0, 0, 5), 4);
   both.half_space_count = 1, both.half_spaces[0] = vec4(1, 0.3f, 0, 0.2f);
   for (const Clip& clip : {Clip::box(vec3(-1, -2, 1), vec3(2, 1, 8)), Clip::sphere(vec3(0.5f, 0, 6), 3), both,
                            Clip::sphere(vec3(0), 0)}) {
     const Scene cut = subset(scene, select(scene, [&](std::size_t i) { return clip.shows(scene.means[i]); }));
     CHECK(cut.size() < 1200);
-    CHECK(same_but_ids(
-        renderer.render(std::vector<PlacedScene>{{uploaded.view(), {}, 1, clip}}, camera, settings),
-        renderer.render(backend.upload(cut), camera, settings)));
+    CHECK(same_but_ids(draw({uploaded.view(), {}, 1, clip}),
+                       renderer.render(backend.upload(cut), camera, settings)));
   }
   Scene faint = scene;
   for (float& opacity : faint.opacities) opacity *= 0.3f;
-  CHECK(same_planes(renderer.render(std::vector<PlacedScene>{{uploaded.view(), {}, 0.3f}}, camera, settings),
+  CHECK(same_planes(draw({uploaded.view(), {}, 0.3f}),
                     renderer.render(backend.upload(faint), camera, settings)));
   std::vector<PlacedScene> cleared(1);
   cleared.clear();
@@ -264,10 +265,8 @@ SWIFTGS_CONTRACT("placed scenes: clips and opacities are those of scenes that we
     CHECK(renderer.visible_by_scene().empty());
   }
   const Clip huge = Clip::box(vec3(-1e38f), vec3(1e38f));
-  CHECK(
-      same_planes(renderer.render(std::vector<PlacedScene>{{uploaded.view(), {}, 1, huge}}, camera, settings),
-                  renderer.render(uploaded, camera, settings)));
-  const Frame none = renderer.render(std::vector<PlacedScene>{{uploaded.view(), {}, 0}}, camera, settings);
+  CHECK(same_planes(draw({uploaded.view(), {}, 1, huge}), renderer.render(uploaded, camera, settings)));
+  const Frame none = draw({uploaded.view(), {}, 0});
   CHECK(renderer.statistics().visible == 0);
   CHECK(none.alpha[0] == 0);
 }
@@ -529,36 +528,16 @@ TEST_CASE("placed scenes: what cannot be placed is refused") {
     renderer.render(std::vector<PlacedScene>{placed}, camera);
   };
   CHECK_NOTHROW(render({}));
-  const double nan = std::nan("");
-  CHECK_THROWS_WITH_AS(render({.world_from_scene = {.scale = 0}}),
-                       "placed scene: expected a finite scale above 0", std::invalid_argument);
-  CHECK_THROWS_WITH_AS(render({.world_from_scene = {.translation = dvec3(0, nan, 0)}}),
-                       "placed scene: expected a finite translation", std::invalid_argument);
-  CHECK_THROWS_WITH_AS(render({.world_from_scene = {.rotation = dmat3(-1.0)}}),
-                       "placed scene: expected a rotation, not a mirror", std::invalid_argument);
-  CHECK_THROWS_WITH_AS(render({.opacity = 1.5f}), "placed scene: expected an opacity of 0 to 1",
-                       std::invalid_argument);
-  CHECK_THROWS_WITH_AS(render({.clip = Clip::sphere(vec3(0), -1)}),
-                       "placed scene: expected a clip with a radius of 0 or more", std::invalid_argument);
-  Clip clip;
-  clip.half_space_count = 7;
-  CHECK_THROWS_WITH_AS(render({.clip = clip}), "placed scene: expected a clip of 0 to 6 half-spaces",
-                       std::invalid_argument);
-  clip.half_space_count = 2, clip.half_spaces[1].w = float(nan);
-  CHECK_THROWS_WITH_AS(render({.clip = clip}),
-                       "placed scene: expected a clip with half-spaces of finite numbers",
-                       std::invalid_argument);
-  clip.half_space_count = 1;  // the others do not count
-  CHECK_NOTHROW(render({.clip = clip}));
-  // A device refuses by the same rules, without words.
-  for (const PlacedScene& wrong : {PlacedScene{.world_from_scene = {.rotation = dmat3(nan)}},
-                                   {.world_from_scene = {.scale = INFINITY}},
-                                   {.opacity = float(nan)},
-                                   {.clip = Clip::sphere(vec3(0, INFINITY, 0), 1)},
-                                   {.clip = Clip::sphere(vec3(0), float(nan))}}) {
-    CHECK_FALSE(wrong.is_valid());
-    CHECK_THROWS_AS(render(wrong), std::invalid_argument);
+  for (const Defect& defect : defects) {
+    CAPTURE(defect.refusal);
+    PlacedScene wrong;
+    defect.make(wrong);
+    CHECK_FALSE(wrong.is_valid());  // a device refuses by the same rules, without words
+    CHECK_THROWS_WITH_AS(render(wrong), defect.refusal, std::invalid_argument);
   }
+  Clip clip;
+  clip.half_space_count = 1, clip.half_spaces[1].w = nan_f;  // the others do not count
+  CHECK_NOTHROW(render({.clip = clip}));
   CHECK(PlacedScene{.clip = Clip::sphere(vec3(0), 0)}.is_valid());
   View view = make_view(camera, {}, {.width = 20, .height = 20});
   view.shows = {1, 1};

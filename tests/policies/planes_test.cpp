@@ -4,7 +4,6 @@
 #include "policies/planes.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <stdexcept>
@@ -22,9 +21,6 @@ using namespace swiftgs;
 using namespace swiftgs::test;
 
 namespace {
-
-template <class B, class Raster = AxisSharedThreshold<FloatCholesky>>
-using With = Renderer<B, EarlySort, Raster, Ellipse>;
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
 
@@ -62,7 +58,7 @@ Conventions exact_conventions() {
 /// The planes of a scene through the usual renderer.
 template <class B>
 Frame draw_all(const Scene& scene, const Camera& camera, const Conventions& conventions = {}) {
-  With<B> renderer(test::make_backend<B>());
+  Usual<B> renderer(test::make_backend<B>());
   return renderer.render(renderer.backend().upload(scene), camera,
                          settings_of_all(scene.feature_channels, conventions));
 }
@@ -100,7 +96,7 @@ SWIFTGS_CONTRACT("planes: each is that of the reference by every rasterizer") {
   const ReferencePlanes of_dense = render_reference_planes(dense, dense_camera, {});
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
-    With<B, Raster> renderer(test::make_backend<B>());
+    Usual<B, EarlySort, Raster> renderer(test::make_backend<B>());
     const auto check = [&](const Scene& scene, const Camera& camera, const ReferencePlanes& expected) {
       const Frame frame =
           renderer.render(renderer.backend().upload(scene), camera, settings_of_all(scene.feature_channels));
@@ -177,9 +173,8 @@ SWIFTGS_CONTRACT("planes: a surface in front hides splats in each") {
   const float depths[] = {3, infinity, 1.5f, 0, 7, 5};
   std::vector<float> occluder;
   for (std::size_t i = 0; i < 53 * 37; ++i) occluder.push_back(depths[i % std::size(depths)]);
-  const ReferencePlanes expected =
-      render_reference_planes(scene, camera, {}, 0, Span<const float>{occluder.data(), occluder.size()});
-  With<B> renderer(std::move(backend));
+  const ReferencePlanes expected = render_reference_planes(scene, camera, {}, 0, span_of(occluder));
+  Usual<B> renderer(std::move(backend));
   const auto on = renderer.backend().upload(scene);
   const Frame frame = render_over_sevens(renderer, on.view(), camera, all_planes(4), occluder);
   check_planes(frame, expected, bounds_of<B>());
@@ -203,7 +198,7 @@ SWIFTGS_CONTRACT("planes: splats of a colour that is not finite are in none") {
 }
 
 SWIFTGS_CONTRACT("planes: pixels without splats hold 0 and no Gaussian") {
-  With<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   const Camera camera = forward_camera(40, 30);
   const Scene nothing = with_features(Scene(), 4);
   CHECK(is_empty(
@@ -223,7 +218,7 @@ SWIFTGS_CONTRACT("planes: pixels without splats hold 0 and no Gaussian") {
 SWIFTGS_CONTRACT("planes: any number of features up to the scene's are the first of them") {
   const Scene scene = with_features(random_scene(300, 0, 7), 17);
   const Camera camera = forward_camera(50, 37);
-  With<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   const auto on = renderer.backend().upload(scene);
   const auto features = [&](int channels, bool others) {
     RenderSettings settings;
@@ -269,7 +264,7 @@ SWIFTGS_CONTRACT("planes: features that are not finite count as 0 and huge and n
   const float bad[] = {infinity, -infinity, std::numeric_limits<float>::quiet_NaN()};
   for (std::size_t i = 0; i < scene.size(); i += 3)
     scene.features[4 * i + i % 4] = bad[i % 9 / 3], tame.features[4 * i + i % 4] = 0;
-  With<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   const auto on = renderer.backend().upload(tame);
   const Camera camera = forward_camera(60, 44);
   const auto draw = [&](const std::vector<float>& features) {
@@ -330,7 +325,7 @@ SWIFTGS_CONTRACT("planes: of equal weights the nearest Gaussian and a median onl
 
 SWIFTGS_CONTRACT("planes: ids and medians are those of picking") {
   const Camera camera = scaled(builtin_camera(), 0.1);
-  With<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   const Frame frame =
       renderer.render(renderer.backend().upload(make_builtin_scene(8'000)), camera, settings_of_all());
   std::size_t different = 0, seen = 0;
@@ -348,66 +343,4 @@ SWIFTGS_CONTRACT("planes: ids and medians are those of picking") {
     }
   CHECK(seen == frame.pixels());
   CHECK(different <= (std::is_same_v<B, Serial> ? 0 : frame.pixels() / 200));  // close decisions
-}
-
-SWIFTGS_CONTRACT("planes: the variance of depths is not negative") {
-  const Frame frame = draw_all<B>(make_builtin_scene(8'000), scaled(builtin_camera(), 0.1));
-  double least = 0, largest = 0;
-  for (std::size_t i = 0; i < frame.pixels(); ++i) {
-    const double mean = double(frame.depth[i]), squared = double(frame.squared_depth[i]);
-    least = std::min(least, (squared - mean * mean) / std::max(1.0, squared));
-    largest = std::max(largest, squared - mean * mean);
-  }
-  CHECK(least >= -2 * bounds_of<B>().mean);
-  CHECK(largest > 1);
-}
-
-SWIFTGS_CONTRACT("planes: features that are the colours give the colours and features of 1 give alpha") {
-  Scene scene = random_scene(500, 0, 11);
-  const Camera camera = forward_camera(70, 45);
-  scene.feature_channels = 4;
-  for (const vec3& sh0 : scene.sh0) {
-    for (int c = 0; c < 3; ++c)
-      scene.features.push_back(std::max(0.0f, 0.5f + float(0.28209479177387814) * sh0[c]));
-    scene.features.push_back(1);
-  }
-  const Frame frame = draw_all<B>(scene, camera);
-  std::vector<float> colours, ones;
-  for (std::size_t i = 0; i < frame.features.size(); ++i)
-    (i % 4 == 3 ? ones : colours).push_back(frame.features[i]);
-  CHECK(max_abs_difference(colours, frame.colour) < 2e-6);
-  CHECK(max_abs_difference(ones, frame.alpha) < 2e-6);
-}
-
-SWIFTGS_CONTRACT("planes: depths of a single opaque splat are its own and its normal faces the camera") {
-  Scene scene = balls({{3, 1}});
-  scene.scales[0] = vec3(1, 0.8f, 0.1f);
-  for (const float turn : {0.0f, 1.0f}) {  // by pi about x
-    scene.rotations[0] = {1 - turn, turn, 0, 0};
-    const Frame frame = draw_all<B>(scene, middle_camera());
-    CHECK(frame.alpha[middle] == 0.99f);
-    CHECK(frame.median_depth[middle] == 3);
-    CHECK(frame.first_depth[middle] == 3);
-    CHECK(frame.squared_depth[middle] == doctest::Approx(9).epsilon(1e-6));
-    CHECK(frame.median_id[middle] == 0);
-    CHECK(frame.normal[3 * middle + 0] == doctest::Approx(0));
-    CHECK(frame.normal[3 * middle + 1] == doctest::Approx(0));
-    CHECK(frame.normal[3 * middle + 2] == doctest::Approx(-0.99).epsilon(1e-6));
-  }
-}
-
-SWIFTGS_CONTRACT("planes: swapped channels are swapped planes") {
-  const Scene scene = with_features(random_scene(300, 0, 12), 5);
-  Scene swapped = scene;
-  for (std::size_t i = 0; i < scene.size(); ++i)
-    std::reverse(swapped.features.begin() + std::ptrdiff_t(5 * i),
-                 swapped.features.begin() + std::ptrdiff_t(5 * i + 5));
-  const Camera camera = forward_camera(50, 37);
-  const Frame frame = draw_all<B>(scene, camera);
-  Frame back = draw_all<B>(swapped, camera);
-  CHECK(!same_planes(back, frame));
-  for (std::size_t i = 0; i < back.pixels(); ++i)
-    std::reverse(back.features.begin() + std::ptrdiff_t(5 * i),
-                 back.features.begin() + std::ptrdiff_t(5 * i + 5));
-  CHECK(same_planes(back, frame));
 }

@@ -24,6 +24,16 @@ void for_each_raster(const F& f) {
   for_each_type(AllRasters(), f);
 }
 
+/// Calls f(renderer) with a renderer of each rasterizer.
+template <class B, class F>
+void with_each_renderer(const F& f) {
+  for_each_raster([&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    Usual<B, EarlySort, Raster> renderer(test::make_backend<B>());
+    f(renderer);
+  });
+}
+
 /// Whether `Raster` keeps its terms in half precision, which costs accuracy.
 template <class Raster>
 inline const bool stores_half = Raster::name.find("half") != std::string_view::npos;

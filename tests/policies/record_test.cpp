@@ -100,8 +100,7 @@ TEST_CASE_TEMPLATE("record: never calls the hook after reserve", T, SWIFTGS_SORT
   }
 }
 
-TEST_CASE_TEMPLATE("record: never calls the hook for any plane after reserve", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("record: never calls the hook for any plane after reserve") {
   Hooked<B> memory;
   Usual<B> renderer(memory.backend()), other;
   const auto scene = other.backend().upload(with_features(random_scene(2000, 1, 6), 20));
@@ -204,8 +203,7 @@ TEST_CASE("record: takes views of the sizes that were reserved and no others") {
   CHECK(differing(one.finish(renderer.backend()), draw_together(renderer, scene.view(), {asked[0]})) == 0);
 }
 
-TEST_CASE_TEMPLATE("record: lenses may change, and pinholes stay pinholes", B, SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("record: lenses may change, and pinholes stay pinholes") {
   Usual<B> renderer, other;
   const auto scene = renderer.backend().upload(random_scene(3000, 1, 12));
   const std::vector<AskedView> pinholes = asked_of(3, 2);
@@ -230,18 +228,16 @@ TEST_CASE_TEMPLATE("record: lenses may change, and pinholes stay pinholes", B, S
                        std::invalid_argument);
 }
 
-TEST_CASE_TEMPLATE("record: what is called between sort and raster may still draw the occluder", B,
-                   SWIFTGS_TEST_BACKENDS) {
-  if (unavailable_backend<B>()) return;
+SWIFTGS_CONTRACT("record: what is called between sort and raster may still draw the occluder") {
   Usual<B> renderer, other;
-  const B& backend = renderer.backend();
-  const auto scene = renderer.backend().upload(random_scene(2000, 1, 13));
+  const B& on = renderer.backend();
+  const auto scene = on.upload(random_scene(2000, 1, 13));
   const std::vector<AskedView> asked = asked_of(3, 1);
   const auto expected = draw_together(other, scene.view(), asked);
   const std::size_t pixels = std::size_t(asked[0].width) * asked[0].height;
   const std::vector<float> before_all(pixels, 0), behind_all(pixels, 1e30f);
-  auto depth = to_backend(backend, before_all);
-  PlacedViews<B> images(backend, asked);
+  auto depth = to_backend(on, before_all);
+  PlacedViews<B> images(on, asked);
   images.views[0].frame.occluder = {depth.data(), std::ptrdiff_t(sizeof(float)) * asked[0].width};
   Report<B> report;
 
@@ -253,13 +249,13 @@ TEST_CASE_TEMPLATE("record: what is called between sort and raster may still dra
     CopyToBackend<B>::copy(Span<const float>{behind_all.data(), pixels}, depth.data());
   };
   renderer.record(scene.view(), report.data(), uncover);
-  CHECK(report.get(backend).overflowed == 0);
+  CHECK(report.get(on).overflowed == 0);
   CHECK(calls == 1);
-  CHECK(differing(images.finish(backend), expected) == 0);
+  CHECK(differing(images.finish(on), expected) == 0);
 
   // A host that does not rasterize does not call it either.
   renderer.reserve(scene.view(), images.span(), {1, 1});
   renderer.record(scene.view(), report.data(), uncover);
-  CHECK(report.get(backend).overflowed == 1);
+  CHECK(report.get(on).overflowed == 1);
   CHECK(calls == (on_host<B> ? 1 : 2));
 }

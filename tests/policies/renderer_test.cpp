@@ -6,6 +6,7 @@
 
 #include <doctest/doctest.h>
 
+#include <swiftgs/metrics.hpp>
 #include <swiftgs/reference.hpp>
 
 #include "policies/contribution_sums.hpp"
@@ -14,15 +15,8 @@
 using namespace swiftgs;
 using namespace swiftgs::test;
 
-namespace {
-
-template <class B>
-using AnyOf = Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
-
-}  // namespace
-
 SWIFTGS_CONTRACT("renderer: is usable after a frame that needs too many intersections") {
-  AnyOf<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   const auto flood = renderer.backend().upload(giants_of(129));
   const auto scene = renderer.backend().upload(random_scene(100, 1, 1));
   const Camera huge = forward_camera(max_image_side, max_image_side), camera = forward_camera(50, 40);
@@ -34,9 +28,9 @@ SWIFTGS_CONTRACT("renderer: is usable after a frame that needs too many intersec
 }
 
 SWIFTGS_CONTRACT("renderer: an empty scene is the background") {
-  AnyOf<B> renderer(std::move(backend));
-  RenderSettings settings;
-  settings.background = vec3(0.5f, 0.25f, 2), settings.outputs = {true, true}, settings.count = true;
+  Usual<B> renderer(std::move(backend));
+  RenderSettings settings = settings_of({true, true}, vec3(0.5f, 0.25f, 2));
+  settings.count = true;
   const Frame frame = renderer.render(renderer.backend().upload(Scene()), forward_camera(20, 3), settings);
   for (std::size_t i = 0; i < frame.pixels(); ++i) {
     CHECK(frame.colour[3 * i + 2] == 2);
@@ -51,8 +45,8 @@ SWIFTGS_CONTRACT("renderer: an empty scene is the background") {
 }
 
 SWIFTGS_CONTRACT("renderer: counts what it did and says how long it took") {
-  AnyOf<B> renderer(std::move(backend));
-  AnyOf<Serial> serial;
+  Usual<B> renderer(std::move(backend));
+  Usual<Serial> serial;
   RenderSettings settings;
   settings.count = settings.time = true;
   for (const std::size_t count : {300, 3000}) {
@@ -89,7 +83,7 @@ SWIFTGS_CONTRACT("renderer: counts what it did and says how long it took") {
 }
 
 SWIFTGS_CONTRACT("renderer: one renderer draws scenes and sizes in any order as new ones do") {
-  AnyOf<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   struct View {
     std::size_t gaussians;
     int width, height;
@@ -105,27 +99,13 @@ SWIFTGS_CONTRACT("renderer: one renderer draws scenes and sizes in any order as 
     CAPTURE(view.gaussians);
     const auto scene = renderer.backend().upload(random_scene(view.gaussians, 1, view.gaussians + 1));
     const Camera camera = forward_camera(view.width, view.height);
-    AnyOf<B> fresh(test::make_backend<B>());
+    Usual<B> fresh(test::make_backend<B>());
     CHECK(same_bits(renderer.render(scene, camera).colour, fresh.render(scene, camera).colour));
   }
 }
 
-TEST_CASE("renderer: one frame may be written into a part of a larger image") {
-  AnyOf<Serial> renderer;
-  const auto scene = renderer.backend().upload(random_scene(100, 0, 3));
-  const Camera camera = forward_camera(30, 20);
-  const Frame alone = renderer.render(scene, camera);
-  std::vector<float> wall(3 * 100 * 50, -1);
-  float* const corner = wall.data() + 3 * (10 * 100 + 40);
-  renderer.render_into(scene.view(), camera, {}, {.width = 30, .height = 20, .colour = {corner, 1200}});
-  CHECK(corner[0] == alone.colour[0]);
-  CHECK(corner[300 * 19 + 89] == alone.colour[3 * 20 * 30 - 1]);
-  CHECK(corner[-1] == -1);
-  CHECK(corner[90] == -1);
-}
-
 TEST_CASE("renderer: what nothing can be rendered with is refused in words") {
-  AnyOf<Serial> renderer;
+  Usual<Serial> renderer;
   const Scene scene = random_scene(10, 2, 4);
   struct Arguments {
     SceneView scene;
@@ -187,7 +167,7 @@ TEST_CASE("renderer: what nothing can be rendered with is refused in words") {
 
 SWIFTGS_CASE_ON("renderer: its memory is that of its stages and grows only with the frame",
                 SWIFTGS_TEST_HOSTS) {
-  AnyOf<B> renderer(std::move(backend));
+  Usual<B> renderer(std::move(backend));
   CHECK(renderer.memory().total() == 0);
   const auto scene = renderer.backend().upload(random_scene(1000, 1, 1));
   const Camera small = forward_camera(50, 40), large = scaled(small, 4);
@@ -226,7 +206,7 @@ struct Watched : Serial {
 }  // namespace
 
 TEST_CASE("renderer: a frame asks for no time unless its settings do") {
-  Renderer<Watched, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer;
+  Usual<Watched> renderer;
   const auto scene = renderer.backend().upload(random_scene(100, 0, 3));
   const Camera camera = forward_camera(30, 20);
   RenderSettings timing;
@@ -244,10 +224,8 @@ namespace {
 
 template <class B>
 Frame draw(const Scene& scene, const Camera& camera) {
-  AnyOf<B> renderer(test::make_backend<B>());
-  RenderSettings settings;
-  settings.outputs = {true, true};
-  return renderer.render(renderer.backend().upload(scene), camera, settings);
+  Usual<B> renderer(test::make_backend<B>());
+  return renderer.render(renderer.backend().upload(scene), camera, settings_of({true, true}));
 }
 
 }  // namespace
@@ -290,10 +268,7 @@ TEST_CASE_TEMPLATE("limits: a mirrored rotation draws the mirrored world", B, SW
   CHECK(expected.alpha == seen.alpha);
   CHECK(expected.colour == seen.colour);
   const ReferenceFrame reference = render_reference(mirrored, mirror, {});
-  double worst = 0;
-  for (std::size_t i = 0; i < seen.colour.size(); ++i)
-    worst = std::max(worst, std::abs(double(seen.colour[i]) - reference.colour[i]));
-  CHECK(worst < 1e-5);
+  CHECK(max_abs_difference(seen.colour, reference.colour) < 1e-5);
 }
 
 TEST_CASE_TEMPLATE("limits: a splat wider than 1e18 pixels is not drawn and one below it is", B,
@@ -323,13 +298,10 @@ TEST_CASE_TEMPLATE("limits: harmonics are seen from the right direction at any d
     RenderSettings settings;
     settings.conventions.near_plane = 0;
     settings.conventions.far_plane = INFINITY;
-    AnyOf<B> renderer(test::make_backend<B>());
+    Usual<B> renderer(test::make_backend<B>());
     const Frame frame = renderer.render(renderer.backend().upload(scene), forward_camera(32, 32), settings);
     const ReferenceFrame reference = render_reference(scene, forward_camera(32, 32), settings.conventions);
-    double worst = 0;
-    for (std::size_t i = 0; i < frame.colour.size(); ++i)
-      worst = std::max(worst, std::abs(double(frame.colour[i]) - reference.colour[i]));
     CHECK(reference.alpha[16 * 32 + 16] > 0.5);
-    CHECK(worst < 2e-6);
+    CHECK(max_abs_difference(frame.colour, reference.colour) < 2e-6);
   }
 }

@@ -21,6 +21,16 @@
 
 namespace swiftgs::test {
 
+/// The elements of a vector.
+template <class T>
+Span<T> span_of(std::vector<T>& elements) {
+  return {elements.data(), elements.size()};
+}
+template <class T>
+Span<const T> span_of(const std::vector<T>& elements) {
+  return {elements.data(), elements.size()};
+}
+
 /// How values of the host get into memory of backend `B`, which a host reaches here. Other backends
 /// specialise this.
 template <class B>

@@ -43,32 +43,6 @@ Scene other_scene(std::size_t size = count) {
   return with_features(random_scene(size, degree, 8), channels, 2);
 }
 
-/// Each array, in the order of `for_each_array`, as a bit.
-constexpr unsigned every_array = 0x7f, means_alone = 1, means_and_rotations = 5;
-
-/// `arrays` without those whose bit is not in `which`.
-SceneArrays some_of(SceneArrays arrays, unsigned which) {
-  unsigned bit = 1;
-  for_each_array(
-      [&](const char*, std::size_t, FloatArray& array) {
-        if (!(which & bit)) array = {};
-        bit *= 2;
-      },
-      arrays);
-  return arrays;
-}
-
-/// Writes arrays of `from` into `scene`, from Gaussian `first` on.
-void replace(Scene& scene, std::size_t first, const Scene& from, unsigned which = every_array) {
-  unsigned bit = 1;
-  for_each_array(
-      [&](const char*, std::size_t each, auto& to, const auto& values) {
-        if (which & bit) std::copy(values.begin(), values.end(), to.begin() + std::ptrdiff_t(first * each));
-        bit *= 2;
-      },
-      scene, from);
-}
-
 /// An uploaded scene has exactly the numbers of `scene`, and bounds of chunks that are those of its
 /// Gaussians.
 template <class B>
@@ -414,8 +388,7 @@ SWIFTGS_CONTRACT("update: renderers by name show it with all that share the scen
   CHECK_THROWS_AS(first->update_scene(1, 301, arrays.all), std::invalid_argument);
 }
 
-TEST_CASE_TEMPLATE("update: hosts draw bands that were zero before", B, Serial, Cpu) {
-  B backend = test::make_backend<B>();
+SWIFTGS_CASE_ON("update: hosts draw bands that were zero before", SWIFTGS_TEST_HOSTS) {
   Scene before = random_scene(count, 3, 4);
   std::fill(before.sh_rest.begin(), before.sh_rest.end(), 0.0f);
   auto scene = backend.upload(before);

@@ -29,7 +29,7 @@ std::vector<View> random_views(Random& random, std::size_t count, int tile_side)
     view.grid.rows.begin += down, view.grid.rows.end += down;
     views.push_back(view);
   }
-  number_tiles({views.data(), views.size()});
+  number_tiles(span_of(views));
   return views;
 }
 
@@ -130,7 +130,7 @@ TEST_CASE("view tiles: numbers of another order, other sides and no views are re
   views[2] = view_without_camera(70, 20);
   const auto with = [&](const auto& spoil) {
     std::vector<View> spoilt = views;
-    number_tiles({spoilt.data(), spoilt.size()});
+    number_tiles(span_of(spoilt));
     spoil(spoilt);
     return refusal_of(spoilt);
   };
@@ -162,18 +162,18 @@ TEST_CASE("view tiles: numbers of another order, other sides and no views are re
 
 TEST_CASE("view tiles: as many as there may be are accepted and a view more is a capacity error") {
   std::vector<View> views(128, view_without_camera(max_image_side, max_image_side));
-  number_tiles({views.data(), views.size()});
+  number_tiles(span_of(views));
   const FrameTiles tiles = Views(views.data(), views.size()).tiles;
   CHECK(tiles.size() == max_frame_tiles);
   CHECK(tiles.key_bits() == 31);
   views.push_back(view_without_camera(max_image_side, 16));
-  number_tiles({views.data(), views.size()});
+  number_tiles(span_of(views));
   CHECK_THROWS_WITH_AS(Views(views.data(), views.size()),
                        "tiles in one frame: 2147487744 needed, the limit is 2147483648", CapacityError);
   // Small views count as much as the widest.
   std::vector<View> narrow(65536, view_without_camera(1, 160));
   narrow[0] = view_without_camera(max_image_side, 16);
-  number_tiles({narrow.data(), narrow.size()});
+  number_tiles(span_of(narrow));
   CHECK_THROWS_AS(Views(narrow.data(), narrow.size()), CapacityError);
 }
 
@@ -237,7 +237,7 @@ TEST_CASE_TEMPLATE("view tiles: splats know their view and keep the order of the
   Renderer<B, EarlySort, PerPixel, Ellipse> renderer(make_backend<B>());
   const auto scene = renderer.backend().upload(random_scene(20000, 0, 4));
   const std::vector<View> views = views_without_planes(different_views());
-  renderer.render_into(scene.view(), Span<const View>{views.data(), views.size()});
+  renderer.render_into(scene.view(), span_of(views));
   const SplatsView splats = renderer.splats().view();
   std::vector<std::size_t> of_view(views.size());
   std::vector<std::int64_t> last(views.size(), -1);

@@ -9,8 +9,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
-#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <utility>
@@ -21,6 +19,7 @@
 #include <swiftgs/project.hpp>
 #include <swiftgs/renderer.hpp>
 
+#include "policies/all_planes.hpp"
 #include "policies/directions.hpp"
 #include "policies/random_splats.hpp"
 #include "policies/tile_lists.hpp"
@@ -106,7 +105,7 @@ class PlacedViews {
   PlacedViews(const PlacedViews&) = delete;
   PlacedViews& operator=(const PlacedViews&) = delete;
 
-  Span<const View> span() const { return {views.data(), views.size()}; }
+  Span<const View> span() const { return span_of(views); }
 
   /// The memory of each view after all work of `backend`.
   const std::vector<PlanesMemory>& finish(const B& backend) {
@@ -123,6 +122,16 @@ class PlacedViews {
 
 template <class R>
 using BackendOf = std::remove_cvref_t<decltype(std::declval<R&>().backend())>;
+
+/// The report of a recorded frame, in memory of a backend.
+template <class B>
+struct Report {
+  typename B::template Buffer<FrameReport> memory;
+
+  Report() { memory.reset(1); }
+  FrameReport* data() { return memory.data(); }
+  FrameReport get(const B& backend) const { return to_host(backend, memory.span())[0]; }
+};
 
 /// What one frame of the views draws.
 template <class R>
@@ -307,10 +316,10 @@ void check_lists(R& together, R& alone, const SceneView& scene) {
   std::vector<View> views = views_without_planes(asked);
   views.push_back(make_view(asked[5].camera, asked[5].conventions, {.width = 268, .height = 150}, vec3(0),
                             {.x = 32, .y = 16}));
-  together.render_into(scene, Span<const View>{views.data(), views.size()});
+  together.render_into(scene, span_of(std::as_const(views)));
   const Lists lists = gaussians_of_lists(together);
   std::vector<View> numbered = views;
-  number_tiles({numbered.data(), numbered.size()});
+  number_tiles(span_of(numbered));
   REQUIRE(lists.size() == Views(numbered.data(), numbered.size()).tiles.size());
   std::size_t intersections = 0, listed = 0, different = 0;
   for (const std::vector<std::uint32_t>& list : lists) listed += list.size();
@@ -335,8 +344,8 @@ void check_lists(R& together, R& alone, const SceneView& scene) {
 template <class R, class SceneOn>
 void check_many_rows(R& renderer, const SceneOn& scene) {
   const Camera kinds[] = {forward_camera(1, 1), forward_camera(17, 2), turned_camera(3, 1, 0.1)};
-  RenderSettings settings;
-  settings.outputs = {true, true}, settings.background = vec3(0.1f, 0.2f, 0.3f), settings.count = true;
+  RenderSettings settings = settings_of({true, true}, vec3(0.1f, 0.2f, 0.3f));
+  settings.count = true;
   std::vector<Frame> expected;
   std::vector<std::uint64_t> pairs;
   for (const Camera& camera : kinds) {
@@ -346,8 +355,7 @@ void check_many_rows(R& renderer, const SceneOn& scene) {
   std::vector<Camera> cameras;
   for (std::size_t i = 0; i < 33'001; ++i) cameras.push_back(kinds[i % 3]);
   std::vector<Frame> frames(cameras.size());
-  renderer.render(scene, Span<const Camera>{cameras.data(), cameras.size()}, settings,
-                  Span<Frame>{frames.data(), frames.size()});
+  renderer.render(scene, span_of(cameras), settings, span_of(frames));
   std::size_t different = 0;
   for (std::size_t i = 0; i < frames.size(); ++i)
     different += frames[i].colour != expected[i % 3].colour || frames[i].alpha != expected[i % 3].alpha ||
@@ -355,74 +363,6 @@ void check_many_rows(R& renderer, const SceneOn& scene) {
   CHECK(different == 0);
   CHECK(renderer.statistics().raster.contributing_pairs ==
         11'000 * (pairs[0] + pairs[1] + pairs[2]) + pairs[0]);
-}
-
-/// One image of 4096 x 16 pixels among fifty of 16 x 16: most tile numbers belong to no view.
-inline std::vector<AskedView> one_wide_among_small() {
-  std::vector<AskedView> views;
-  for (int i = 0; i < 51; ++i)
-    views.push_back({i == 20 ? forward_camera(4096, 16, 60) : turned_camera(16, 16, 0.01 * i, 0.05 * i)});
-  return views;
-}
-
-/// Three hundred views of 1 to 20 pixels a side.
-inline std::vector<AskedView> tiny_views() {
-  std::vector<AskedView> views;
-  for (int i = 0; i < 300; ++i) {
-    AskedView view{turned_camera(1 + i % 20, 1 + i * 7 % 20, 0.002 * i, 0.003 * i)};
-    view.format = pixel_formats[std::size_t(i) % std::size(pixel_formats)];
-    view.occluder = i % 3 == 0, view.over = i % 5 == 0, view.depth = i % 2 == 0;
-    views.push_back(view);
-  }
-  return views;
-}
-
-/// Checks that views which nothing can be rendered of are refused, and that those which were set are recorded
-/// all the same, as are good ones afterwards.
-template <class R>
-void check_bad_views(R& renderer, R& other, const SceneView& scene) {
-  const std::vector<AskedView> asked = different_views();
-  std::vector<AskedView> moved = asked;
-  for (AskedView& view : moved) view.camera.translation.x += 0.1, view.background = vec3(0.5f);
-  const auto expected_first = draw_together(other, scene, asked),
-             expected_second = draw_together(other, scene, moved);
-  REQUIRE(differing(expected_first, expected_second) == asked.size());
-  typename BackendOf<R>::template Buffer<FrameReport> report;
-  report.reset(1);
-
-  struct Spoilt {
-    const char* message;
-    void (*spoil)(View&);
-  };
-  const Spoilt all[] = {
-      {"render: the background is nan in channel 1, expected finite numbers",
-       [](View& view) { view.background.y = std::nanf(""); }},
-      {"render: the background is -inf in channel 2, expected finite numbers",
-       [](View& view) { view.background.z = -std::numeric_limits<float>::infinity(); }},
-      {"tiles: the number of rows is 4, expected 3", [](View& view) { view.grid.rows.end += 1; }},
-      {"tiles: the number of columns is 5, expected 4", [](View& view) { view.grid.columns.begin = -1; }},
-      {"tiles: the first of the columns is -1, expected 0 or more",
-       [](View& view) { --view.grid.columns.begin, --view.grid.columns.end; }},
-      {"tiles: the side is 24, expected a power of two of at least 16 pixels",
-       [](View& view) { view.grid.side = 24; }}};
-  for (const Spoilt& spoilt : all) {
-    CAPTURE(std::string(spoilt.message));
-    PlacedViews before(renderer.backend(), asked), after(renderer.backend(), moved);
-    renderer.reserve(scene, before.span());
-    std::vector<View> bad = after.views;
-    spoilt.spoil(bad[3]);
-    const Span<const View> views{bad.data(), bad.size()};
-    CHECK_THROWS_WITH_AS(renderer.render_into(scene, views), spoilt.message, std::invalid_argument);
-    CHECK_THROWS_WITH_AS(renderer.set_views(views), spoilt.message, std::invalid_argument);
-    renderer.record(scene, report.data());
-    CHECK(differing(before.finish(renderer.backend()), expected_first) == 0);
-    renderer.set_views(after.span());
-    renderer.record(scene, report.data());
-    CHECK(differing(after.finish(renderer.backend()), expected_second) == 0);
-    CHECK_THROWS_WITH_AS(renderer.reserve(scene, views), spoilt.message, std::invalid_argument);
-    CHECK_THROWS_WITH_AS(renderer.record(scene, report.data()), "render: expected reserve before record",
-                         std::invalid_argument);
-  }
 }
 
 /// A part of an image with all planes. From `k` to `k` everything changes that `set_views` may change.
@@ -452,8 +392,7 @@ inline AskedView changing_lean_view(int k) {
 template <class R, class Capture>
 void check_changing_views(R& renderer, R& other, const SceneView& scene, const Capture& capture) {
   const auto& backend = renderer.backend();
-  typename BackendOf<R>::template Buffer<FrameReport> report;
-  report.reset(1);
+  Report<BackendOf<R>> report;
   using List = std::vector<AskedView> (*)(int k);
   for (const List asked : {List([](int k) { return std::vector{changing_view(k)}; }),
                            List([](int k) { return std::vector{changing_lean_view(k)}; }), List([](int k) {
@@ -470,8 +409,7 @@ void check_changing_views(R& renderer, R& other, const SceneView& scene, const C
       draw();
       other.render_into(scene, expected.span());
       wrong += differing(drawn.finish(backend), expected.finish(backend));
-      FrameReport found;
-      backend.download(Span{std::as_const(report).data(), 1}, &found);
+      const FrameReport found = report.get(backend);
       const Statistics taken = other.statistics();
       wrong += found.overflowed != 0 || found.visible != taken.visible ||
                found.intersections != taken.intersections;
@@ -536,7 +474,7 @@ void check_parts(R& renderer, const SceneView& scene, const AskedView& asked, co
       sum += renderer.statistics().raster;
     };
     if (together) {
-      render({views.data(), views.size()});
+      render(span_of(views));
     } else {
       for (const View& view : views) render({&view, 1});
     }
@@ -576,19 +514,6 @@ inline Gaussian ends_near_a_border(Random& random, const ViewConstants& v) {
 
 /// Of the Gaussians that end near a border.
 inline Camera bordered_camera() { return forward_camera(48, 48); }
-
-/// Faint Gaussians that all end near a border, where rounding decides whether a pixel shows them.
-inline Scene bordered_scene(std::size_t count, std::uint64_t seed) {
-  Random random(seed);
-  const ViewConstants constants = view_constants(bordered_camera(), Conventions::gsplat());
-  Scene scene;
-  for (std::size_t i = 0; i < count; ++i) {
-    const Gaussian g = ends_near_a_border(random, constants);
-    scene.means.push_back(g.mean), scene.scales.push_back(g.scale), scene.rotations.push_back(g.rotation);
-    scene.opacities.push_back(g.opacity), scene.sh0.push_back(vec3(1));
-  }
-  return scene;
-}
 
 /// `check_parts` of images cut in several ways.
 template <class R>

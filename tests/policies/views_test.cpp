@@ -3,8 +3,12 @@
 // Frames of several views and of parts of an image, on every backend.
 #include "policies/views.hpp"
 
+#include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <limits>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -19,10 +23,43 @@ namespace {
 template <class B, class Sort = EarlySort, class Raster = AxisSharedThreshold<FloatCholesky>,
           class Bounds = Ellipse>
 struct Two {
-  Renderer<B, Sort, Raster, Bounds> together{test::make_backend<B>()}, alone{test::make_backend<B>()};
+  Usual<B, Sort, Raster, Bounds> together{test::make_backend<B>()}, alone{test::make_backend<B>()};
 
   auto upload(const Scene& scene) { return together.backend().upload(scene); }
 };
+
+/// Faint Gaussians that all end near a border, where rounding decides whether a pixel shows them.
+Scene bordered_scene(std::size_t count, std::uint64_t seed) {
+  Random random(seed);
+  const ViewConstants constants = view_constants(bordered_camera(), Conventions::gsplat());
+  Scene scene;
+  for (std::size_t i = 0; i < count; ++i) {
+    const Gaussian g = ends_near_a_border(random, constants);
+    scene.means.push_back(g.mean), scene.scales.push_back(g.scale), scene.rotations.push_back(g.rotation);
+    scene.opacities.push_back(g.opacity), scene.sh0.push_back(vec3(1));
+  }
+  return scene;
+}
+
+/// One image of 4096 x 16 pixels among fifty of 16 x 16: most tile numbers belong to no view.
+std::vector<AskedView> one_wide_among_small() {
+  std::vector<AskedView> views;
+  for (int i = 0; i < 51; ++i)
+    views.push_back({i == 20 ? forward_camera(4096, 16, 60) : turned_camera(16, 16, 0.01 * i, 0.05 * i)});
+  return views;
+}
+
+/// Three hundred views of 1 to 20 pixels a side.
+std::vector<AskedView> tiny_views() {
+  std::vector<AskedView> views;
+  for (int i = 0; i < 300; ++i) {
+    AskedView view{turned_camera(1 + i % 20, 1 + i * 7 % 20, 0.002 * i, 0.003 * i)};
+    view.format = pixel_formats[std::size_t(i) % std::size(pixel_formats)];
+    view.occluder = i % 3 == 0, view.over = i % 5 == 0, view.depth = i % 2 == 0;
+    views.push_back(view);
+  }
+  return views;
+}
 
 /// Calls f(two) with two renderers of each rasterizer.
 template <class B, class F>
@@ -101,30 +138,14 @@ SWIFTGS_CONTRACT("views: several views of an empty scene are their backgrounds")
   check_views(two.together, two.alone, two.upload(Scene()).view(), different_views());
 }
 
-TEST_CASE("views: frames of several have the same bits with one thread and two") {
-  const Scene scene = random_scene(5000, 2, 5);
-  for_each_raster([&]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
-    const auto drawn_by = [&](int threads) {
-      Renderer<Cpu, EarlySort, Raster, Ellipse> renderer{Cpu(threads)};
-      const auto uploaded = renderer.backend().upload(scene);
-      PlacedViews placed(renderer.backend(), different_views());
-      renderer.render_into(uploaded.view(), placed.span());
-      return placed.finish(renderer.backend());
-    };
-    CHECK(differing(drawn_by(1), drawn_by(2)) == 0);
-  });
-}
-
-SWIFTGS_CONTRACT("views: frames for several cameras are the frames of each camera") {
+SWIFTGS_CONTRACT("views: frames for several cameras are the frames of each camera in every plane") {
   Two<B> two;
   auto& renderer = two.together;
-  const auto scene = two.upload(random_scene(300, 1, 6));
+  const auto scene = two.upload(with_features(random_scene(300, 1, 6), 4));
   const Camera cameras[] = {forward_camera(50, 40), turned_camera(33, 17, 0.2, 0.3), forward_camera(16, 16)};
-  RenderSettings settings;
-  settings.outputs = {true, true}, settings.background = vec3(0.1f, 0.2f, 0.3f);
+  const RenderSettings settings = settings_of(all_planes(3), vec3(0.1f, 0.2f, 0.3f));
   std::vector<Frame> frames(std::size(cameras));
-  renderer.render(scene, {cameras, std::size(cameras)}, settings, {frames.data(), frames.size()});
+  renderer.render(scene, {cameras, std::size(cameras)}, settings, span_of(frames));
   const Span<const FrameView> resident =
       renderer.render_resident(scene.view(), {cameras, std::size(cameras)}, settings);
   REQUIRE(resident.size == std::size(cameras));
@@ -136,9 +157,7 @@ SWIFTGS_CONTRACT("views: frames for several cameras are the frames of each camer
   }
   for (std::size_t i = 0; i < frames.size(); ++i) {
     const Frame alone = renderer.render(scene, cameras[i], settings);
-    CHECK(same_bits(frames[i].colour, alone.colour));
-    CHECK(same_bits(frames[i].alpha, alone.alpha));
-    CHECK(same_bits(frames[i].depth, alone.depth));
+    CHECK(same_planes(frames[i], alone));
     CHECK(same_bits(colours[i], alone.colour));
   }
   CHECK_THROWS_WITH_AS(renderer.render(scene, {cameras, 3}, settings, {frames.data(), 2}),
@@ -154,15 +173,57 @@ SWIFTGS_CONTRACT("views: frames of none and of too many tiles are refused and th
   const Camera huge = forward_camera(max_image_side, max_image_side);
   const View view = make_view(huge, Conventions(), {.width = huge.width, .height = huge.height});
   const std::vector<View> views(129, view);
-  CHECK_THROWS_WITH_AS(two.together.render_into(scene.view(), Span<const View>{views.data(), views.size()}),
+  CHECK_THROWS_WITH_AS(two.together.render_into(scene.view(), span_of(views)),
                        "tiles in one frame: 2164260864 needed, the limit is 2147483648", CapacityError);
   check_views(two.together, two.alone, scene.view(), different_views());
 }
 
 SWIFTGS_CONTRACT("views: bad ones are refused by all calls and those that were set are recorded") {
   Two<B> two;
+  auto& renderer = two.together;
+  const B& on = renderer.backend();
   const auto scene = two.upload(random_scene(400, 1, 9));
-  check_bad_views(two.together, two.alone, scene.view());
+  const std::vector<AskedView> asked = different_views();
+  std::vector<AskedView> moved = asked;
+  for (AskedView& view : moved) view.camera.translation.x += 0.1, view.background = vec3(0.5f);
+  const auto expected_first = draw_together(two.alone, scene.view(), asked),
+             expected_second = draw_together(two.alone, scene.view(), moved);
+  REQUIRE(differing(expected_first, expected_second) == asked.size());
+  Report<B> report;
+
+  struct Spoilt {
+    const char* message;
+    void (*spoil)(View&);
+  };
+  const Spoilt all[] = {
+      {"render: the background is nan in channel 1, expected finite numbers",
+       [](View& view) { view.background.y = std::nanf(""); }},
+      {"render: the background is -inf in channel 2, expected finite numbers",
+       [](View& view) { view.background.z = -std::numeric_limits<float>::infinity(); }},
+      {"tiles: the number of rows is 4, expected 3", [](View& view) { view.grid.rows.end += 1; }},
+      {"tiles: the number of columns is 5, expected 4", [](View& view) { view.grid.columns.begin = -1; }},
+      {"tiles: the first of the columns is -1, expected 0 or more",
+       [](View& view) { --view.grid.columns.begin, --view.grid.columns.end; }},
+      {"tiles: the side is 24, expected a power of two of at least 16 pixels",
+       [](View& view) { view.grid.side = 24; }}};
+  for (const Spoilt& spoilt : all) {
+    CAPTURE(std::string(spoilt.message));
+    PlacedViews before(on, asked), after(on, moved);
+    renderer.reserve(scene.view(), before.span());
+    std::vector<View> bad = after.views;
+    spoilt.spoil(bad[3]);
+    const Span<const View> views{bad.data(), bad.size()};
+    CHECK_THROWS_WITH_AS(renderer.render_into(scene.view(), views), spoilt.message, std::invalid_argument);
+    CHECK_THROWS_WITH_AS(renderer.set_views(views), spoilt.message, std::invalid_argument);
+    renderer.record(scene.view(), report.data());
+    CHECK(differing(before.finish(on), expected_first) == 0);
+    renderer.set_views(after.span());
+    renderer.record(scene.view(), report.data());
+    CHECK(differing(after.finish(on), expected_second) == 0);
+    CHECK_THROWS_WITH_AS(renderer.reserve(scene.view(), views), spoilt.message, std::invalid_argument);
+    CHECK_THROWS_WITH_AS(renderer.record(scene.view(), report.data()),
+                         "render: expected reserve before record", std::invalid_argument);
+  }
 }
 
 TEST_CASE_TEMPLATE("views: recorded frames follow formats and planes and places that change", B,

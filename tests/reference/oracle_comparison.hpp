@@ -17,18 +17,11 @@
 #include <swiftgs/reference/conditioning.hpp>
 #include <swiftgs/reference/planes.hpp>
 
+#include "policies/placed_list.hpp"
 #include "reference/oracle.hpp"
 #include "reference/oracle_scenes.hpp"
 
 namespace swiftgs::test {
-
-/// A placed scene.
-struct Placed {
-  Scene scene;
-  Similarity world_from_scene{};
-  float opacity = 1;
-  Clip clip{};
-};
 
 /// What is rendered by both, and what the result must be like.
 struct Case {
@@ -37,7 +30,7 @@ struct Case {
   Conventions conventions{};
   dvec3 background{0.2, 0.7, -0.1};
   std::vector<float> occluder{};
-  std::vector<Placed> more{};   ///< in the frame
+  List more{};                  ///< in the frame
   Real largest_bound = 1e-11L;  ///< of errors, in parts of the largest value
   std::size_t unsure = 0;       ///< pixels that may be set aside
   std::uint64_t visible = 20;   ///< at least
@@ -106,7 +99,7 @@ inline void check(Case c) {
   std::vector<ReferenceScene> each{{c.scene}};
   for (Placed& p : c.more) {
     p.scene = with_features(std::move(p.scene), 2, 2);
-    each.push_back({p.scene, p.world_from_scene, p.opacity, p.clip});
+    each.push_back({p.scene, p.pose, p.opacity, p.clip});
   }
   const Span<const ReferenceScene> scenes{each.data(), each.size()};
   const Span<const float> occluder{c.occluder.data(), c.occluder.size()};

@@ -2,7 +2,6 @@
 
 // Margins of pixels; `oracle_test` checks the planes.
 #include <cmath>
-#include <cstddef>
 #include <utility>
 #include <vector>
 

@@ -67,6 +67,9 @@ TEST_CASE("reference: invalid arguments are refused") {
   const Conventions k;
   CHECK_THROWS_AS(render_reference(torn, small_camera(), k), std::invalid_argument);
   CHECK_THROWS_AS(render_reference(scene, flat, k), std::invalid_argument);
+  const float occluder = 1;
+  CHECK_THROWS_AS(render_reference(scene, small_camera(), k, dvec3(0), 1, {&occluder, 1}),
+                  std::invalid_argument);
   CHECK_THROWS_WITH_AS(render_reference(scene, small_camera(), k, dvec3(0), -1),
                        "threads: expected 0 (one a processor) or more, got -1", std::invalid_argument);
 }
