@@ -308,6 +308,40 @@ SWIFTGS_CONTRACT("planes: the first depth is of the splat that takes alpha above
   }
 }
 
+SWIFTGS_CONTRACT("planes: features that are the colours give the colours and features of 1 give alpha") {
+  Scene scene = random_scene(500, 0, 11);
+  const Camera camera = forward_camera(70, 45);
+  scene.feature_channels = 4;
+  for (const vec3& sh0 : scene.sh0) {
+    for (int c = 0; c < 3; ++c)
+      scene.features.push_back(std::max(0.0f, 0.5f + float(0.28209479177387814) * sh0[c]));
+    scene.features.push_back(1);
+  }
+  const Frame frame = draw_all<B>(scene, camera);
+  std::vector<float> colours, ones;
+  for (std::size_t i = 0; i < frame.features.size(); ++i)
+    (i % 4 == 3 ? ones : colours).push_back(frame.features[i]);
+  CHECK(max_abs_difference(colours, frame.colour) < 2e-6);
+  CHECK(max_abs_difference(ones, frame.alpha) < 2e-6);
+}
+
+SWIFTGS_CONTRACT("planes: depths of a single opaque splat are its own and its normal faces the camera") {
+  Scene scene = balls({{3, 1}});
+  scene.scales[0] = vec3(1, 0.8f, 0.1f);
+  for (const float turn : {0.0f, 1.0f}) {  // by pi about x
+    scene.rotations[0] = {1 - turn, turn, 0, 0};
+    const Frame frame = draw_all<B>(scene, middle_camera());
+    CHECK(frame.alpha[middle] == 0.99f);
+    CHECK(frame.median_depth[middle] == 3);
+    CHECK(frame.first_depth[middle] == 3);
+    CHECK(frame.squared_depth[middle] == doctest::Approx(9).epsilon(1e-6));
+    CHECK(frame.median_id[middle] == 0);
+    CHECK(frame.normal[3 * middle + 0] == doctest::Approx(0));
+    CHECK(frame.normal[3 * middle + 1] == doctest::Approx(0));
+    CHECK(frame.normal[3 * middle + 2] == doctest::Approx(-0.99).epsilon(1e-6));
+  }
+}
+
 SWIFTGS_CONTRACT("planes: of equal weights the nearest Gaussian and a median only below one half") {
   const auto at_middle = [&](const Scene& scene) {
     const Frame frame = draw_all<B>(scene, middle_camera(), exact_conventions());
