@@ -115,7 +115,7 @@ struct Written : WrittenScene {
   const Scene& scene() const { return file.scene; }
 };
 
-/// Checks that a reader finds what the writer says.
+/// Checks that the reader returns what the writer says.
 inline Written write_and_read(const Scene& scene, const std::string& ending,
                               const SceneWriteOptions& options = {}) {
   const TemporaryFolder folder;
