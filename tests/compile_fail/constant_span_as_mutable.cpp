@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// expected constant_span_as_mutable: (could not convert|conversion from|no viable conversion).*Span<const
-// float>
+// clang-format off
+// expected constant_span_as_mutable: (could not convert|conversion from|no viable conversion).*Span<const float>
+// clang-format on
 #include <swiftgs/span.hpp>
 
 float first_of(swiftgs::Span<const float> values) {
