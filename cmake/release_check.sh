@@ -81,6 +81,8 @@ missing_for_root() {
   fi
 }
 
+has_nvcc() { command -v nvcc >/dev/null || [ -x /usr/local/cuda/bin/nvcc ]; }
+
 # inside FOLDER COMMAND...: in that system, whose mounts end with the command.
 inside() {
   env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
@@ -192,7 +194,7 @@ wheel() {
 # With CUDA: nobody needs a GPU to install what is made here, or to draw with it on a processor.
 cuda() {
   local reason file
-  if [ -z "$(command -v nvcc || ls /usr/local/cuda/bin/nvcc 2>/dev/null)" ]; then
+  if ! has_nvcc; then
     skip cuda "no nvcc here"
     return
   fi
@@ -312,7 +314,7 @@ compilers() {
 
 kernels() {
   local table=tests/cuda/kernel_resources.csv
-  if [ -z "$(command -v nvcc || ls /usr/local/cuda/bin/nvcc 2>/dev/null)" ]; then
+  if ! has_nvcc; then
     skip kernels "no nvcc here"
     return
   fi
