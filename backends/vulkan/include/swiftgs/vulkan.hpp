@@ -86,9 +86,8 @@ class Image {
   SWIFTGS_API Image(const Device& device, const ExportedMemory& memory, const ImageShape& shape);
 
   /// Copies the colours of `frame`, which lies in memory of the device, in stream order. Rows go as they lie
-  /// in memory, and Vulkan's images begin with the top one. Vulkan keeps the
-  /// contents by the layout VK_IMAGE_LAYOUT_GENERAL. Throws `std::invalid_argument` if sizes or formats
-  /// differ.
+  /// in memory, and Vulkan's images begin with the top one. Vulkan keeps the contents by the layout
+  /// VK_IMAGE_LAYOUT_GENERAL. Throws `std::invalid_argument` if sizes or formats differ.
   SWIFTGS_API void write(const FrameView& frame, cudaStream_t stream) const;
 
  private:
