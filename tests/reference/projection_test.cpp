@@ -71,6 +71,23 @@ TEST_CASE("reference: a local axis points where the quaternion turns it, w first
         }) < 1e-6);  // the inputs are rounded to float
 }
 
+TEST_CASE("reference: means and covariances follow the camera's pose and focal lengths") {
+  // The camera stands at (5, 1, 0) and looks along -x: image x is world z, image y is world y.
+  Camera camera = small_camera();
+  camera.rotation = dmat3(dvec3(0, 0, -1), dvec3(0, 1, 0), dvec3(1, 0, 0));
+  camera.translation = dvec3(0, -1, 5);
+  camera.fx = 32, camera.fy = 64, camera.cx = 10.25, camera.cy = 20.5;
+  const Gaussian g{.mean = {1, 1.25f, 0.5f}, .scale = {0, 0.125f, 0.25f}, .opacity = 0.75f};
+  const ReferenceFrame frame = render_reference(scene_of(g), camera, Conventions::gsplat());
+  const double mean_x = 32 * 0.5 / 4 + 10.25, mean_y = 64 * 0.25 / 4 + 20.5;
+  const double xx = 2.0 * 2.0 + double(0.3f), yy = 2.0 * 2.0 + double(0.3f);
+  CHECK(worst_alpha(frame, [&](int x, int y) {
+          const double dx = x + 0.5 - mean_x, dy = y + 0.5 - mean_y;
+          return unless_skipped(0.75 * std::exp(-0.5 * (dx * dx / xx + dy * dy / yy)));
+        }) < 1e-14);
+  CHECK(frame.depth[at(frame, 14, 24)] == doctest::Approx(4).epsilon(1e-14));
+}
+
 TEST_CASE(
     "reference: planes keep an equal depth for gsplat and inria culls it at near and has no far plane") {
   const auto drawn = [](float z, const Conventions& k) {
