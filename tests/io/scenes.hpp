@@ -115,7 +115,7 @@ struct Written : WrittenScene {
   const Scene& scene() const { return file.scene; }
 };
 
-/// Checks that the reader returns what the writer says.
+/// Writes `scene` and reads it. Checks the file against what the writer reports.
 inline Written write_and_read(const Scene& scene, const std::string& ending,
                               const SceneWriteOptions& options = {}) {
   const TemporaryFolder folder;
