@@ -88,16 +88,16 @@ TEST_CASE("bench: a batch changes nothing of a row but its times") {
   const std::string timing = " --scales 0.1 --min-frames 2 --max-frames 2 --json ";
   REQUIRE(swiftgs::test::swiftgs(place, bench + timing + "one.json").code == 0);
   REQUIRE(swiftgs::test::swiftgs(place, bench + " --batch 4" + timing + "four.json").code == 0);
-  const Json one = json_in(place / "one.json").at("rows"), four = json_in(place / "four.json").at("rows");
+  const Json single = json_in(place / "one.json").at("rows"), four = json_in(place / "four.json").at("rows");
   REQUIRE(four.size() == 3);
   for (std::size_t i = 0; i < 3; ++i) {
     CHECK(four[i].at("batch") == 4);
     for (const char* member :
          {"view", "renderer", "frames", "psnr_db", "ssim", "visible", "intersections", "contributing_pairs"})
-      CHECK(four[i].at(member) == one[i].at(member));
+      CHECK(four[i].at(member) == single[i].at(member));
     CHECK(four[i].at("ms").at("total").at("median") > 0);
     // The frame holds four views.
-    CHECK(four[i].at("bytes").at("raster").get<double>() > 3 * one[i].at("bytes").at("raster").get<double>());
+    CHECK(four[i].at("bytes").at("raster").get<double>() > 3 * single[i].at("bytes").at("raster").get<double>());
   }
 }
 

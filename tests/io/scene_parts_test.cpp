@@ -66,7 +66,7 @@ TEST_CASE("scene parts: they are of one size and follow each other") {
 
 TEST_CASE("scene parts: the built-in scene is made in parts") {
   for (const auto& [count, of] : {std::pair{1u, 3u}, {997u, 2u}, {997u, 16u}})
-    CHECK(same_bits(joined(of, [count = count](ScenePart part) { return make_builtin_scene(count, part); }),
+    CHECK(same_bits(joined(of, [size = count](ScenePart part) { return make_builtin_scene(size, part); }),
                     make_builtin_scene(count)));
 }
 

@@ -39,11 +39,11 @@ Files with_file(const SogParts& parts, const char* name, const std::string& cont
 
 TEST_CASE("sog: an image or a description that ends early is refused wherever it ends") {
   const Files files = sog_files(parts_of(2));
-  for (const auto& [name, content] : files) {
-    CAPTURE(name);
-    check_every_truncation(content, [&, &name = name](const std::string& part) {
+  for (const auto& file : files) {
+    CAPTURE(file.first);
+    check_every_truncation(file.second, [&](const std::string& part) {
       Files changed = files;
-      changed[name] = part;
+      changed[file.first] = part;
       read(zip(changed));
     });
   }

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <limits>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -22,8 +21,6 @@ using namespace swiftgs;
 using namespace swiftgs::test;
 
 namespace {
-
-constexpr float infinity = std::numeric_limits<float>::infinity();
 
 Conventions along_ray(Conventions conventions = {}) {
   conventions.depth_at = Conventions::DepthAt::ray;

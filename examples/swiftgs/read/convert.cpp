@@ -151,8 +151,8 @@ void move_inputs(Inputs& inputs, const ConvertOptions& options, const Edits& edi
     step("--degree " + std::to_string(options.degree), [&](Scene& scene) {
       if (options.degree < scene.sh_degree) scene = with_degree(std::move(scene), options.degree);
     });
-  for (const auto& [what, by] : edits.transforms)
-    step(what, [&, &by = by](Scene& scene) { transform(scene, by, origin_for(scene, by)); });
+  for (const auto& entry : edits.transforms)
+    step(entry.first, [&, &by = entry.second](Scene& scene) { transform(scene, by, origin_for(scene, by)); });
 }
 
 /// Inputs as one scene, with the origin of the first.
@@ -169,8 +169,8 @@ void edit(Scene& scene, const ConvertOptions& options, const Edits& edits, Conve
     make();
     result.steps.push_back({what, scene.size(), scene.sh_degree});
   };
-  for (const auto& [what, region] : edits.crops)
-    step(what, [&, &region = region] {
+  for (const auto& entry : edits.crops)
+    step(entry.first, [&, &region = entry.second] {
       scene = std::visit([&](const auto& r) { return crop(scene, r); }, region);
     });
   if (options.keep < 1)

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -62,7 +63,7 @@ inline std::vector<std::uint32_t> spatial_order(const Scene& scene) {
   std::sort(keys.begin(), keys.end());
   std::transform(keys.begin(), keys.end(), order.begin(), [](const auto& key) { return key.second; });
   const auto last = select(scene, [&](std::size_t i) { return !detail::is_finite(scene.means[i]); });
-  order.insert(order.end(), last.begin(), last.end());
+  std::copy(last.begin(), last.end(), std::back_inserter(order));
   return order;
 }
 
