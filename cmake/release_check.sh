@@ -75,7 +75,7 @@ missing_for_root() {
   read -r _ suite _ mirror < <(grep "^$1 " <<<"$systems")
   if [ "$(id -u)" -ne 0 ]; then echo "root makes fresh systems"
   elif ! command -v debootstrap >/dev/null; then echo "no debootstrap here (package debootstrap)"
-  elif [ ! -e "$keys" ]; then echo "no $keys here"
+  elif [ ! -e "$keys" ]; then echo "no $keys here (package ${1%%-*}-keyring)"
   elif ! /usr/lib/apt/apt-helper download-file "$mirror/dists/$suite/Release" "$out/$1.release" >/dev/null 2>&1; then
     echo "$mirror is out of reach"
   fi
@@ -87,7 +87,9 @@ has_nvcc() { command -v nvcc >/dev/null || [ -x /usr/local/cuda/bin/nvcc ]; }
 inside() {
   env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
     CMAKE_BUILD_PARALLEL_LEVEL="$CMAKE_BUILD_PARALLEL_LEVEL" \
-    unshare --mount --pid --fork --mount-proc="$roots/$1/proc" chroot "$roots/$1" "${@:2}"
+    unshare --mount --pid --fork --mount-proc="$roots/$1/proc" bash -ec '
+      mount --bind /dev/pts "$0/dev/pts"
+      exec chroot "$0" "$@"' "$roots/$1" "${@:2}"
 }
 
 # The same, where qemu runs programs for arm64: the kernel knows its name until the command ends.
@@ -276,7 +278,7 @@ build_with() {  # build_with NAME CC CXX ARCHIVE
     echo "deb $mirror $4 main universe" >"$roots/$root/etc/apt/sources.list.d/cmake.list" &&
     inside "$root" env CC="$2" CXX="$3" bash -ec '
       cd /swiftgs; apt-get -q update; cmake/setup.sh build
-      apt-get -q install -y --no-install-recommends doctest-dev clang
+      apt-get -q install -y --no-install-recommends doctest-dev clang libclang-rt-dev python3
       apt-get -q install -y --no-install-recommends --target-release "$2" cmake
       cmake --preset release -DSWIFTGS_BUILD_CUDA=OFF -DSWIFTGS_BUILD_MPI=OFF -DSWIFTGS_BUILD_BENCHMARKS=OFF
       cmake --build --preset release

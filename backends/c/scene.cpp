@@ -85,8 +85,7 @@ swiftgs_scene_info info_of(const swiftgs_scene& from) {
   for (int axis = 0; axis < 3; ++axis) info.origin[axis] = scene.origin[axis];
   bool found = false;
   for (const vec3& mean : scene.means) {
-    using swiftgs::detail::is_not_finite;
-    if (is_not_finite(mean.x) || is_not_finite(mean.y) || is_not_finite(mean.z)) continue;
+    if (!swiftgs::detail::is_finite(mean)) continue;
     for (int axis = 0; axis < 3; ++axis) {
       info.lower[axis] = found ? std::min(info.lower[axis], mean[axis]) : mean[axis];
       info.upper[axis] = found ? std::max(info.upper[axis], mean[axis]) : mean[axis];

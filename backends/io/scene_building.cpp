@@ -16,13 +16,6 @@
 namespace swiftgs::io {
 namespace {
 
-// On bits, so that the loop over SH coefficients becomes integer SIMD.
-bool all_finite(const float* values, std::size_t count) {
-  bool finite = true;
-  for (std::size_t i = 0; i < count; ++i) finite &= !detail::is_not_finite(values[i]);
-  return finite;
-}
-
 template <class T>
 void keep(std::vector<T>& values, const std::vector<std::uint8_t>& wanted, std::size_t stride) {
   auto to = values.begin();
@@ -70,7 +63,7 @@ bool renderable(const Scene& scene, std::size_t i) {
   for_each_array(
       [&](const char*, std::size_t each, const auto& values) {
         const std::size_t floats = each * swiftgs::detail::floats_of_value(values);
-        finite &= all_finite(swiftgs::detail::floats_of(values).data + i * floats, floats);
+        finite &= swiftgs::detail::are_finite(swiftgs::detail::floats_of(values).data + i * floats, floats);
       },
       scene);
   return finite;

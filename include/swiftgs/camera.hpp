@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include <swiftgs/finite.hpp>
 #include <swiftgs/lens.hpp>
 #include <swiftgs/math.hpp>
 
@@ -83,7 +84,7 @@ inline void validate(const Camera& camera) {
   require(camera.lens.model != LensModel::equirectangular || camera.width <= std::ceil(turn_of(camera)),
           "at most 2 pi fx pixels a row of an equirectangular lens");
   for (int i = 0; i < 3; ++i) {
-    require(std::isfinite(camera.translation[i]), "a finite translation");
+    require(detail::is_finite(camera.translation[i]), "a finite translation");
     for (int j = 0; j < 3; ++j) {
       double dot = 0;
       for (int k = 0; k < 3; ++k) dot += camera.rotation[i][k] * camera.rotation[j][k];
@@ -95,7 +96,7 @@ inline void validate(const Camera& camera) {
 /// The same view at `scale` times the size: image position p moves to scale p, corners and centres alike.
 /// Sides are rounded to whole pixels, at least one, so the last ones may show a little more or less.
 inline Camera scaled(Camera camera, double scale) {
-  if (!(scale > 0) || !std::isfinite(scale))
+  if (!(scale > 0) || !detail::is_finite(scale))
     throw std::invalid_argument("camera: expected a finite scale above 0");
   const auto side = [&](int pixels) {
     const double rounded = std::round(pixels * scale);

@@ -14,6 +14,7 @@
 #include <type_traits>
 
 #include <swiftgs/camera.hpp>
+#include <swiftgs/finite.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/math.hpp>
 
@@ -123,7 +124,7 @@ inline constexpr double matrix_rounding = 1e-6;
 inline void require_finite(const char* name, const Matrix4& m) {
   for (int row = 0; row < 4; ++row)
     for (const double number : m.at[row])
-      if (!std::isfinite(number)) refuse_matrix(name, row_of(m, row), "finite numbers");
+      if (!detail::is_finite(number)) refuse_matrix(name, row_of(m, row), "finite numbers");
 }
 
 inline void validate_view(const Matrix4& view) {

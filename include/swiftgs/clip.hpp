@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include <swiftgs/edit/finite.hpp>
+#include <swiftgs/finite.hpp>
 #include <swiftgs/math.hpp>
 
 namespace swiftgs {

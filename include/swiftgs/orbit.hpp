@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include <swiftgs/camera.hpp>
+#include <swiftgs/finite.hpp>
 #include <swiftgs/math.hpp>
 
 namespace swiftgs {
@@ -34,9 +35,9 @@ inline dvec3 turned(const dvec3& v, const dvec3& axis, double angle) {
 inline Camera orbit(const OrbitView& view, double turn, double rise = 0, double distance = 1) {
   using detail::cross, detail::dot, detail::turned;
   const double length = std::sqrt(dot(view.up, view.up));
-  if (!(length > 0 && std::isfinite(length)))
+  if (!(length > 0 && detail::is_finite(length)))
     throw std::invalid_argument("orbit: expected an up of a finite length above 0");
-  if (!(distance > 0 && std::isfinite(distance) && std::isfinite(turn) && std::isfinite(rise)))
+  if (!(distance > 0 && detail::is_finite(distance) && detail::is_finite(turn) && detail::is_finite(rise)))
     throw std::invalid_argument("orbit: expected finite angles and a finite distance above 0");
   const dvec3 up = view.up / length;
   Camera camera = view.camera;

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <swiftgs/conventions.hpp>
+#include <swiftgs/finite.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/scene.hpp>
@@ -44,7 +45,7 @@ inline void require_for_render(bool holds, const char* expected) {
 
 inline void require_finite_background(vec3 background) {
   for (int c = 0; c < 3; ++c)
-    if (is_not_finite(background[c]))
+    if (!is_finite(background[c]))
       throw std::invalid_argument("render: the background is " + std::to_string(background[c]) +
                                   " in channel " + std::to_string(c) + ", expected finite numbers");
 }
@@ -92,7 +93,7 @@ inline void validate(const FrameView& frame) {
   detail::require_for_render(frame.colour.data || !frame.over, "colour to render over");
   const StoredDepth& by = frame.stored_depth;
   const double determinant = by.p * by.s - by.q * by.r;
-  detail::require_for_render(determinant != 0 && std::isfinite(determinant),
+  detail::require_for_render(determinant != 0 && detail::is_finite(determinant),
                              "stored depths that are finite and differ");
 }
 

@@ -13,6 +13,7 @@
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/count.hpp>
+#include <swiftgs/finite.hpp>
 #include <swiftgs/harmonics.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/span.hpp>
@@ -133,13 +134,6 @@ void for_each_array(const F& f, First&& first, More&&... more) {
   call("features", std::size_t(first.feature_channels), first.features, more.features...);
 }
 
-namespace detail {
-/// Whether a float is NaN or infinite, by its bits: no compiler flag turns that off.
-SWIFTGS_HD inline bool is_not_finite(float value) {
-  return (__builtin_bit_cast(std::uint32_t, value) & 0x7f800000u) == 0x7f800000u;
-}
-}  // namespace detail
-
 /// Throws `std::invalid_argument` unless all arrays of `scene` have the lengths that its count and degree ask
 /// for, and its origin lies within the range of float.
 inline void validate(const Scene& scene) {
@@ -150,7 +144,7 @@ inline void validate(const Scene& scene) {
     throw std::invalid_argument("scene: feature_channels is " + std::to_string(scene.feature_channels) +
                                 ", expected 0 to " + std::to_string(max_feature_channels));
   for (int axis = 0; axis < 3; ++axis)
-    if (detail::is_not_finite(float(scene.origin[axis])))
+    if (!detail::is_finite(float(scene.origin[axis])))
       throw std::invalid_argument("scene: origin has " + std::to_string(scene.origin[axis]) +
                                   ", expected finite numbers within the range of float");
   for_each_array(
@@ -184,7 +178,7 @@ inline void require_finite(const char* array, const float* values, std::size_t c
     const std::size_t end = count - begin < finite_block ? count : begin + finite_block;
     if (are_finite(values + begin, end - begin)) continue;
     for (std::size_t i = begin; i < end; ++i)
-      if (is_not_finite(values[i]))
+      if (!is_finite(values[i]))
         throw std::invalid_argument("scene: " + std::string(array) + " of Gaussian " +
                                     std::to_string(first + i / width) + " is " + std::to_string(values[i]) +
                                     ", expected finite numbers");

@@ -8,7 +8,7 @@
 #include <glm/matrix.hpp>
 
 #include <swiftgs/camera.hpp>
-#include <swiftgs/edit/finite.hpp>
+#include <swiftgs/finite.hpp>
 #include <swiftgs/math.hpp>
 
 namespace swiftgs {

@@ -9,7 +9,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
-#include <swiftgs/edit/finite.hpp>
+#include <swiftgs/finite.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/scene.hpp>
 
@@ -36,7 +36,7 @@ class OriginChoice {
   /// Takes a Gaussian into account, unless a float cannot hold its numbers at all. `scale` is its largest.
   void add(const dvec3& position, float scale) {
     const vec3 rounded(position);
-    if (!detail::is_finite(rounded) || detail::is_not_finite(scale)) return;
+    if (!detail::is_finite(rounded) || !detail::is_finite(scale)) return;
     positions_.push_back(position);
     largest_scale_ = std::max(largest_scale_, double(scale));
     rounding_ = std::max(rounding_, glm::length(position - dvec3(rounded)));

@@ -13,9 +13,9 @@
 
 #include <glm/geometric.hpp>
 
-#include <swiftgs/edit/finite.hpp>
 #include <swiftgs/edit/origin.hpp>
 #include <swiftgs/error.hpp>
+#include <swiftgs/finite.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/scene.hpp>
 

@@ -8,10 +8,10 @@
 #include <string>
 
 #include <swiftgs/camera.hpp>
-#include <swiftgs/edit/finite.hpp>
 #include <swiftgs/edit/origin.hpp>
 #include <swiftgs/edit/principal_axes.hpp>
 #include <swiftgs/edit/sh_rotation.hpp>
+#include <swiftgs/finite.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/rotation.hpp>
 #include <swiftgs/scene.hpp>
