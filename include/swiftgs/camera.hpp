@@ -76,10 +76,12 @@ inline void validate(const Camera& camera) {
   };
   require(camera.width > 0 && camera.height > 0, "a width and a height above 0");
   require(camera.width <= max_image_side && camera.height <= max_image_side, "at most 65536 pixels a side");
-  const auto focal = [](double f) { return f >= min_focal_length && f <= max_focal_length; };
+  const auto focal = [](double f) {
+    return detail::is_finite(f) && f >= min_focal_length && f <= max_focal_length;
+  };
   require(focal(camera.fx) && focal(camera.fy), "focal lengths of 1e-6 to 1e12 pixels");
-  require(std::abs(camera.cx) <= max_principal_point && std::abs(camera.cy) <= max_principal_point,
-          "a principal point at most 1e9 pixels from the corner");
+  const auto central = [](double c) { return detail::is_finite(c) && std::abs(c) <= max_principal_point; };
+  require(central(camera.cx) && central(camera.cy), "a principal point at most 1e9 pixels from the corner");
   validate(camera.lens);
   require(camera.lens.model != LensModel::equirectangular || camera.width <= std::ceil(turn_of(camera)),
           "at most 2 pi fx pixels a row of an equirectangular lens");
@@ -88,7 +90,8 @@ inline void validate(const Camera& camera) {
     for (int j = 0; j < 3; ++j) {
       double dot = 0;
       for (int k = 0; k < 3; ++k) dot += camera.rotation[i][k] * camera.rotation[j][k];
-      require(std::abs(dot - (i == j ? 1.0 : 0.0)) < max_rotation_error, "a rotation with orthonormal rows");
+      require(detail::is_finite(dot) && std::abs(dot - (i == j ? 1.0 : 0.0)) < max_rotation_error,
+              "a rotation with orthonormal rows");
     }
   }
 }

@@ -6,6 +6,8 @@
 #include <string>
 #include <string_view>
 
+#include <swiftgs/finite.hpp>
+
 namespace swiftgs {
 
 /// How directions map to a plane, before distortion and focal lengths. With (x, y, z) in camera space, the
@@ -72,7 +74,7 @@ inline void validate(const Lens& lens) {
   for (const double number :
        {d.radial[0], d.radial[1], d.radial[2], d.radial[3], d.rational[0], d.rational[1], d.rational[2],
         d.tangential[0], d.tangential[1], d.prism[0], d.prism[1]})
-    if (!(std::fabs(number) <= 1e6))
+    if (!detail::is_finite(number) || std::fabs(number) > 1e6)
       throw std::invalid_argument("camera: expected distortion coefficients of at most 1e6 in magnitude");
   const bool takes_distortion = lens.model == LensModel::perspective || lens.model == LensModel::fisheye;
   if (!takes_distortion && lens.is_distorted())

@@ -58,12 +58,24 @@ TEST_CASE("fast math: numbers that are not finite are refused") {
     std::memcpy(&scene.sh_rest[7], &bits, sizeof bits);
     CHECK_THROWS_AS((void)Serial().upload(scene), std::invalid_argument);
   }
-  for (const std::uint64_t bits : {0x7ff8000000000000u, 0x7ff0000000000000u}) {
-    Camera camera;
-    camera.width = camera.height = 4;
-    camera.fx = camera.fy = 4;
-    CHECK_NOTHROW(validate(camera));
-    std::memcpy(&camera.translation[1], &bits, sizeof bits);
-    CHECK_THROWS_AS(validate(camera), std::invalid_argument);
+  Camera usual;
+  usual.width = usual.height = 4;
+  usual.fx = usual.fy = 4;
+  CHECK_NOTHROW(validate(usual));
+  for (const std::uint64_t bits : {0x7ff8000000000000u, 0x7ff0000000000000u, 0xfff0000000000000u}) {
+    CAPTURE(bits);
+    const auto refused = [&](const auto& member) {
+      Camera camera = usual;
+      std::memcpy(&member(camera), &bits, sizeof bits);
+      CHECK_THROWS_AS(validate(camera), std::invalid_argument);
+    };
+    refused([](Camera& c) -> double& { return c.fy; });
+    refused([](Camera& c) -> double& { return c.cx; });
+    refused([](Camera& c) -> double& { return c.rotation[1][2]; });
+    refused([](Camera& c) -> double& { return c.translation[1]; });
+    refused([](Camera& c) -> double& { return c.lens.distortion.radial[1]; });
+    double scale;
+    std::memcpy(&scale, &bits, sizeof bits);
+    CHECK_THROWS_AS((void)scaled(usual, scale), std::invalid_argument);
   }
 }
