@@ -75,7 +75,7 @@ missing_for_root() {
   read -r _ suite _ mirror < <(grep "^$1 " <<<"$systems")
   if [ "$(id -u)" -ne 0 ]; then echo "root makes fresh systems"
   elif ! command -v debootstrap >/dev/null; then echo "no debootstrap here (package debootstrap)"
-  elif [ ! -e "$keys" ]; then echo "no $keys here (package ${1%%-*}-keyring)"
+  elif [ ! -e "$keys" ]; then echo "no $keys here"
   elif ! /usr/lib/apt/apt-helper download-file "$mirror/dists/$suite/Release" "$out/$1.release" >/dev/null 2>&1; then
     echo "$mirror is out of reach"
   fi
@@ -285,7 +285,7 @@ build_with() {  # build_with NAME CC CXX ARCHIVE
       ctest --preset release -E "^stability: "
       cmake --install build/release --prefix /installed
       for standard in 20 23; do
-        cmake -S tests/install/consumer -B "/consumer$standard" -DCMAKE_PREFIX_PATH=/installed \
+        cmake -G Ninja -S tests/install/consumer -B "/consumer$standard" -DCMAKE_PREFIX_PATH=/installed \
           -DCMAKE_CXX_STANDARD=$standard -DCMAKE_CXX_STANDARD_REQUIRED=ON
         cmake --build "/consumer$standard"
         (cd "/consumer$standard" && ./consumer)
