@@ -97,7 +97,8 @@ TEST_CASE("bench: a batch changes nothing of a row but its times") {
       CHECK(four[i].at(member) == single[i].at(member));
     CHECK(four[i].at("ms").at("total").at("median") > 0);
     // The frame holds four views.
-    CHECK(four[i].at("bytes").at("raster").get<double>() > 3 * single[i].at("bytes").at("raster").get<double>());
+    CHECK(four[i].at("bytes").at("raster").get<double>() >
+          3 * single[i].at("bytes").at("raster").get<double>());
   }
 }
 

@@ -18,16 +18,16 @@
 #include <swiftgs/pruning.hpp>
 
 #include "commands.hpp"
-#include "read/convert_result.hpp"
-#include "read/distinct_files.hpp"
 #include "interruptible.hpp"
 #include "notes.hpp"
 #include "number_text.hpp"
 #include "options.hpp"
 #include "progress.hpp"
-#include "result_file.hpp"
+#include "read/convert_result.hpp"
+#include "read/distinct_files.hpp"
 #include "read/scene_edits.hpp"
 #include "read/scene_input.hpp"
+#include "result_file.hpp"
 
 namespace swiftgs::cli {
 namespace {
