@@ -7,21 +7,30 @@
 
 namespace swiftgs::detail {
 
-// The bits are those that lie in memory: a compiler that is told that all numbers are finite takes what it
-// works out itself, and arguments, to be so.
-inline bool is_finite(const float& value) {
-  const float seen = const_cast<const volatile float&>(value);
-  return (__builtin_bit_cast(std::uint32_t, seen) & 0x7f800000u) != 0x7f800000u;
+/// The bits of a number as they lie in memory: a compiler that is told that all numbers are finite takes what
+/// it works out itself, and arguments, to be so. Kernels are not compiled like that.
+template <class Bits, class T>
+SWIFTGS_HD Bits bits_in_memory(const T& value) {
+#ifdef __CUDA_ARCH__
+  return __builtin_bit_cast(Bits, value);
+#else
+  const T seen = const_cast<const volatile T&>(value);
+  return __builtin_bit_cast(Bits, seen);
+#endif
 }
-inline bool is_finite(const double& value) {
-  const double seen = const_cast<const volatile double&>(value);
-  return (__builtin_bit_cast(std::uint64_t, seen) & 0x7ff0000000000000u) != 0x7ff0000000000000u;
+
+SWIFTGS_HD inline bool is_finite(const float& value) {
+  return (bits_in_memory<std::uint32_t>(value) & 0x7f800000u) != 0x7f800000u;
 }
-inline bool is_finite(const vec3& v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
-inline bool is_finite(const dvec3& v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
+SWIFTGS_HD inline bool is_finite(const double& value) {
+  return (bits_in_memory<std::uint64_t>(value) & 0x7ff0000000000000u) != 0x7ff0000000000000u;
+}
+SWIFTGS_HD inline bool is_finite(const vec3& v) { return is_finite(v.x) && is_finite(v.y) && is_finite(v.z); }
+SWIFTGS_HD inline bool is_finite(const dvec3& v) {
+  return is_finite(v.x) && is_finite(v.y) && is_finite(v.z);
+}
 inline bool is_nan(const double& value) {
-  const double seen = const_cast<const volatile double&>(value);
-  return (__builtin_bit_cast(std::uint64_t, seen) & 0x7fffffffffffffffu) > 0x7ff0000000000000u;
+  return (bits_in_memory<std::uint64_t>(value) & 0x7fffffffffffffffu) > 0x7ff0000000000000u;
 }
 
 }  // namespace swiftgs::detail
