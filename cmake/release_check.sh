@@ -83,7 +83,7 @@ missing_for_root() {
 
 has_nvcc() { command -v nvcc >/dev/null || [ -x /usr/local/cuda/bin/nvcc ]; }
 
-# inside FOLDER COMMAND...: in that system, whose mounts end with the command.
+# inside FOLDER COMMAND...: in that system, with terminals; its mounts end with the command.
 inside() {
   env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root LC_ALL=C.UTF-8 DEBIAN_FRONTEND=noninteractive \
     CMAKE_BUILD_PARALLEL_LEVEL="$CMAKE_BUILD_PARALLEL_LEVEL" \

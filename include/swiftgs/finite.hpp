@@ -7,8 +7,8 @@
 
 namespace swiftgs::detail {
 
-/// The bits of a number as they lie in memory: a compiler that is told that all numbers are finite takes what
-/// it works out itself, and arguments, to be so. Kernels are not compiled like that.
+/// The bits of a number, read from memory. With -ffast-math a compiler assumes that arguments and results are
+/// finite, but it assumes nothing of memory. Kernels are never compiled with it.
 template <class Bits, class T>
 SWIFTGS_HD Bits bits_in_memory(const T& value) {
 #ifdef __CUDA_ARCH__

@@ -115,7 +115,7 @@ struct Written : WrittenScene {
   const Scene& scene() const { return file.scene; }
 };
 
-/// Writes `scene` and reads it. Checks the file against what the writer reports.
+/// Writes `scene`, reads the file, and checks that it holds what the writer reports.
 inline Written write_and_read(const Scene& scene, const std::string& ending,
                               const SceneWriteOptions& options = {}) {
   const TemporaryFolder folder;

@@ -122,7 +122,7 @@ TEST_CASE("reference: depth is the mean z of what contributes and 0 where nothin
   CHECK(frame.depth[at(frame, 0, 0)] == 0);
 }
 
-TEST_CASE("reference: an occluder hides what is at its depth or behind it") {
+TEST_CASE("reference: an occluder hides splats at its depth and behind it") {
   const Scene scene =
       scene_of(Gaussian{.mean = {0, 0, 2}, .sh0 = red}, Gaussian{.mean = {0, 0, 3}, .sh0 = green});
   const ReferenceFrame bare = draw(scene);
