@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: Apache-2.0
 
-# swiftgs::core: headers only. What lies in io/ belongs to swiftgs::io; the float64 reference, which alone needs Eigen,
-# and what is judged by it are swiftgs::reference, headers too.
-find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+# swiftgs::core: headers only. What lies in io/ belongs to swiftgs::io, the float64 reference and what is judged by it to
+# swiftgs::reference.
 find_package(glm REQUIRED CONFIG)
-find_package(Threads REQUIRED)
 
 # Headers are found, not listed: one that is forgotten in a list would be neither checked nor installed.
 file(GLOB_RECURSE swiftgs_core_headers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/include/swiftgs/*.hpp")
@@ -22,10 +20,3 @@ target_sources(swiftgs_core INTERFACE FILE_SET HEADERS
   "${PROJECT_SOURCE_DIR}/include/swiftgs/lens/formulas.inc")
 target_compile_features(swiftgs_core INTERFACE cxx_std_20)
 target_link_libraries(swiftgs_core INTERFACE glm::glm)
-
-add_library(swiftgs_reference INTERFACE)
-add_library(swiftgs::reference ALIAS swiftgs_reference)
-set_target_properties(swiftgs_reference PROPERTIES EXPORT_NAME reference)
-target_sources(swiftgs_reference INTERFACE FILE_SET HEADERS
-  BASE_DIRS "${PROJECT_SOURCE_DIR}/include" FILES ${swiftgs_reference_headers})
-target_link_libraries(swiftgs_reference INTERFACE swiftgs::core Eigen3::Eigen Threads::Threads)

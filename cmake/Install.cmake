@@ -36,7 +36,7 @@ foreach(component IN ITEMS core reference cpu cuda gl vulkan io mpi swiftgs c)
 
   # A static library hands its private dependencies on to whoever links it.
   set(dependencies_of_core glm)
-  set(dependencies_of_reference Eigen3 Threads)
+  set(dependencies_of_reference Threads)
   set(dependencies_of_cpu)
   set(dependencies_of_cuda "CUDAToolkit ${swiftgs_cuda_version}")
   set(dependencies_of_gl)

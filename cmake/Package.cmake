@@ -14,7 +14,7 @@ set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 # Where our libraries find each other while what they need of the system is computed.
-foreach(folder IN ITEMS . cpu io cuda gl vulkan c)
+foreach(folder IN ITEMS . reference cpu io cuda gl vulkan c)
   list(APPEND CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${PROJECT_BINARY_DIR}/backends/${folder}")
 endforeach()
 # Writes what each package says of its licences and changes.
@@ -55,7 +55,7 @@ and Vulkan. They need the driver; without one they load, and say that they are n
 endif()
 set(name libswiftgs${interface})
 swiftgs_package(runtime ${name} libs "This package has the shared libraries of C++: the renderer on
-processors, readers and writers of scenes, and the table of renderers." ${libraries})
+processors, the float64 reference, readers and writers of scenes, and the table of renderers." ${libraries})
 list(APPEND libraries ${name}@)
 if(TARGET swiftgs_cli)
   swiftgs_package(tools swiftgs graphics "This package has the command-line tool, which renders,
@@ -80,6 +80,5 @@ NumPy, PyTorch, CuPy and JAX." ${name}@ python3 python3-numpy)
 endif()
 swiftgs_package(dev libswiftgs-dev libdevel "This package has the headers, and the files for CMake and pkg-config."
   ${libraries} libglm-dev)
-set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS libeigen3-dev)  # of swiftgs::reference alone
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)
 include(CPack)

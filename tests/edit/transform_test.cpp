@@ -11,9 +11,9 @@
 #include <swiftgs/edit.hpp>
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/reference.hpp>
-#include <swiftgs/reference/colour.hpp>
 #include <swiftgs/swiftgs.hpp>
 
+#include "colour.hpp"
 #include "policies/random_splats.hpp"
 
 using namespace swiftgs;

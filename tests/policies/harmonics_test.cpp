@@ -16,8 +16,8 @@
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/harmonic_packing.hpp>
 #include <swiftgs/parallel.hpp>
-#include <swiftgs/reference/colour.hpp>
 
+#include "colour.hpp"
 #include "policies/arrays_on.hpp"
 #include "policies/hooked.hpp"
 #include "policies/planes.hpp"

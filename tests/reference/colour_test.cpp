@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include "colour.hpp"
 #include "reference/gaussians.hpp"
 
 namespace swiftgs::test {

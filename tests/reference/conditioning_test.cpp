@@ -7,6 +7,8 @@
 #include <swiftgs/stress/judge.hpp>
 
 #include "reference/gaussians.hpp"
+#include "rendering.hpp"
+#include "varied_splats.hpp"
 
 namespace swiftgs::test {
 namespace {

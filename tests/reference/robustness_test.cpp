@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/frame.hpp>
+#include <swiftgs/parallel.hpp>
 
 #include "reference/gaussians.hpp"
 

@@ -7,13 +7,11 @@
 #include <iostream>
 #include <memory>
 
+#include <swiftgs/reference.hpp>
 #include <swiftgs/swiftgs.hpp>
 
 #if defined(CONSUMER_USES_CPU)
 #include <swiftgs/cpu.hpp>
-#endif
-#if defined(CONSUMER_USES_REFERENCE)
-#include <swiftgs/reference.hpp>
 #endif
 #if defined(CONSUMER_USES_CUDA)
 #include <swiftgs/contribution.hpp>
@@ -57,7 +55,8 @@ bool renders() {
   const swiftgs::Image image = swiftgs::read_image("frame.png");
   if (image.width != 64 || image.height != 48 || !(image.pixels[3 * (24 * 64 + 32)] > 0.5f)) return false;
 #endif
-  return centre > 0.5f && corner == 0;
+  const swiftgs::ReferenceFrame reference = swiftgs::render_reference(scene, camera, {});
+  return centre > 0.5f && corner == 0 && reference.visible == 1;
 }
 
 #if defined(CONSUMER_USES_CUDA)

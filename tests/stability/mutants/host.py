@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from common import BRIEFLY, HERE, ROOT, Failed, call, mutated, outcome_of, words_of, write
 
 CPU = ROOT / "backends" / "cpu"
+REFERENCE = ROOT / "backends" / "reference"
 # One vector target, so that a mutant compiles once.
 CPU_FLAGS = ["-O2", "-DHWY_COMPILE_ONLY_STATIC", "-DHWY_BASELINE_TARGETS=HWY_SSE4"]
 # What the judge and the backend have in common must not replace each other at link time.
@@ -32,16 +33,16 @@ class Tests:
     def compile_cpu(self, name, output, folder, overlay=None):
         self.compile(folder / name, output, CPU_FLAGS + [f"-I{folder}"], overlay)
 
-    def link_judge(self, source_object, output):
+    def compile_judge(self, folder, reference=REFERENCE):
+        """Links `judge.so`, which has the reference inside."""
+        sources = [ROOT / "tests/stability/case_judge.cpp", *reference.glob("*.cpp")]
+        objects = [folder / f"judge_{source.stem}.o" for source in sources]
+        for source, output in zip(sources, objects):
+            self.compile(source, output, ["-O2", "-fPIC"])
         exports = self.folder / "judge.map"
         exports.write_text(EXPORTS)
         flags = ["-shared", "-Wl,-Bsymbolic", f"-Wl,--version-script={exports}"]
-        call(self.compiler + flags + [source_object, "-o", output])
-
-    def compile_judge(self, output, overlay=None):
-        source_object = output.with_suffix(".o")
-        self.compile(ROOT / "tests/stability/case_judge.cpp", source_object, ["-O2", "-fPIC"], overlay)
-        self.link_judge(source_object, output)
+        call(self.compiler + flags + objects + ["-o", folder / "judge.so"])
 
     def compile_suite(self, backend, output, overlay=None):
         flags = ["-O1"] + (["-DSWIFTGS_MUTANT_CPU"] if backend == "cpu" else [])
@@ -51,7 +52,7 @@ class Tests:
         """Compiles all that no mutant of these backends changes."""
         self.folder.mkdir(parents=True, exist_ok=True)
         steps = [lambda: self.compile(ROOT / "tests/support/main.cpp", self.folder / "main.o", ["-O1"]),
-                 lambda: self.compile_judge(self.folder / "judge.so")]
+                 lambda: self.compile_judge(self.folder)]
         if {"serial", "reference"} & backends:
             steps.append(lambda: self.compile_suite("serial", self.folder / "suite_serial.o"))
         if "cpu" in backends:
@@ -84,13 +85,15 @@ class Tests:
     def build(self, mutant, folder):
         """Compiles what the mutant changes and links it with the rest; the program's path."""
         backend = mutant.backend()
-        if not mutant.file.startswith("backends/cpu/"):
+        if not mutant.file.startswith("backends/"):
             write(folder / mutant.file, mutated(mutant))
         if backend == "serial":
             self.compile_suite("serial", folder / "suite_serial.o", folder)
             return self.link(folder, "serial", {"suite_serial.o": folder / "suite_serial.o"})
         if backend == "reference":
-            self.compile_judge(folder / "judge.so", folder)
+            sources = shutil.copytree(REFERENCE, folder / "reference")
+            write(sources / pathlib.Path(mutant.file).name, mutated(mutant))
+            self.compile_judge(folder, sources)
             return self.link(folder, "serial", {"judge.so": folder / "judge.so"})
         sources = shutil.copytree(CPU, folder / "cpu")
         name = pathlib.Path(mutant.file).name

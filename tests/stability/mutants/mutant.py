@@ -13,8 +13,8 @@ class In:
     """Where mutants are, and which tests must notice them.
 
     `test` is the command of the program that must. Without one, the stability tests must. Then a file of
-    `backends/cpu` or `backends/cuda` is compiled into that backend, any other into the serial one or, where `suite`
-    says so, into the backend or the reference that it names. `sources` are the sources of the cpu or cuda backend that
+    `backends/cpu`, `backends/cuda` or `backends/reference` is compiled into that, any other into the serial backend or
+    into what `suite` names. `sources` are the sources of the cpu or cuda backend that
     are compiled with the defect; of a header they must be named.
     """
     file: str

@@ -123,7 +123,7 @@ NAMED = [
     *defects("cpu placed", In("backends/cpu/shade.cpp", test=CPU_PLACED),
         ("harmonics are seen from the camera in the world",
          "([-eye(plan.views[view].camera, placed)-]{+plan.views[view].camera+}, placed.scene,")),
-    *defects("reference", In(I + "reference/projection.hpp", test=REFERENCE),
+    *defects("reference", In("backends/reference/projection.hpp", test=REFERENCE),
         ("the camera's centre in a placed scene is not divided by its scale", "translation[- / scale-];"),
         ("placed Gaussians are as large as in their scenes", "return view.[-scale * view.-]rotation * axes")),
     # Vectors of the Cpu.

@@ -15,11 +15,12 @@
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/plane/attributes.hpp>
-#include <swiftgs/reference/colour.hpp>
-#include <swiftgs/reference/lens.hpp>
 #include <swiftgs/reference/placed.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/splats.hpp>
+
+#include "colour.hpp"
+#include "lens.hpp"
 
 namespace swiftgs::reference {
 

@@ -9,8 +9,9 @@
 #include <optional>
 #include <vector>
 
-#include <swiftgs/reference/projection.hpp>
 #include <swiftgs/split_mix.hpp>
+
+#include "projection.hpp"
 
 namespace swiftgs::reference {
 
@@ -160,62 +161,5 @@ class FootprintCut {
   };
   Side x_, y_;
 };
-
-/// A splat, and what it is in every trial.
-struct VariedSplat {
-  Splat splat;
-  std::vector<SplatNumbers> numbers;  ///< as it is, then `trials` times
-  FootprintCut cut{};
-  bool drawn = false;                        ///< its depth lies between the planes
-  bool order_is_ambiguous = false;           ///< its depth may round to that of a neighbour
-  float least_depth = 0, largest_depth = 0;  ///< floats that its depth may round to
-};
-
-/// How far double arithmetic may move the depth of Gaussian `i`: no more than its position in camera space.
-inline double depth_error(std::size_t i, const View& view) {
-  const vec3& m = view.placed.scene.means[i];
-  const dvec3 &scene_at = view.placed.world_from_scene.translation, &camera_at = view.camera.translation;
-  double sum = 0;
-  for (int row = view.lens.by_distance() ? 0 : 2; row < 3; ++row) {
-    sum += std::abs(camera_at[row]);
-    for (int k = 0; k < 3; ++k) {
-      const double in_scene = std::abs(double(m[k])) + std::abs(view.centre[k]);
-      sum += view.scale * std::abs(view.rotation(row, k)) * in_scene;
-      sum += std::abs(view.camera.rotation[k][row]) * std::abs(scene_at[k]);
-    }
-  }
-  return std::ldexp(sum, -49);
-}
-
-/// Projects Gaussian `i` of the view's scene, and of the trials `moved`. Nothing where no rounding could draw
-/// it.
-inline std::optional<VariedSplat> project_varied(const std::vector<Scene>& moved, std::size_t i,
-                                                 const View& view, Columns part, std::uint64_t seed) {
-  const Scene& scene = view.placed.scene;
-  if (!is_shown(view.placed.clip, scene.means[i])) return {};
-  const Eigen::Vector3d p = camera_space_mean(scene, i, view);
-  const Conventions& k = view.conventions;
-  const double slack = depth_error(i, view);
-  const double depth = view.lens.depth(p);
-  const float low = float(depth - slack), high = float(depth + slack);
-  const auto between_planes = [&](float z) { return is_between_planes(z, k); };
-  if (!between_planes(float(depth)) && !between_planes(low) && !between_planes(high)) return {};
-  std::optional<Splat> splat = project_unculled(scene, i, p, view, part);
-  if (!splat || !shade(*splat, scene, i, view)) return {};
-  VariedSplat out{.splat = *splat, .numbers = {}};
-  out.drawn = between_planes(float(splat->depth));
-  out.least_depth = low, out.largest_depth = high;
-
-  Nudges nudges(seed ^ (splat->index * 0x2545f4914f6cdd1du));
-  out.numbers.emplace_back(*splat);
-  for (const Scene& trial : moved) {
-    // A trial in which the splat cannot be drawn at all tells nothing of how far it moves.
-    std::optional<Splat> there = project_unculled(trial, i, camera_space_mean(trial, i, view), view, part);
-    if (!there || !shade(*there, trial, i, view)) there = splat;
-    nudge_stored(out.numbers.emplace_back(*there), nudges);
-  }
-  if (k.footprint == Conventions::Footprint::three_sigma_square) out.cut = FootprintCut(*splat, out.numbers);
-  return out;
-}
 
 }  // namespace swiftgs::reference

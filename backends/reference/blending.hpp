@@ -9,7 +9,8 @@
 #include <Eigen/Core>
 
 #include <swiftgs/conventions.hpp>
-#include <swiftgs/reference/projection.hpp>
+
+#include "projection.hpp"
 
 namespace swiftgs::reference {
 

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// What frames and planes have in common: views of placed scenes, and their splats in order.
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <optional>
+#include <stdexcept>
+#include <vector>
+
+#include <swiftgs/camera.hpp>
+#include <swiftgs/conventions.hpp>
+#include <swiftgs/math.hpp>
+#include <swiftgs/parallel.hpp>
+#include <swiftgs/reference.hpp>
+#include <swiftgs/span.hpp>
+
+#include "projection.hpp"
+
+namespace swiftgs::reference {
+
+/// Number of rows that are blended together: enough to fetch each splat rarely, and few enough to keep their
+/// pixels in a core's cache.
+inline constexpr int strip_rows = 16;
+
+/// The splats of a frame, in chunks of consecutive Gaussians, in the order of their numbers.
+using SplatChunks = std::vector<std::vector<Splat>>;
+
+/// The views of all placed scenes. Gaussians are numbered over the frame.
+inline std::vector<View> views_of(Span<const ReferenceScene> scenes, const Camera& camera,
+                                  const Conventions& conventions) {
+  std::vector<View> views;
+  std::size_t first = 0;
+  for (const ReferenceScene& placed : scenes) {
+    views.emplace_back(camera, conventions, placed, first);
+    first += placed.scene.size();
+  }
+  return views;
+}
+inline std::size_t gaussians_of(Span<const ReferenceScene> scenes) {
+  std::size_t sum = 0;
+  for (const ReferenceScene& placed : scenes) sum += placed.scene.size();
+  return sum;
+}
+
+inline SplatChunks project_all(const std::vector<View>& views, int threads) {
+  struct Range {
+    const View* view;
+    std::size_t begin, end;
+  };
+  constexpr std::size_t chunk = 1 << 14;
+  std::vector<Range> ranges;
+  for (const View& view : views) {
+    const std::size_t size = view.placed.scene.size();
+    for (std::size_t begin = 0; begin < size; begin += chunk)
+      ranges.push_back({&view, begin, std::min(size, begin + chunk)});
+  }
+  SplatChunks chunks(ranges.size());
+  for_each_index(chunks.size(), threads, [&](std::size_t c) {
+    const auto [view, begin, end] = ranges[c];
+    for (std::size_t i = begin; i < end; ++i)
+      for (const Columns part : view->parts)
+        if (const std::optional<Splat> splat = project(i, *view, part)) chunks[c].push_back(*splat);
+  });
+  return chunks;
+}
+
+/// The splats that reach each strip of rows, front to back: ordered by depth rounded to float, as the
+/// convention demands, and by number where depths are equal.
+inline std::vector<std::vector<const Splat*>> sort_into_strips(const SplatChunks& chunks, int height) {
+  struct Entry {
+    float depth;
+    const Splat* splat;
+  };
+  std::vector<Entry> order;
+  for (const std::vector<Splat>& chunk : chunks)
+    for (const Splat& splat : chunk) order.push_back({float(splat.depth), &splat});
+  std::stable_sort(order.begin(), order.end(),
+                   [](const Entry& a, const Entry& b) { return a.depth < b.depth; });
+
+  std::vector<std::vector<const Splat*>> strips(std::size_t(height + strip_rows - 1) / strip_rows);
+  for (const Entry& entry : order)
+    for (int strip = entry.splat->y_begin / strip_rows; strip * strip_rows < entry.splat->y_end; ++strip)
+      strips[std::size_t(strip)].push_back(entry.splat);
+  return strips;
+}
+
+/// Throws `std::invalid_argument` for invalid arguments of `render_reference`.
+inline void check_reference_arguments(Span<const ReferenceScene> scenes, const Camera& camera,
+                                      dvec3 background, Span<const float> occluder) {
+  for (const ReferenceScene& placed : scenes) validate(placed);
+  validate(camera);
+  if (!std::isfinite(background.x) || !std::isfinite(background.y) || !std::isfinite(background.z))
+    throw std::invalid_argument("render_reference: expected a finite background");
+  const std::size_t pixels = std::size_t(camera.width) * std::size_t(camera.height);
+  if (occluder.size != 0 && occluder.size != pixels)
+    throw std::invalid_argument("render_reference: expected an occluder of the camera's size");
+}
+
+/// Gives `frame` the size of the camera's image.
+inline void prepare(ReferenceFrame& frame, const Camera& camera) {
+  frame.width = camera.width, frame.height = camera.height;
+  const std::size_t pixels = std::size_t(camera.width) * std::size_t(camera.height);
+  frame.colour.resize(3 * pixels), frame.alpha.resize(pixels), frame.depth.resize(pixels);
+}
+
+}  // namespace swiftgs::reference
