@@ -34,6 +34,7 @@ function(swiftgs_pkg_config name target description)
 endfunction()
 
 swiftgs_pkg_config(swiftgs-core swiftgs_core "Headers of SwiftGS, which renders 3D Gaussian splatting")
+swiftgs_pkg_config(swiftgs-reference swiftgs_reference "The float64 reference of SwiftGS" REQUIRES swiftgs-core)
 set(all swiftgs-core)
 if(TARGET swiftgs_cpu)
   swiftgs_pkg_config(swiftgs-cpu swiftgs_cpu "The backend of SwiftGS for processors" REQUIRES swiftgs-core tbb libhwy)

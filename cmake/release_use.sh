@@ -50,7 +50,7 @@ if [ -n "${CUDA:-}" ]; then
   refused swiftgs render builtin:3000 --renderer cuda/early/axis-shared-threshold-float-cholesky/ellipse --out images
 fi
 
-install ./libswiftgs-dev_*.deb cmake make g++ pkg-config libeigen3-dev
+install ./libswiftgs-dev_*.deb cmake make g++ pkg-config
 version=$(swiftgs --version | sed 's/^swiftgs //')
 cmake -S consumer -B consumer/build -DSWIFTGS_VERSION="$version"
 cmake --build consumer/build
