@@ -66,7 +66,7 @@ inline StressCase uneven_focals(double ratio, std::uint64_t seed, ImageSize size
 /// A usual scene and its camera, both turned and moved: `rotation` and `distance` from the world's origin.
 inline StressCase moved_case(Random& random, ImageSize size, double distance) {
   StressCase out = usual_case(random, size, 60, 3);
-  const dvec3 offset(distance * random.in(-1, 1), distance * random.in(-1, 1), distance);
+  const dvec3 offset = distant_point(random, distance);
   for (vec3& mean : out.scene.means)
     for (int k = 0; k < 3; ++k) mean[k] = float(double(mean[k]) + offset[k]);
   out.camera.translation = -offset;

@@ -51,6 +51,13 @@ class Random {
   double scale(double low, double high) { return std::exp(in(std::log(low), std::log(high))); }
   int below(int count) { return int(bits_.bits() % std::uint64_t(count)); }
 
+  /// In [low, high)^3. Arguments in parentheses have no order, so that they must not be drawn there:
+  /// compilers would draw other frames.
+  dvec3 point(double low, double high) {
+    const double z = in(low, high), y = in(low, high), x = in(low, high);
+    return {x, y, z};
+  }
+
   /// A unit quaternion, as exactly as floats hold one.
   Quaternion rotation() {
     double q[4], squares = 0;
@@ -65,6 +72,13 @@ class Random {
  private:
   SplitMix64 bits_;
 };
+
+/// A vector of this length along z, and up to it to the sides. As in `Random::point`, the last is drawn
+/// first.
+inline dvec3 distant_point(Random& random, double distance) {
+  const double y = distance * random.in(-1, 1), x = distance * random.in(-1, 1);
+  return {x, y, distance};
+}
 
 /// A camera at the origin that looks along +z, `focal` pixels long, its axis in the middle of the image.
 inline Camera forward_camera(ImageSize size, double focal) {

@@ -86,8 +86,8 @@ inline StressCase fisheyes(double degrees, std::uint64_t seed, ImageSize size) {
                          : i % 8 == 1 ? half * random.in(0.95, 1.1)
                          : i % 8 == 5 ? edge * about_1(random)
                                       : half;
-    add_towards(out.scene, out.camera, random,
-                from_axis(i % 4 < 2 ? polar : random.in(0, 1) * polar, random.in(0, 2 * pi)));
+    const double around = random.in(0, 2 * pi), off_axis = i % 4 < 2 ? polar : random.in(0, 1) * polar;
+    add_towards(out.scene, out.camera, random, from_axis(off_axis, around));
   }
   return out;
 }
@@ -122,12 +122,17 @@ inline StressCase panoramas(double inverse, std::uint64_t seed, ImageSize size) 
   out.camera.fy = size.height / pi;
   out.camera.lens.model = LensModel::equirectangular;
   for (int i = 0; i < 60; ++i) {
-    dvec3 direction = from_axis(random.in(0, pi), random.in(0, 2 * pi));
+    const double around = random.in(0, 2 * pi);
+    dvec3 direction = from_axis(random.in(0, pi), around);
     if (i % 3 == 0) {
-      const dvec3 near = from_axis(random.scale(0.1, 1) / inverse, random.in(0, 2 * pi));
+      const double around_pole = random.in(0, 2 * pi);
+      const dvec3 near = from_axis(random.scale(0.1, 1) / inverse, around_pole);
       direction = dvec3(near.x, i % 2 ? near.z : -near.z, near.y);
     }
-    if (i % 3 == 1) direction = dvec3(random.in(-1, 1) / inverse, random.in(-1, 1), -1);
+    if (i % 3 == 1) {
+      const double y = random.in(-1, 1), x = random.in(-1, 1) / inverse;
+      direction = {x, y, -1};
+    }
     add_towards(out.scene, out.camera, random, direction);
   }
   return out;

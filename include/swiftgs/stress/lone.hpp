@@ -119,7 +119,7 @@ inline StressCase edge_on_disks(double ratio, std::uint64_t seed, ImageSize size
     thinnest = longest * flatness;
     for (int k = 0; k < 3; ++k)
       g.scale[k] = local.first[k] != 0 ? longest : local.second[k] != 0 ? thinnest : longest * side;
-    const dvec3 across = detail::cross(ray, dvec3(random.in(-1, 1), random.in(-1, 1), random.in(-1, 1)));
+    const dvec3 across = detail::cross(ray, random.point(-1, 1));
     const DQuaternion spun = spin(random, local.second);
     return turn_between(local.second, nearly(random, unit_vector(across))) * spun;
   });

@@ -91,7 +91,8 @@ inline void move_gaussian(Random& random, StressCase& drawn, std::size_t i) {
   switch (random.below(8)) {
     case 0: {
       const double half = random.scale(1e-8, 1), s = std::sin(half);
-      const dvec3 axis = unit_vector(dvec3(random.in(-1, 1), random.in(-1, 1), random.in(0.01, 1)));
+      const double z = random.in(0.01, 1), y = random.in(-1, 1), x = random.in(-1, 1);
+      const dvec3 axis = unit_vector({x, y, z});
       return turn_gaussian(q, {std::cos(half), s * axis.x, s * axis.y, s * axis.z});
     }
     case 1: {  // halves the angle between the longest axis and the ray

@@ -23,7 +23,7 @@ inline void place(StressCase& drawn, Random& random, double scale) {
   const Quaternion q = random.rotation();
   Similarity& pose = drawn.world_from_scene;
   pose.rotation = matrix_of(unit(DQuaternion{q.w, q.x, q.y, q.z})), pose.scale = scale;
-  pose.translation = dvec3(random.in(-3, 3), random.in(-3, 3), random.in(-3, 3));
+  pose.translation = random.point(-3, 3);
   transform(drawn.scene, inverse(pose), dvec3(0.0));
 }
 
@@ -35,7 +35,7 @@ inline StressCase placed_scenes(double distance, std::uint64_t seed, ImageSize s
   turn(out, random.in(-3, 3));
   const double scales[] = {random.scale(0.1, 10), 1e6, 1e-6};
   place(out, random, scales[seed % 3]);
-  const dvec3 offset(distance * random.in(-1, 1), distance * random.in(-1, 1), distance);
+  const dvec3 offset = distant_point(random, distance);
   out.world_from_scene.translation += offset, out.camera.translation -= out.camera.rotation * offset;
   return out;
 }
@@ -49,7 +49,7 @@ inline StressCase far_millimetres(double distance, std::uint64_t seed, ImageSize
   out.conventions.near_plane = 1e-5f;
   const double cosines[] = {1, 0, -1, 0}, c = cosines[seed % 4], s = cosines[(seed + 1) % 4];
   out.camera.rotation = dmat3(c, 0, s, 0, 1, 0, -s, 0, c);
-  const dvec3 offset(distance * random.in(-1, 1), distance * random.in(-1, 1), distance);
+  const dvec3 offset = distant_point(random, distance);
   const dmat3 back = glm::transpose(out.camera.rotation);
   Similarity& pose = out.world_from_scene;
   pose.rotation = back * pose.rotation, pose.scale *= 1e-3;
