@@ -6,9 +6,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <vector>
 
+#include <Eigen/Core>
+
+#include <swiftgs/math.hpp>
+#include <swiftgs/scene.hpp>
 #include <swiftgs/split_mix.hpp>
 
 #include "projection.hpp"

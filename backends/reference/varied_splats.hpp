@@ -9,6 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Core>
+
+#include <swiftgs/conventions.hpp>
+#include <swiftgs/math.hpp>
+#include <swiftgs/scene.hpp>
+
 #include "projection.hpp"
 #include "variation.hpp"
 

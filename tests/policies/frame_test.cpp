@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Planes, pixel formats, composition and occluders of frames, on every backend.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>

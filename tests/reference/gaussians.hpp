@@ -4,6 +4,7 @@
 /// @file
 /// Small scenes for the tests of the reference, and readers of its frames.
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 

@@ -26,7 +26,8 @@ inline Camera turned_camera(Camera camera, Random& random, double distance) {
     axis = turned(wide, axis);
     camera.rotation[k] = dvec3(double(axis[0]), double(axis[1]), double(axis[2]));
   }
-  camera.translation = dvec3(random.in(-1, 1), random.in(-1, 1), random.in(-1, 1)) * distance;
+  const double z = random.in(-1, 1), y = random.in(-1, 1), x = random.in(-1, 1);
+  camera.translation = dvec3(x, y, z) * distance;
   return camera;
 }
 

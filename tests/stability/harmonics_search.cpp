@@ -70,8 +70,8 @@ Exact exact_colour(int degree, const Candidate& c, const Real3& d) {
 /// In front of a camera at the origin, so that a backend shows it.
 Candidate draw(Random& random) {
   const double z = random.scale(0.1, 100);
-  Candidate c{
-      vec3(random.f(-0.5, 0.5) * float(z), random.f(-0.4, 0.4) * float(z), float(z)), random.f(-1, 3), {}};
+  const float y = random.f(-0.4, 0.4) * float(z), x = random.f(-0.5, 0.5) * float(z);
+  Candidate c{vec3(x, y, float(z)), random.f(-1, 3), {}};
   for (float& v : c.rest) v = random.bits() % 3 == 0 ? 0 : random.f(-1, 1);
   return c;
 }

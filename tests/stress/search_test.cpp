@@ -14,7 +14,10 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include <swiftgs/math.hpp>
 #include <swiftgs/serial.hpp>
+#include <swiftgs/stress/families.hpp>
+#include <swiftgs/stress/lone.hpp>
 #include <swiftgs/stress/search.hpp>
 #include <swiftgs/swiftgs.hpp>
 

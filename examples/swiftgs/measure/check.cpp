@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -13,17 +14,17 @@
 #include <swiftgs/reference.hpp>
 #include <swiftgs/span.hpp>
 
-#include "draw/choice.hpp"
 #include "commands.hpp"
-#include "read/distinct_files.hpp"
-#include "json.hpp"
-#include "options.hpp"
-#include "measure/photos.hpp"
-#include "progress.hpp"
-#include "result_file.hpp"
-#include "read/scene_input.hpp"
+#include "draw/choice.hpp"
 #include "draw/team.hpp"
+#include "json.hpp"
+#include "measure/photos.hpp"
+#include "options.hpp"
+#include "progress.hpp"
+#include "read/distinct_files.hpp"
+#include "read/scene_input.hpp"
 #include "read/views.hpp"
+#include "result_file.hpp"
 
 namespace swiftgs::cli {
 namespace {

@@ -51,7 +51,7 @@ class Random {
   double scale(double low, double high) { return std::exp(in(std::log(low), std::log(high))); }
   int below(int count) { return int(bits_.bits() % std::uint64_t(count)); }
 
-  /// In [low, high)^3. Arguments in parentheses have no order, so that they must not be drawn there:
+  /// A point in [low, high)^3, drawn in declarations: arguments in parentheses have no order, so that
   /// compilers would draw other frames.
   dvec3 point(double low, double high) {
     const double z = in(low, high), y = in(low, high), x = in(low, high);
@@ -73,8 +73,7 @@ class Random {
   SplitMix64 bits_;
 };
 
-/// A vector of this length along z, and up to it to the sides. As in `Random::point`, the last is drawn
-/// first.
+/// (x, y, distance), with x and y in [-distance, distance).
 inline dvec3 distant_point(Random& random, double distance) {
   const double y = distance * random.in(-1, 1), x = distance * random.in(-1, 1);
   return {x, y, distance};

@@ -13,6 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from common import BRIEFLY, HERE, ROOT, Failed, call, chosen, mutated, outcome_of, report, words_of, write
 
 CUDA = ROOT / "backends" / "cuda"
+REFERENCE = ROOT / "backends" / "reference"
 # Sources of the cuda backend that are compiled without fused multiply-adds.
 UNFUSED = re.search(r"set_source_files_properties\(([^)]*?)PROPERTIES COMPILE_OPTIONS -fmad=false",
                     (CUDA / "CMakeLists.txt").read_text())[1].split()
@@ -60,6 +61,9 @@ class CudaTests:
         steps = [lambda: self.compile_host(ROOT / "tests/support/main.cpp", self.folder / "main.o"),
                  lambda: self.compile_host(ROOT / "tests/stability/case_judge.cpp", self.folder / "judge.o"),
                  lambda: self.compile_host(HERE / "suite.cpp", self.folder / "suite_cuda.o", ["-DSWIFTGS_MUTANT_CUDA"])]
+        reference = {source: self.folder / f"reference_{source.stem}.o" for source in REFERENCE.glob("*.cpp")}
+        for source, output in reference.items():
+            steps.append(lambda source=source, output=output: self.compile_host(source, output))
         for source in self.sources():
             output = self.folder / f"cuda_{source.stem}.o"
             steps.append(lambda source=source, output=output: self.compile_library(source, output))
@@ -67,7 +71,7 @@ class CudaTests:
             for step in [pool.submit(step) for step in steps]:
                 step.result()
         self.link_library(out / "none", {})
-        objects = [self.folder / name for name in ("main.o", "judge.o", "suite_cuda.o")]
+        objects = [self.folder / name for name in ("main.o", "judge.o", "suite_cuda.o")] + list(reference.values())
         call(self.nvcc + objects + [out / "none/libbackend.so", "-Xlinker=-s", "-o", out / "suite"])
 
     def build(self, mutant, out):

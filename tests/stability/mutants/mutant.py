@@ -13,9 +13,9 @@ class In:
     """Where mutants are, and which tests must notice them.
 
     `test` is the command of the program that must. Without one, the stability tests must. Then a file of
-    `backends/cpu`, `backends/cuda` or `backends/reference` is compiled into that, any other into the serial backend or
-    into what `suite` names. `sources` are the sources of the cpu or cuda backend that
-    are compiled with the defect; of a header they must be named.
+    `backends/cpu`, `backends/cuda` or `backends/reference` is compiled into that backend or the reference, any other
+    into the serial backend or the one that `suite` names. `sources` are the sources of the cpu or cuda backend that are
+    compiled with the defect; of a header they must be named.
     """
     file: str
     suite: str = ""
