@@ -91,7 +91,7 @@ double ambiguous_alpha(ExponentRepresentation representation, const VariedSplat&
   return std::max(alpha_at(exponent + tolerance + error) - alpha, alpha);
 }
 
-/// Applies what a footprint says of a pixel to the decision about it.
+/// Drops the splat, or makes it ambiguous, where its footprint does so at this pixel.
 void cut(PixelDecision& decision, FootprintCut::At at) {
   using At = FootprintCut::At;
   if (at == At::kept) return;
@@ -180,7 +180,7 @@ void blend_row_varied(VariedPixel* pixels, int y, const VariedSplat& splat, cons
     if (!pixels[x].stopped) blend_varied(pixels[x], splat, decide(splat, x + 0.5, y + 0.5, k), k);
 }
 
-/// Writes a row of what was blended.
+/// Writes image row `y`, with the largest moves and the ambiguous weights of its pixels.
 void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pixels, dvec3 background) {
   const std::size_t width = std::size_t(out.frame.width);
   for (std::size_t x = 0; x < width; ++x) {

@@ -20,7 +20,7 @@
 
 namespace swiftgs::reference {
 
-/// A splat, and what it is in every trial.
+/// A splat with its numbers in every trial.
 struct VariedSplat {
   Splat splat;
   std::vector<SplatNumbers> numbers;  ///< as it is, then `trials` times
