@@ -83,9 +83,11 @@ inline void nudge(Random& random, float& value) {
       if (std::isfinite(moved)) value = moved;
       return;
     }
-    case 1:
-      value *= 1 + random.f(-1, 1) * float(random.scale(1e-7, 0.3));
+    case 1: {
+      const float by = random.f(-1, 1);
+      value *= 1 + by * float(random.scale(1e-7, 0.3));
       return;
+    }
     default:
       return;
   }

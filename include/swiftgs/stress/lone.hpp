@@ -40,8 +40,10 @@ inline Camera any_camera(Random& random, ImageSize size) {
   if (random.below(3) == 0) camera.fx = camera.fy = random.scale(5e-4, 1e6);
   if (random.below(3) == 0) camera.fy *= random.below(2) ? random.scale(0.01, 100) : random.in(0.9, 1.1);
   if (random.below(4) == 0) {
-    camera.cx += random.scale(1, 1e5) * (random.below(3) - 1);
-    camera.cy += random.scale(1, 1e5) * (random.below(3) - 1);
+    const double right = random.scale(1, 1e5);
+    camera.cx += right * (random.below(3) - 1);
+    const double down = random.scale(1, 1e5);
+    camera.cy += down * (random.below(3) - 1);
   }
   if (random.below(2)) camera.rotation = matrix_of(any_rotation(random));
   return camera;
@@ -66,8 +68,9 @@ StressCase lone_case(double ratio, std::uint64_t seed, ImageSize size, const Tur
   out.camera = any_camera(random, size);
   out.conventions = any_conventions(random);
   const double z = random.scale(0.3, 100), far = random.below(6) ? 0 : random.scale(1, 1e5);
-  const double x = random.in(-0.2, 1.2) * size.width + far * random.in(-1, 1) - out.camera.cx;
-  const double y = random.in(-0.2, 1.2) * size.height + far * random.in(-1, 1) - out.camera.cy;
+  const double column = random.in(-0.2, 1.2) * size.width, right = far * random.in(-1, 1);
+  const double row = random.in(-0.2, 1.2) * size.height, down = far * random.in(-1, 1);
+  const double x = column + right - out.camera.cx, y = row + down - out.camera.cy;
   const dvec3 seen(x * z / out.camera.fx, y * z / out.camera.fy, z);
 
   Gaussian g{.opacity = float(random.scale(0.02, 1)), .rgb = random_colour(random)};

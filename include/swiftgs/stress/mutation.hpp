@@ -57,7 +57,8 @@ inline void move_number(Random& random, float& value) {
       value *= 1 + sign * float(random.scale(1e-3, 0.5));
       return;
     default:
-      value *= float(random.scale(0.1, 10)) * (random.below(8) ? 1 : -1);
+      value *= float(random.scale(0.1, 10));
+      if (random.below(8) == 0) value = -value;
   }
 }
 

@@ -73,7 +73,8 @@ inline StressCase mixtures(double count, std::uint64_t seed, ImageSize size) {
   Random random(seed);
   StressCase out;
   out.camera = forward_camera(size, usual_focal(size) * random.scale(0.3, 10));
-  out.camera.cx += random.in(-1, 1) * random.scale(1, 500);
+  const double side = random.in(-1, 1);
+  out.camera.cx += side * random.scale(1, 500);
   out.camera.fy *= random.scale(0.5, 2);
   if (random.below(2)) out.conventions = Conventions::inria(), out.conventions.footprint = {};
   out.conventions.antialiased = random.below(2);
