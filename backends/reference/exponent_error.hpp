@@ -9,7 +9,7 @@
 #include <limits>
 
 #include <swiftgs/conventions.hpp>
-#include <swiftgs/reference/exponent_representation.hpp>
+#include <swiftgs/reference/conditioning.hpp>
 
 #include "variation.hpp"
 

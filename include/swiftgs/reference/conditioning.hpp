@@ -6,14 +6,31 @@
 /// each of its values, and how far a value may jump where a decision stands on the edge.
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
+#include <string_view>
 #include <vector>
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/reference.hpp>
-#include <swiftgs/reference/exponent_representation.hpp>
 
 namespace swiftgs {
+
+/// How a rasterizer works out the exponent s of a splat.
+enum class ExponentRepresentation {
+  factor,       ///< a sum of two squares from the factor: `PerPixel`, `FloatCholesky`
+  float_split,  ///< three terms that may cancel, in float: `FloatSplit`
+  half_split,   ///< the same, stored as half, skipped where rounding makes it negative: `HalfSplit`
+};
+
+inline constexpr std::size_t exponent_representations = 3;
+
+/// The representation of the rasterizer called `name`, as in a renderer's name.
+inline ExponentRepresentation exponent_representation_named(std::string_view name) {
+  if (name.find("half-split") != std::string_view::npos) return ExponentRepresentation::half_split;
+  if (name.find("float-split") != std::string_view::npos) return ExponentRepresentation::float_split;
+  return ExponentRepresentation::factor;
+}
 
 /// The reference and what may be asked of a float renderer that draws the same.
 struct ConditionedFrame {
