@@ -101,6 +101,7 @@ emulated() {
     CMAKE_TOOLCHAIN_FILE=/swiftgs/cmake/arm64.cmake \
     PKG_CONFIG_LIBDIR=/usr/lib/aarch64-linux-gnu/pkgconfig:/usr/share/pkgconfig \
     unshare --user --map-root-user --mount --pid --fork --mount-proc="$roots/$1/proc" bash -ec '
+      mount --rbind /dev/pts "$0/dev/pts"
       mount -t binfmt_misc none "$0/proc/sys/fs/binfmt_misc"
       echo "$1" >"$0/proc/sys/fs/binfmt_misc/register"
       exec chroot "$0" "${@:2}"' \
