@@ -7,7 +7,7 @@ install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT licence)  
 
 # One export a component, so that find_package(swiftgs COMPONENTS core) asks for GLM alone.
 set(swiftgs_components)
-foreach(component IN ITEMS core reference cpu cuda gl vulkan io mpi swiftgs c)
+foreach(component IN ITEMS core builtin reference cpu cuda gl vulkan io mpi swiftgs c)
   set(target swiftgs_${component})
   if(component STREQUAL swiftgs)
     set(target swiftgs)
@@ -36,6 +36,7 @@ foreach(component IN ITEMS core reference cpu cuda gl vulkan io mpi swiftgs c)
 
   # A static library hands its private dependencies on to whoever links it.
   set(dependencies_of_core glm)
+  set(dependencies_of_builtin)
   set(dependencies_of_reference Threads)
   set(dependencies_of_cpu)
   set(dependencies_of_cuda "CUDAToolkit ${swiftgs_cuda_version}")

@@ -15,7 +15,7 @@ set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
 set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 # Where our libraries find each other while what they need of the system is computed.
-foreach(folder IN ITEMS . reference cpu io cuda gl vulkan c)
+foreach(folder IN ITEMS . builtin reference cpu io cuda gl vulkan c)
   list(APPEND CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${PROJECT_BINARY_DIR}/backends/${folder}")
 endforeach()
 # Writes what each package says of its licences and changes.
@@ -56,7 +56,8 @@ and Vulkan. They need the driver; without one they load, and say that they are n
 endif()
 set(name libswiftgs${interface})
 swiftgs_package(runtime ${name} libs "This package has the shared libraries of C++: the renderer on
-processors, the float64 reference, readers and writers of scenes, and the table of renderers." ${libraries})
+processors, the built-in scene, the float64 reference, readers and writers of
+scenes, and the table of renderers." ${libraries})
 list(APPEND libraries ${name}@)
 if(TARGET swiftgs_cli)
   swiftgs_package(tools swiftgs graphics "This package has the command-line tool, which renders,

@@ -57,7 +57,7 @@ cmake --build consumer/build
 (cd consumer/build && ./consumer)
 cmake -S c_consumer -B c_consumer/build -DSWIFTGS_VERSION="$version" -DSOURCE=/check/07_c_render.c
 cmake --build c_consumer/build
-c++ -std=c++20 00_readme.cpp -o readme $(pkg-config --cflags --libs swiftgs-cpu swiftgs-io)
+c++ -std=c++20 00_readme.cpp -o readme $(pkg-config --cflags --libs swiftgs-builtin swiftgs-cpu swiftgs-io)
 ./readme
 cc -std=c11 07_c_render.c -o c_render $(pkg-config --cflags --libs swiftgs-c) -lm
 rm frame.png

@@ -8,6 +8,9 @@
 
 #include <swiftgs/builtin_scene.hpp>
 
+#include "arithmetic.hpp"
+#include "light.hpp"
+
 using namespace swiftgs;
 
 namespace {

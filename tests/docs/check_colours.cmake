@@ -6,7 +6,6 @@
 # does not.
 file(GLOB pages "${ROOT}/*.md" "${ROOT}/docs/*.md" "${ROOT}/backends/*.md" "${ROOT}/benchmarks/*.md")
 file(GLOB_RECURSE headers "${ROOT}/include/swiftgs/*.hpp" "${ROOT}/backends/*/include/*.hpp")
-list(FILTER headers EXCLUDE REGEX "/include/swiftgs/builtin[./]")
 set(found)
 foreach(file IN LISTS headers pages)
   file(STRINGS "${file}" lines REGEX "(^|[^_])linear(,| RGB)|display values")

@@ -13,7 +13,8 @@ from concurrent.futures import ThreadPoolExecutor
 from common import BRIEFLY, HERE, ROOT, Failed, call, chosen, mutated, outcome_of, report, words_of, write
 
 CUDA = ROOT / "backends" / "cuda"
-REFERENCE = ROOT / "backends" / "reference"
+# What the tests link beside the backend.
+BESIDE = [source for name in ("builtin", "reference") for source in sorted((ROOT / "backends" / name).glob("*.cpp"))]
 # Sources of the cuda backend that are compiled without fused multiply-adds.
 UNFUSED = re.search(r"set_source_files_properties\(([^)]*?)PROPERTIES COMPILE_OPTIONS -fmad=false",
                     (CUDA / "CMakeLists.txt").read_text())[1].split()
@@ -61,8 +62,8 @@ class CudaTests:
         steps = [lambda: self.compile_host(ROOT / "tests/support/main.cpp", self.folder / "main.o"),
                  lambda: self.compile_host(ROOT / "tests/stability/case_judge.cpp", self.folder / "judge.o"),
                  lambda: self.compile_host(HERE / "suite.cpp", self.folder / "suite_cuda.o", ["-DSWIFTGS_MUTANT_CUDA"])]
-        reference = {source: self.folder / f"reference_{source.stem}.o" for source in REFERENCE.glob("*.cpp")}
-        for source, output in reference.items():
+        beside = {source: self.folder / f"{source.parent.name}_{source.stem}.o" for source in BESIDE}
+        for source, output in beside.items():
             steps.append(lambda source=source, output=output: self.compile_host(source, output))
         for source in self.sources():
             output = self.folder / f"cuda_{source.stem}.o"
@@ -71,7 +72,7 @@ class CudaTests:
             for step in [pool.submit(step) for step in steps]:
                 step.result()
         self.link_library(out / "none", {})
-        objects = [self.folder / name for name in ("main.o", "judge.o", "suite_cuda.o")] + list(reference.values())
+        objects = [self.folder / name for name in ("main.o", "judge.o", "suite_cuda.o")] + list(beside.values())
         call(self.nvcc + objects + [out / "none/libbackend.so", "-Xlinker=-s", "-o", out / "suite"])
 
     def build(self, mutant, out):

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <swiftgs/builtin/landscape.hpp>
+#include "landscape.hpp"
 
 namespace swiftgs::builtin {
 

@@ -9,7 +9,7 @@
 #include <cmath>
 #include <cstddef>
 
-#include <swiftgs/builtin/emit.hpp>
+#include "emit.hpp"
 
 namespace swiftgs::builtin {
 

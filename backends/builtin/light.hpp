@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <vector>
 
-#include <swiftgs/builtin/arithmetic.hpp>
+#include "arithmetic.hpp"
 
 namespace swiftgs::builtin {
 

@@ -9,10 +9,11 @@
 #include <cstdint>
 #include <functional>
 
-#include <swiftgs/builtin/light.hpp>
 #include <swiftgs/rotation.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/scene_part.hpp>
+
+#include "light.hpp"
 
 namespace swiftgs::builtin {
 

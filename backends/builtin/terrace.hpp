@@ -6,7 +6,7 @@
 
 #include <cmath>
 
-#include <swiftgs/builtin/emit.hpp>
+#include "emit.hpp"
 
 namespace swiftgs::builtin {
 

@@ -9,7 +9,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <swiftgs/builtin/emit.hpp>
+#include "emit.hpp"
 
 namespace swiftgs::builtin {
 
