@@ -21,8 +21,8 @@ using namespace swiftgs::test;
 namespace {
 
 /// Draws as much of the scene as `image` is large.
-template <class R>
-void draw(R& renderer, const SceneView& scene, PlanesOn<Cuda>& image, const RenderSettings& settings = {}) {
+void draw(BoundRenderer<Cuda>& renderer, const SceneView& scene, PlanesOn<Cuda>& image,
+          const RenderSettings& settings = {}) {
   const FrameView frame = image.view();
   renderer.render_into(scene, forward_camera(frame.width, frame.height), settings, frame);
 }

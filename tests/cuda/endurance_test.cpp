@@ -28,8 +28,7 @@ SceneView zeros(const Cuda& cuda, std::size_t count, DeviceBuffer<Quaternion>& m
 }
 
 /// What a renderer that has not enough memory says.
-template <class R>
-std::string refusal(R& renderer, const SceneView& scene, const Camera& camera) {
+std::string refusal(BoundRenderer<Cuda>& renderer, const SceneView& scene, const Camera& camera) {
   try {
     // No output is asked for, so the frame itself takes no memory.
     renderer.render_into(scene, camera, {}, {.width = camera.width, .height = camera.height});

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <stdexcept>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -32,8 +33,8 @@ struct Drawn {
   std::vector<float> alpha;
 };
 
-template <class R>
-Drawn draw(R& renderer, const SceneView& scene, Image image, Conversion conversion, bool over,
+template <class B>
+Drawn draw(BoundRenderer<B>& renderer, const SceneView& scene, Image image, Conversion conversion, bool over,
            vec3 background) {
   const auto& backend = renderer.backend();
   auto bytes = to_backend(backend, image.bytes);
@@ -60,7 +61,7 @@ double tolerance(PixelFormat format, double value) {
 }  // namespace
 
 SWIFTGS_CONTRACT("conversion: every format holds the converted straight colours and the same alpha") {
-  with_each_renderer<B>([&](auto& renderer) {
+  with_each_renderer<B>([&](BoundRenderer<B>& renderer, std::string_view) {
     const auto scene = renderer.backend().upload(random_scene(200, 1, 6));
     const Image nothing(width, height, PixelFormat::rgba_float);
     Drawn splats = draw(renderer, scene.view(), nothing, Conversion::as_is, false, vec3(0));
@@ -107,7 +108,7 @@ SWIFTGS_CONTRACT("conversion: every format holds the converted straight colours 
 
 SWIFTGS_CASE_ON("conversion: hosts store the bits that the curve gives of what was blended",
                 SWIFTGS_TEST_HOSTS) {
-  with_each_renderer<B>([&](auto& renderer) {
+  with_each_renderer<B>([&](BoundRenderer<B>& renderer, std::string_view) {
     const auto scene = renderer.backend().upload(random_scene(300, 1, 6));
     const Image nothing(width, height, PixelFormat::rgba_float);
     Image plain = draw(renderer, scene.view(), nothing, Conversion::as_is, false, vec3(0)).image;

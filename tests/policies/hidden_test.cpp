@@ -43,8 +43,9 @@ struct OccludedView {
 };
 
 /// Pixel by pixel, by the lists of the last frame.
-template <class R>
-std::size_t brute_force(R& renderer, const std::vector<View>& views, const std::vector<OccludedView>& asked) {
+template <class B>
+std::size_t brute_force(BoundRenderer<B>& renderer, const std::vector<View>& views,
+                        const std::vector<OccludedView>& asked) {
   const auto& backend = renderer.backend();
   const HostLists lists = host_lists(backend, renderer.lists());
   const std::vector<float> depths = to_host(backend, renderer.splats().view().depths);
@@ -70,8 +71,8 @@ std::size_t brute_force(R& renderer, const std::vector<View>& views, const std::
 }
 
 /// What `B` counts in a frame of the views, checked against `brute_force`.
-template <class R>
-Statistics counted(R& renderer, const SceneView& scene, const std::vector<OccludedView>& asked,
+template <class B>
+Statistics counted(BoundRenderer<B>& renderer, const SceneView& scene, const std::vector<OccludedView>& asked,
                    int side = default_tile_side) {
   const auto& backend = renderer.backend();
   using Buffer = decltype(to_backend(backend, asked[0].depths));

@@ -27,8 +27,8 @@ namespace {
 Camera small_camera() { return scaled(builtin_camera(), 0.1); }
 
 /// The whole frame of view `view`, in rectangles of odd sizes.
-template <class R>
-std::vector<PickedPixel> pick_all(R& renderer, const Camera& camera, std::size_t view = 0) {
+template <class B>
+std::vector<PickedPixel> pick_all(BoundRenderer<B>& renderer, const Camera& camera, std::size_t view = 0) {
   std::vector<PickedPixel> all(std::size_t(camera.width) * std::size_t(camera.height));
   const int step_x = max_pick_side, step_y = 37;
   for (int y = 0; y < camera.height; y += step_y)

@@ -94,9 +94,10 @@ PlaneBounds usual_bounds(double times = 1) {
 }
 
 /// Checks all planes of a frame of the list.
-template <class R>
-void check_frame(R& renderer, const List& list, const Camera& camera, const Conventions& conventions,
-                 const PlaneBounds& bounds, double close = 0.02, double least_alpha = 0.1) {
+template <class B>
+void check_frame(BoundRenderer<B>& renderer, const List& list, const Camera& camera,
+                 const Conventions& conventions, const PlaneBounds& bounds, double close = 0.02,
+                 double least_alpha = 0.1) {
   const ListOn on(renderer.backend(), list);
   const ReferencePlanes expected = reference_of(list, camera, conventions);
   const Frame frame = renderer.render(on.placed, camera, settings_of_all(channels, conventions));

@@ -5,6 +5,7 @@
 #include <functional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -55,7 +56,7 @@ std::vector<AskedView> different_planes() {
 SWIFTGS_CONTRACT("planes: further ones change no bit of others and no count") {
   const Scene scene = with_features(random_scene(400, 1, 3), 4);
   const Camera camera = forward_camera(70, 45);
-  with_each_renderer<B>([&](auto& renderer) {
+  with_each_renderer<B>([&](BoundRenderer<B>& renderer, std::string_view) {
     const auto on = renderer.backend().upload(scene);
     RenderSettings settings = settings_of({true, true}, vec3(0.2f, 0.3f, 0.4f));
     settings.count = true;

@@ -64,11 +64,11 @@ Frame draw_all(const Scene& scene, const Camera& camera, const Conventions& conv
 }
 
 /// A frame in memory that held 7 everywhere.
-template <class R>
-Frame render_over_sevens(R& renderer, const SceneView& scene, const Camera& camera, const Outputs& outputs,
-                         const std::vector<float>& occluder = {}) {
+template <class B>
+Frame render_over_sevens(BoundRenderer<B>& renderer, const SceneView& scene, const Camera& camera,
+                         const Outputs& outputs, const std::vector<float>& occluder = {}) {
   const auto& backend = renderer.backend();
-  PlanesOn<std::remove_cvref_t<decltype(backend)>> planes(backend, camera.width, camera.height, outputs, 7);
+  PlanesOn<B> planes(backend, camera.width, camera.height, outputs, 7);
   const auto depths = to_backend(backend, occluder);
   FrameView frame = planes.view();
   if (!occluder.empty()) frame.occluder = {depths.data(), std::ptrdiff_t(sizeof(float)) * camera.width};

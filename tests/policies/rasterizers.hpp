@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -24,13 +25,13 @@ void for_each_raster(const F& f) {
   for_each_type(AllRasters(), f);
 }
 
-/// Calls f(renderer) with a renderer of each rasterizer.
+/// Calls f(renderer, name) with a renderer of each rasterizer and the rasterizer's name.
 template <class B, class F>
 void with_each_renderer(const F& f) {
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
     Usual<B, EarlySort, Raster> renderer(test::make_backend<B>());
-    f(renderer);
+    f(static_cast<BoundRenderer<B>&>(renderer), Raster::name);
   });
 }
 

@@ -55,12 +55,13 @@ std::vector<float> waves(const Camera& camera, float near, float far) {
   return depths;
 }
 
-template <class R>
-Frame draw(R& renderer, const Scene& scene, const Camera& camera, const Conventions& conventions,
-           const std::vector<float>& occluder = {}, bool planes = true, bool count = false) {
+template <class B>
+Frame draw(BoundRenderer<B>& renderer, const Scene& scene, const Camera& camera,
+           const Conventions& conventions, const std::vector<float>& occluder = {}, bool planes = true,
+           bool count = false) {
   const auto& backend = renderer.backend();
-  PlanesOn<BackendOf<R>> on(backend, camera.width, camera.height,
-                            planes ? all_planes(scene.feature_channels) : Outputs{}, 7);
+  PlanesOn<B> on(backend, camera.width, camera.height,
+                 planes ? all_planes(scene.feature_channels) : Outputs{}, 7);
   const auto depths = to_backend(backend, occluder);
   FrameView view = on.view();
   if (!occluder.empty()) view.occluder = {depths.data(), std::ptrdiff_t(sizeof(float)) * camera.width};

@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -120,9 +119,6 @@ class PlacedViews {
   std::vector<PlacedFrame<B>> places_;
 };
 
-template <class R>
-using BackendOf = std::remove_cvref_t<decltype(std::declval<R&>().backend())>;
-
 /// The report of a recorded frame, in memory of a backend.
 template <class B>
 struct Report {
@@ -134,8 +130,8 @@ struct Report {
 };
 
 /// What one frame of the views draws.
-template <class R>
-std::vector<PlanesMemory> draw_together(R& renderer, const SceneView& scene,
+template <class B>
+std::vector<PlanesMemory> draw_together(BoundRenderer<B>& renderer, const SceneView& scene,
                                         const std::vector<AskedView>& asked, const Measures& measures = {}) {
   PlacedViews placed(renderer.backend(), asked);
   renderer.render_into(scene, placed.span(), measures);
@@ -226,9 +222,10 @@ struct DrawnAlone {
 };
 
 /// Draws each view in a frame of its own, by the call that takes a camera.
-template <class R>
-DrawnAlone draw_alone(R& renderer, const SceneView& scene, const std::vector<AskedView>& asked) {
-  using Place = PlacedFrame<BackendOf<R>>;
+template <class B>
+DrawnAlone draw_alone(BoundRenderer<B>& renderer, const SceneView& scene,
+                      const std::vector<AskedView>& asked) {
+  using Place = PlacedFrame<B>;
   DrawnAlone out;
   out.sum.gaussians = scene.size();
   for (const AskedView& view : asked) {
@@ -253,8 +250,9 @@ DrawnAlone draw_alone(R& renderer, const SceneView& scene, const std::vector<Ask
 /// Checks that one frame of all views draws what frames of one view draw, byte by byte, and takes as much if
 /// all had tiles of the same side. `alone` draws the latter, so that `together` may go from frame to frame of
 /// many views.
-template <class R>
-void check_views(R& together, R& alone, const SceneView& scene, const std::vector<AskedView>& asked) {
+template <class B>
+void check_views(BoundRenderer<B>& together, BoundRenderer<B>& alone, const SceneView& scene,
+                 const std::vector<AskedView>& asked) {
   const DrawnAlone expected = draw_alone(alone, scene, asked);
   for (const bool count : {false, true}) {
     CAPTURE(count);
@@ -273,8 +271,8 @@ void check_views(R& together, R& alone, const SceneView& scene, const std::vecto
 
 /// `check_views` with one, two and five views, the same ones in other orders, views that show nothing and the
 /// same view twice. One renderer draws all these frames.
-template <class R>
-void check_lists_of_views(R& together, R& alone, const SceneView& scene) {
+template <class B>
+void check_lists_of_views(BoundRenderer<B>& together, BoundRenderer<B>& alone, const SceneView& scene) {
   const std::vector<AskedView> all = different_views();
   AskedView unseen = all[4];
   unseen.colour = unseen.alpha = unseen.depth = false;
@@ -298,8 +296,8 @@ void check_lists_of_views(R& together, R& alone, const SceneView& scene) {
 }
 
 /// The Gaussians of each tile's list, nearest first.
-template <class R>
-Lists gaussians_of_lists(R& renderer) {
+template <class B>
+Lists gaussians_of_lists(BoundRenderer<B>& renderer) {
   const auto gaussians = to_host(renderer.backend(), renderer.splats().view().gaussians);
   Lists out = to_vectors(host_lists(renderer.backend(), renderer.lists()).view());
   for (std::vector<std::uint32_t>& list : out)
@@ -309,8 +307,8 @@ Lists gaussians_of_lists(R& renderer) {
 
 /// Checks that each tile of views of any size, one of them a part of an image, lists the Gaussians that it
 /// lists in a frame of its view alone, and that other numbers list none.
-template <class R>
-void check_lists(R& together, R& alone, const SceneView& scene) {
+template <class B>
+void check_lists(BoundRenderer<B>& together, BoundRenderer<B>& alone, const SceneView& scene) {
   std::vector<AskedView> asked = different_views();
   asked.push_back({forward_camera(300, 200)});
   std::vector<View> views = views_without_planes(asked);
@@ -341,8 +339,8 @@ void check_lists(R& together, R& alone, const SceneView& scene) {
 }
 
 /// Checks that a frame of more rows of raster blocks than a device's grid has room for is drawn whole.
-template <class R, class SceneOn>
-void check_many_rows(R& renderer, const SceneOn& scene) {
+template <class B, class SceneOn>
+void check_many_rows(BoundRenderer<B>& renderer, const SceneOn& scene) {
   const Camera kinds[] = {forward_camera(1, 1), forward_camera(17, 2), turned_camera(3, 1, 0.1)};
   RenderSettings settings = settings_of({true, true}, vec3(0.1f, 0.2f, 0.3f));
   settings.count = true;
@@ -389,10 +387,11 @@ inline AskedView changing_lean_view(int k) {
 
 /// Checks that frames which are recorded of changing views, in new memory each, are those that `other`
 /// renders. `capture(report)` returns what draws the recorded frame.
-template <class R, class Capture>
-void check_changing_views(R& renderer, R& other, const SceneView& scene, const Capture& capture) {
+template <class B, class Capture>
+void check_changing_views(BoundRenderer<B>& renderer, BoundRenderer<B>& other, const SceneView& scene,
+                          const Capture& capture) {
   const auto& backend = renderer.backend();
-  Report<BackendOf<R>> report;
+  Report<B> report;
   using List = std::vector<AskedView> (*)(int k);
   for (const List asked : {List([](int k) { return std::vector{changing_view(k)}; }),
                            List([](int k) { return std::vector{changing_lean_view(k)}; }), List([](int k) {
@@ -446,10 +445,10 @@ inline std::vector<int> every(int size, int step) {
 
 /// Checks that the parts of an image make up the image, byte by byte: in one frame and in frames of their
 /// own, with what they count or without it.
-template <class R>
-void check_parts(R& renderer, const SceneView& scene, const AskedView& asked, const std::vector<Part>& parts,
-                 bool count = true) {
-  using Place = PlacedFrame<BackendOf<R>>;
+template <class B>
+void check_parts(BoundRenderer<B>& renderer, const SceneView& scene, const AskedView& asked,
+                 const std::vector<Part>& parts, bool count = true) {
+  using Place = PlacedFrame<B>;
   PlanesMemory whole = asked.memory();
   Place place(renderer.backend(), whole);
   RenderSettings settings = asked.settings();
@@ -482,7 +481,7 @@ void check_parts(R& renderer, const SceneView& scene, const AskedView& asked, co
     CHECK((memory.bytes == whole.bytes));
     CHECK(memory.kept_to_its_rows());
     // A device counts rows of what it visits in larger groups, which the cut ends.
-    if (BackendOf<R>::reaches_host_memory) CHECK(sum.rows_visited == counts.rows_visited);
+    if (B::reaches_host_memory) CHECK(sum.rows_visited == counts.rows_visited);
     CHECK(sum.contributing_pairs == counts.contributing_pairs);
     CHECK(sum.pixels_stopped == counts.pixels_stopped);
   }
@@ -516,8 +515,8 @@ inline Gaussian ends_near_a_border(Random& random, const ViewConstants& v) {
 inline Camera bordered_camera() { return forward_camera(48, 48); }
 
 /// `check_parts` of images cut in several ways.
-template <class R>
-void check_bands(R& renderer, const SceneView& scene) {
+template <class B>
+void check_bands(BoundRenderer<B>& renderer, const SceneView& scene) {
   for (const AskedView& asked : different_views()) {
     const int width = asked.camera.width, height = asked.camera.height;
     CAPTURE(width);
