@@ -156,7 +156,7 @@ MUTANTS = [
         *((f"inria's limit of {axis} 1.31", f"v.tan_{axis}_max = float(1.3{{+1+}} *") for axis in "xy")),
     # Order.
     *defects("splats", I + "splats.hpp",
-        ("depth key of one bit less", "return __builtin_bit_cast(std::uint32_t, depth){+ & ~1u+};", dict(quick=True)),
+        ("depth key of one bit less", "return __builtin_bit_cast(std::uint32_t, depth){+ & ~1u+};"),
         ("keys of 30 bits", "depth_key_bits = [-31-]{+30+}")),
     *defects("sort", I + "sort/early.hpp",
         ("ties in descending order",
@@ -189,7 +189,7 @@ MUTANTS = [
         ("the stop compares with <=", "next <{+=+} view.rules.stop_below"),
         ("an occluder hides only what is behind it", "depth >[-=-] view.frame.occluder_at")),
     *defects("raster", I + "view.hpp",
-        ("stop_at_equal ignored", "c.[-stop_at_equal ? std::nextafter(stop, 1.0f) : -]stop", dict(quick=True)),
+        ("stop_at_equal ignored", "c.[-stop_at_equal ? std::nextafter(stop, 1.0f) : -]stop"),
         ("alpha_max 0.9901", "return {c.alpha_min,\n            c.alpha_max{+ == 0.99f ? 0.9901f : c.alpha_max+},")),
     *defects("raster", I + "raster/axis_shared.hpp",
         ("alpha_max not cut", "return alpha[- < alpha_max_ ? alpha : alpha_max_-];"),
