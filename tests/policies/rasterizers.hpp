@@ -31,7 +31,7 @@ void with_each_renderer(const F& f) {
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
     Usual<B, EarlySort, Raster> renderer(test::make_backend<B>());
-    f(static_cast<BoundRenderer<B>&>(renderer), Raster::name);
+    f(renderer, Raster::name);
   });
 }
 

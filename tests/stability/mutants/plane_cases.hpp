@@ -106,7 +106,7 @@ TEST_CASE(SWIFTGS_STABILITY " planes: each is that of the reference") {
 TEST_CASE(SWIFTGS_STABILITY " planes: lists of segments pick as short ones do") {
   if (unavailable()) return;
   PlaneTrial trial = long_lists(10, 10);
-  trial.drawn(true);
+  trial.drawn(true);  // its list is cut into segments
   trial.scene = with_features(trial.scene, 3);
   check(trial);
 }
