@@ -50,6 +50,7 @@ static void set_up_halves(struct halves* h) {
   swiftgs_scene_free(whole);
 }
 
+/* What placements have beside a scene's number has the bits of the C++ interface in same_bits_test. */
 void test_placed(void) {
   struct halves h;
   set_up_halves(&h);
@@ -57,22 +58,11 @@ void test_placed(void) {
   swiftgs_renderer* const whole = make_renderer(small_renderer);
   float* const expected = draw_plain(whole, &d->camera);
 
-  /* The halves are the whole: by themselves, and placed by zeros. Their numbers go on. */
-  CHECK(draws(d, expected));
-  swiftgs_placement both[2] = {{.size = sizeof(both[0])}, {.size = sizeof(both[0]), .scene = 1}};
-  CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
+  /* The halves are the whole, also with the second one first: then Gaussians have other numbers. */
   CHECK(draws(d, expected));
   uint32_t* const id = make_memory(sizeof(uint32_t) * pixels);
   memcpy(id, h.id, sizeof(uint32_t) * pixels);
-  int of_second = 0;
-  for (int i = 0; i < pixels; ++i) of_second += id[i] != SWIFTGS_NOTHING && id[i] >= half;
-  CHECK(of_second > 100);
-  swiftgs_picked picked = {0};
-  CHECK_OK(swiftgs_renderer_pick(d->renderer, 0, 32, 24, 1, 1, &picked));
-  CHECK(picked.gaussian == id[24 * small_width + 32]);
-
-  /* The other half first: the same picture, other numbers. */
-  both[0].scene = 1, both[1].scene = 0;
+  swiftgs_placement both[2] = {{.size = sizeof(both[0]), .scene = 1}, {.size = sizeof(both[0])}};
   CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
   CHECK(draws(d, expected));
   for (int i = 0; i < pixels; ++i)
@@ -88,48 +78,37 @@ void test_placed(void) {
                 "visible_by_scene: count is 1, expected 2, the placed scenes of the frame");
   CHECK_INVALID(swiftgs_renderer_visible_by_scene(NULL, visible, 2), "renderer is NULL");
   CHECK_INVALID(swiftgs_renderer_visible_by_scene(d->renderer, NULL, 2), "visible is NULL");
-  CHECK_OK(swiftgs_renderer_place(d->renderer, &both[1], 1));
-  CHECK_ERROR(swiftgs_renderer_visible_by_scene(whole, visible, 2), SWIFTGS_INVALID_ARGUMENT,
-              "expected 1, the");
-  CHECK_OK(swiftgs_renderer_render(d->renderer, &d->frame));
-  CHECK_OK(swiftgs_renderer_visible_by_scene(d->renderer, visible, 1));
-  CHECK(visible[0] == swapped[1]);
 
   /* Views show some of them. */
   CHECK_OK(swiftgs_renderer_place(d->renderer, both, 1));
   float* const second = draw_plain(d->renderer, &d->camera);
   CHECK_OK(swiftgs_renderer_place(d->renderer, &both[1], 1));
   float* const first = draw_plain(d->renderer, &d->camera);
-  CHECK(!same_floats(first, second, floats));
+  CHECK_OK(swiftgs_renderer_visible_by_scene(d->renderer, visible, 1));
+  CHECK(visible[0] == swapped[1] && !same_floats(first, second, floats));
   CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
   d->view.first_shown = 1;
   CHECK(draws(d, first));
   d->view.first_shown = 0, d->view.shown_count = 1;
   CHECK(draws(d, second));
 
-  /* Ranges of a scene make it up. A program of before ranges shows all. */
-  swiftgs_placement ranges[3] = {both[0], both[0], both[0]};
-  ranges[0].count = 100, ranges[1].first = 100, ranges[1].count = 28, ranges[2].first = 128;
+  /* A program of before ranges shows all. */
   d->view.shown_count = 0;
-  CHECK_OK(swiftgs_renderer_place(d->renderer, ranges, 3));
+  both[0].size = offsetof(swiftgs_placement, first), both[0].first = 100;
+  CHECK_OK(swiftgs_renderer_place(d->renderer, both, 1));
   CHECK(draws(d, second));
-  ranges[2].size = offsetof(swiftgs_placement, first);
-  CHECK_OK(swiftgs_renderer_place(d->renderer, &ranges[2], 1));
-  CHECK(draws(d, second));
-  CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
 
   /* Another scene takes the place of all, and another renderer shares it. */
   swiftgs_scene* const scene = make_scene();
   CHECK_OK(swiftgs_renderer_set_scene(d->renderer, scene));
-  CHECK(same_floats(draw_plain(d->renderer, &d->camera), expected, floats));
+  CHECK(draws(d, expected));
   uint64_t number = 0;
   CHECK_OK(swiftgs_renderer_add_scene(d->renderer, scene, &number));
   CHECK(number == 1);
   CHECK_OK(swiftgs_renderer_share_scene(whole, d->renderer));
-  swiftgs_statistics statistics = {.size = sizeof(statistics)};
   CHECK_OK(swiftgs_renderer_render(whole, &d->frame));
-  CHECK_OK(swiftgs_renderer_statistics(whole, &statistics));
-  CHECK(statistics.gaussians == 2 * small_count);
+  CHECK_OK(swiftgs_renderer_statistics(whole, &counts));
+  CHECK(counts.gaussians == 2 * small_count);
   swiftgs_scene_free(scene);
   swiftgs_renderer_free(d->renderer), swiftgs_renderer_free(whole);
 }
@@ -261,16 +240,11 @@ void test_placed_errors(void) {
   wrong = zeros, changes, CHECK_INVALID(swiftgs_renderer_place(renderer, &wrong, 1), part)
   REFUSE(wrong.scene = 2, "place: the scene is number 2, expected less than 2");
   REFUSE(wrong.scale = -1, "placed scene: expected a finite scale above 0");
-  REFUSE(wrong.scale = INFINITY, "placed scene: expected a finite scale above 0");
   REFUSE(wrong.translation[1] = NAN, "placed scene: expected a finite translation");
   REFUSE(wrong.rotation[0] = 1, "placed scene: expected a rotation with orthonormal columns");
-  REFUSE((wrong.rotation[0] = wrong.rotation[4] = 1, wrong.rotation[8] = -1),
-         "placed scene: expected a rotation, not a mirror");
   REFUSE(wrong.transparency = 1.5, "swiftgs_placement: transparency is 1.5");
   REFUSE(wrong.transparency = NAN, "swiftgs_placement: transparency is nan");
   REFUSE(wrong.half_space_count = 7, "placed scene: expected a clip of 0 to 6 half-spaces");
-  REFUSE((wrong.half_space_count = 1, wrong.half_spaces[2] = NAN),
-         "placed scene: expected a clip with half-spaces of finite numbers");
   REFUSE(wrong.radius = -1, "placed scene: expected a clip with a radius of 0 or more");
   REFUSE((wrong.first = half, wrong.count = 1), "place: placement 0 shows 1 Gaussians from number");
   REFUSE(wrong.first = half + 1, "placement 0 shows all Gaussians from number");

@@ -28,8 +28,6 @@
 #include <swiftgs/rotation.hpp>
 #include <swiftgs/scene_bounds.hpp>
 
-#include "structs.hpp"
-
 using namespace swiftgs;
 
 namespace {
@@ -353,45 +351,4 @@ TEST_CASE("c: every kind of exception has a status and keeps its text") {
   check(std::runtime_error("eleven"), SWIFTGS_UNAVAILABLE, "eleven");
   check(std::bad_cast(), SWIFTGS_INTERNAL_ERROR, std::bad_cast().what());
   check(12, SWIFTGS_INTERNAL_ERROR, "an exception without a text, expected one of the library");
-}
-
-namespace {
-
-/// A struct that has grown: its first version ended before `second`.
-struct Grown {
-  std::uint32_t size;
-  std::int32_t first;
-  std::int32_t second, third;
-};
-
-}  // namespace
-
-template <>
-inline constexpr std::uint32_t swiftgs::c::first_size<Grown> = 8;
-
-TEST_CASE("c: structs of an older program have the default of what they lack") {
-  const Grown defaults{0, 1, 2, 3};
-  std::vector<std::int32_t> old{8, 10, 77, 77, 77, 77};
-  auto* const given = reinterpret_cast<Grown*>(old.data());
-  const Grown read = c::read_struct(given, "grown", defaults);
-  CHECK(read.first == 10);
-  CHECK(read.second == 2);
-  CHECK(read.third == 3);
-  CHECK(read.size == sizeof(Grown));
-
-  c::write_struct(given, Grown{0, 4, 5, 6}, "grown");
-  CHECK(old == std::vector<std::int32_t>{8, 4, 77, 77, 77, 77});
-
-  old[0] = 7;
-  CHECK_THROWS_AS(c::read_struct(given, "grown", defaults), std::invalid_argument);
-  CHECK_THROWS_AS(c::write_struct(given, defaults, "grown"), std::invalid_argument);
-
-  // In an array they follow each other at their own size.
-  const std::vector<std::int32_t> array{8, 21, 8, 22};
-  std::vector<std::int32_t> firsts, seconds;
-  c::for_each_struct(reinterpret_cast<const Grown*>(array.data()), 2, "grown", [&](const Grown& each) {
-    firsts.push_back(each.first), seconds.push_back(each.second);
-  });
-  CHECK(firsts == std::vector<std::int32_t>{21, 22});
-  CHECK(seconds == std::vector<std::int32_t>{0, 0});
 }

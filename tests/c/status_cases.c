@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 
 /* Versions, errors, threads, and structs of programs of another age. */
-#include <math.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -75,32 +74,28 @@ void test_structs(void) {
   CHECK_INVALID(swiftgs_camera_scale(&older.camera, 2),
                 "swiftgs_camera: size is 144, expected 232 for a camera with a lens that is no pinhole");
 
-  /* Those of an array follow each other at the first one's size. */
-  struct {
-    swiftgs_view view;
-    uint64_t later;
-  } views[2] = {{{0}, 0}, {{0}, 0}};
-  float colours[2][3 * small_width * small_height];
+  /* Those of an array follow each other at the first one's size: that of a newer program, and of one that is
+   * older than stored depths. */
+  const size_t sizes[2] = {sizeof(swiftgs_view) + 8, offsetof(swiftgs_view, stored_depth)};
   camera = make_camera(small_width, small_height);
-  for (int i = 0; i < 2; ++i) {
-    views[i].view = make_view(&camera, colours[i]);
-    views[i].view.size = sizeof(views[i]);
-  }
   swiftgs_renderer* const renderer = make_renderer(small_renderer);
-  const swiftgs_frame frame = make_frame(&views[0].view, 2);
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
-  CHECK(memcmp(colours[0], colours[1], sizeof(colours[0])) == 0);
-  /* One of a program that is older than stored depths, and what lies behind it in memory. */
-  float again[3 * small_width * small_height];
-  views[0].view = make_view(&camera, again);
-  views[0].view.size = offsetof(swiftgs_view, stored_depth);
-  views[0].view.stored_depth = (swiftgs_stored_depth){NAN, NAN, NAN, NAN};
-  const swiftgs_frame alone = make_frame(&views[0].view, 1);
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &alone));
-  CHECK(memcmp(colours[0], again, sizeof(again)) == 0);
-  views[0].view.size = sizeof(views[0]), views[0].view.stored_depth = (swiftgs_stored_depth){0, 0, 0, 0};
-  views[1].view.size = sizeof(swiftgs_view);
-  CHECK_INVALID(swiftgs_renderer_render_into(renderer, &frame), "swiftgs_view: size of number 1 is");
+  const float* const expected = draw_plain(renderer, &camera);
+  for (int i = 0; i < 2; ++i) {
+    char* const views = make_memory(2 * sizes[0]);
+    if (i == 1) memset(views, 0xff, 2 * sizes[0]); /* what lies behind is not read: NaN */
+    float colours[2][3 * small_width * small_height] = {{0}, {0}};
+    for (size_t k = 0; k < 2; ++k) {
+      swiftgs_view view = make_view(&camera, colours[k]);
+      view.size = (uint32_t)sizes[i];
+      memcpy(views + k * sizes[i], &view, i == 0 ? sizeof(view) : sizes[i]);
+    }
+    const swiftgs_frame frame = make_frame((const void*)views, 2);
+    CHECK_OK(swiftgs_renderer_render_into(renderer, &frame));
+    for (int k = 0; k < 2; ++k) CHECK(memcmp(colours[k], expected, sizeof(colours[k])) == 0);
+    const uint32_t other = sizeof(swiftgs_view);
+    memcpy(views + sizes[i], &other, sizeof(other));
+    CHECK_INVALID(swiftgs_renderer_render_into(renderer, &frame), "swiftgs_view: size of number 1 is");
+  }
   swiftgs_renderer_free(renderer);
 }
 
