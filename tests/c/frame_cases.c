@@ -130,15 +130,10 @@ void test_conventions(void) {
   swiftgs_conventions gsplat = {.size = sizeof(gsplat)}, inria = {.size = sizeof(inria)};
   CHECK_OK(swiftgs_conventions_named("gsplat", &gsplat));
   CHECK_OK(swiftgs_conventions_named("inria", &inria));
-  CHECK(gsplat.near_plane == 0.01f && gsplat.stop_at_equal == 1 &&
-        gsplat.clamp == SWIFTGS_CLAMP_AROUND_IMAGE && gsplat.footprint == SWIFTGS_FOOTPRINT_ALPHA &&
-        gsplat.blur == 0.3f && gsplat.alpha_max == 0.99f && gsplat.depth == SWIFTGS_DEPTH_OF_LENS &&
-        gsplat.first_alpha == 0.05f && gsplat.depth_at == SWIFTGS_DEPTH_AT_CENTRE);
-  CHECK(gsplat.far_plane == 1e10f && gsplat.cull_at_near == 0 && gsplat.antialiased == 0 &&
-        gsplat.min_compensation == 2.5e-5f && gsplat.alpha_min == 1.0f / 255 && gsplat.stop == 1e-4f);
-  CHECK(inria.near_plane == 0.2f && inria.cull_at_near == 1 && inria.stop_at_equal == 0 &&
-        isinf(inria.far_plane) && inria.clamp == SWIFTGS_CLAMP_AROUND_CENTRE &&
-        inria.footprint == SWIFTGS_FOOTPRINT_THREE_SIGMA_SQUARE);
+  /* The other numbers have the bits of the C++ interface in same_bits_test, whose frames do not show these.
+   */
+  CHECK(gsplat.depth == SWIFTGS_DEPTH_OF_LENS && gsplat.depth_at == SWIFTGS_DEPTH_AT_CENTRE);
+  CHECK(gsplat.min_compensation == 2.5e-5f && inria.cull_at_near == 1 && isinf(inria.far_plane));
 
   struct drawing d;
   set_up(&d, small_renderer);

@@ -66,9 +66,6 @@ def test_numbers_of_a_frame_tell_placements_and_indices(placing, arrays, camera)
     placing.place([Placement(2), Placement(0), Placement(0, pose(translation=(0.5, 0, 0)))])
     placement, index = placing.placed_scene_of([0, 379, 380, 1379, 1380, 2379, NOTHING])
     assert placement.tolist() == [0, 0, 1, 1, 2, 2, -1] and index.tolist() == [0, 379, 0, 999, 0, 999, -1]
-    shown = placing.render(camera, id=True).id
-    picked = placing.pick(WIDTH // 2, HEIGHT // 2).gaussian
-    assert picked == shown[HEIGHT // 2, WIDTH // 2] and placing.placed_scene_of(picked)[0] in (0, 1, 2)
     other = swiftgs.Renderer("cpu")
     other.share_scene(placing)
     assert other.placed_scene_of(2379)[0] == 2
@@ -85,12 +82,6 @@ def test_numbers_of_a_frame_tell_placements_and_indices(placing, arrays, camera)
 
 
 def test_placements_show_ranges_of_a_scene(renderer, scene, camera, expected):
-    # Ranges that make up the scene are the scene, chunks or no chunks.
-    for ends in ([0, 128, 1024, 2000], [0, 1, 700, 1999, 2000]):
-        ranges = list(zip(ends, ends[1:]))
-        renderer.place([Placement(first=first, count=end - first) for first, end in ranges])
-        assert np.array_equal(renderer.render(camera).colour, expected.colour)
-        assert renderer.statistics.gaussians == 2000
     renderer.place([Placement(first=256, count=1000), Placement(first=1500), Placement(count=3)])
     parts = [part_of(scene, chosen) for chosen in (slice(256, 1256), slice(1500, None), slice(0, 3))]
     wanted = swiftgs.Renderer("cpu")
@@ -192,8 +183,6 @@ def test_what_cannot_be_placed_is_refused_and_changes_nothing(placing, renderer,
             ([Placement(world_from_scene=mirror)], ValueError, "world_from_scene mirrors scenes, expected"),
             ([Placement(), Placement(first=2, count=999)], swiftgs.InvalidArgument,
              "place: placement 1 shows 999 Gaussians from number 2 on, expected some of the 1000 of scene 0"),
-            ([Placement(1, first=621)], swiftgs.InvalidArgument, "placement 0 shows all Gaussians from number 621 on, "
-                                                                 "expected some of the 620 of scene 1"),
             ([Placement(first=-1)], ValueError, "first is -1 and count is None, expected first of 0 or more and"),
             ([Placement(count=0)], ValueError, "first is 0 and count is 0, expected first of 0 or more and count of 1"),
             ([Placement(first=1 << 64)], ValueError, "expected a number that its Placement can hold"),
@@ -219,7 +208,7 @@ def test_renderers_keep_the_scenes_that_they_place(placing, parts, renderer, cam
     assert np.array_equal(placing.render(camera).colour, renderer.render(camera).colour)
 
 
-def test_updates_replace_arrays_of_a_range(placing, scene, camera, arrays):
+def test_updates_replace_arrays_of_a_range(placing, camera, arrays):
     other = swiftgs.Renderer("cpu")
     other.share_scene(placing)
     before = placing.render(camera).colour
@@ -250,12 +239,6 @@ def test_updates_replace_arrays_of_a_range(placing, scene, camera, arrays):
     wanted["sh0"][:1000] = 0
     placing.update_scene(0, colours=np.full((1000, 3), 0.5, np.float32))
     check()
-    # The scene that was given stays.
-    part = part_of(scene, slice(None))
-    renderer = swiftgs.Renderer("cpu", scene=part)
-    renderer.update_scene(means=np.zeros((2000, 3), np.float32))
-    assert np.array_equal(part.means, scene.means)
-    assert not np.array_equal(renderer.render(camera).colour, before)
 
 
 def test_updates_that_are_refused_change_nothing(placing, camera):
@@ -266,7 +249,6 @@ def test_updates_that_are_refused_change_nothing(placing, camera):
             ((-1, 0, means), ValueError, "scene is number -1 and first is 0, expected numbers from 0 on"),
             ((0, 996, means), swiftgs.InvalidArgument, "update: 5 Gaussians from number 996 on, expected some of the "
                                                        "scene's 1000"),
-            ((0, 0, means * np.nan), swiftgs.InvalidArgument, "means of Gaussian 0 is nan, expected finite numbers"),
             ((0, 0, means[:, :2]), ValueError, r"means has the shape \(5, 2\), expected \(N, 3\)")]:
         with pytest.raises(error, match=message):
             placing.update_scene(*arguments[:2], means=arguments[2] if len(arguments) > 2 else None)
@@ -274,7 +256,6 @@ def test_updates_that_are_refused_change_nothing(placing, camera):
             ({"opacities": means[:4, 0].copy()}, ValueError, r"opacities has the shape \(4,\), expected \(5\)"),
             ({"sh_rest": np.zeros((5, 8, 3), np.float32)}, swiftgs.InvalidArgument,
              "update: sh_degree is 2, expected 3 as in the scene"),
-            ({"features": means}, swiftgs.InvalidArgument, "update: feature_channels is 3, expected 0 as in the scene"),
             ({"sh0": means, "colours": means}, TypeError, "update_scene takes either sh0 or colours")]:
         with pytest.raises(error, match=message):
             placing.update_scene(means=means, **arrays)

@@ -22,22 +22,18 @@ def same_rotations(arrays):
 
 
 def test_one_camera(same_rotations, camera, expected, gsplat_arguments):
+    frame = same_rotations.render(camera, alpha=True)
     colours, alphas, meta = swiftgs.rasterization(**gsplat_arguments)
     assert colours.shape == (1, HEIGHT, WIDTH, 3) and alphas.shape == (1, HEIGHT, WIDTH, 1)
     assert colours.dtype == alphas.dtype == np.float32
-    frame = same_rotations.render(camera, alpha=True)
     # The camera's matrices are float32 here.
     assert decibels(colours[0], frame.colour) > 90 and decibels(alphas[0, ..., 0], frame.alpha) > 90
     assert decibels(colours[0], expected.colour) > 90
     assert (meta["width"], meta["height"], meta["n_cameras"]) == (WIDTH, HEIGHT, 1)
     with pytest.raises(KeyError, match="meta has no 'means2d', expected one of width, height"):
         meta["means2d"]
-
-
-def test_matrices_in_double_give_the_bits_of_a_frame(same_rotations, camera, gsplat_arguments):
-    gsplat_arguments.update(viewmats=camera.viewmat[None], Ks=camera.K[None])
+    gsplat_arguments.update(viewmats=camera.viewmat[None], Ks=camera.K[None])  # in double
     colours, alphas, _ = swiftgs.rasterization(**gsplat_arguments)
-    frame = same_rotations.render(camera, alpha=True)
     assert np.array_equal(colours[0], frame.colour) and np.array_equal(alphas[0, ..., 0], frame.alpha)
 
 
@@ -200,16 +196,6 @@ def test_what_changes_no_image_is_taken(change, gsplat_arguments):
     assert np.array_equal(swiftgs.rasterization(**gsplat_arguments, **change)[0], plain)
 
 
-def test_what_a_trainer_passes_for_evaluation_too():
-    one = np.ones((1, 3), np.float32)
-    image, _, _ = swiftgs.rasterization(
-        means=np.float32([[0, 0, 4]]), quats=np.float32([[1, 0, 0, 0]]), scales=one / 5, opacities=np.float32([0.9]),
-        colors=one, viewmats=np.eye(4)[None], Ks=np.array([[[64, 0, 32], [0, 64, 32], [0, 0, 1]]]), width=64, height=64,
-        packed=False, near_plane=0.01, far_plane=1e10, render_mode="RGB+ED", sparse_grad=False, absgrad=True,
-        rasterize_mode="classic")
-    assert image.shape == (1, 64, 64, 4) and 0.8 < image[0, 32, 32, 0] <= 0.9 and abs(image[0, 32, 32, 3] - 4) < 1e-3
-
-
 def test_other_orders_and_libraries_of_arrays(gsplat_arguments):
     plain = swiftgs.rasterization(**gsplat_arguments)[0]
     for change in (np.asfortranarray, lambda a: np.repeat(a, 2, axis=0)[::2], lambda a: Lent(a.copy())):
@@ -302,7 +288,6 @@ def test_lenses_that_gsplat_draws_otherwise_are_refused(change, name, why, gspla
      "radial_coeffs has the shape (1, 6), expected (1, 4)"),
     ({"radial_coeffs": np.zeros((1, 4))}, ValueError, "radial_coeffs has the shape (1, 4), expected (1, 6)"),
     ({"tangential_coeffs": np.zeros(2)}, ValueError, "tangential_coeffs has the shape (2,), expected (1, 2)"),
-    ({"radial_coeffs": np.full((1, 6), np.inf)}, ValueError, "at most 1e6 in magnitude"),
     ({"means": np.zeros((2, 2000, 3), np.float32)}, ValueError,
      "quats has the shape (2000, 4), expected the batch (2,) of means first, and 2 dimensions after it"),
     ({"means": np.zeros((0, 2000, 3), np.float32)}, ValueError, "expected a batch of one scene or more"),
@@ -327,7 +312,6 @@ def test_lenses_that_gsplat_draws_otherwise_are_refused(change, name, why, gspla
     ({"Ks": np.array([[[9, 1, 0], [0, 9, 0], [0, 0, 1]]])}, NotImplementedError, "Ks has a skew"),
     ({"backgrounds": np.zeros(3)}, ValueError, "backgrounds has the shape (3,), expected (1, 3)"),
     ({"rasterize_mode": "fast"}, ValueError, "rasterize_mode is 'fast', expected 'classic' or 'antialiased'"),
-    ({"near_plane": float("nan")}, ValueError, "near"),
     ({"means": "a"}, TypeError, "means is of type str")])
 def test_what_does_not_fit_is_named(change, kind, text, gsplat_arguments):
     with pytest.raises(kind, match=re.escape(text)):
