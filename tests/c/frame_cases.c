@@ -80,11 +80,8 @@ static float alpha_at(float x, double cx, float size, const swiftgs_conventions*
   swiftgs_gaussians one = {.size = sizeof(one), .count = 1};
   one.means.data = one.sh0.data = mean, one.scales.data = scale, one.rotations.data = rotation;
   one.opacities.data = &half;
-  swiftgs_scene* scene = NULL;
-  swiftgs_renderer* renderer = NULL;
-  CHECK_OK(swiftgs_scene_from_arrays(&one, &scene));
-  CHECK_OK(swiftgs_renderer_create("serial/early/per-pixel/ellipse", NULL, &renderer));
-  CHECK_OK(swiftgs_renderer_set_scene(renderer, scene));
+  swiftgs_renderer* const renderer = make_renderer("serial/early/per-pixel/ellipse");
+  CHECK_OK(swiftgs_renderer_set_gaussians(renderer, &one));
   swiftgs_camera camera = {.size = sizeof(camera), .width = 1, .height = 1, .fx = 1, .fy = 1, .cx = cx};
   camera.rotation[0] = camera.rotation[4] = camera.rotation[8] = 1, camera.cy = 0.5;
   float alpha = -1;
@@ -92,7 +89,7 @@ static float alpha_at(float x, double cx, float size, const swiftgs_conventions*
       .size = sizeof(view), .camera = &camera, .conventions = conventions, .alpha = {&alpha, sizeof(alpha)}};
   const swiftgs_frame frame = make_frame(&view, 1);
   CHECK_OK(swiftgs_renderer_render(renderer, &frame));
-  swiftgs_renderer_free(renderer), swiftgs_scene_free(scene);
+  swiftgs_renderer_free(renderer);
   return alpha;
 }
 
