@@ -24,14 +24,14 @@ namespace {
 
 constexpr float largest_float = std::numeric_limits<float>::max();
 
-/// Offers splats 0, 1, ... of these alphas.
+/// Offers splats of these alphas, whose numbers count down to 0.
 SplatPicks picks_of(const std::vector<float>& alphas, float first_below = 0.75f) {
   SplatPicks picks;
   float transmittance = 1;
   for (std::size_t i = 0; i < alphas.size(); ++i) {
     const float weight = alphas[i] * transmittance;
     transmittance -= weight;
-    picks.offer(std::uint32_t(i), weight, transmittance, first_below);
+    picks.offer(std::uint32_t(alphas.size() - 1 - i), weight, transmittance, first_below);
   }
   return picks;
 }
@@ -45,6 +45,20 @@ View asks_for(bool normal, bool squared_depth, int features) {
   if (squared_depth) view.frame.squared_depth.data = &memory;
   if (features > 0) view.frame.features.data = &memory;
   return view;
+}
+
+/// What the attributes of a view are of, in order, with the number of their channels.
+using Runs = std::vector<std::pair<Attribute::Of, int>>;
+Runs runs_of(const View& view) {
+  Runs runs;
+  for (int k = 0; k < attribute_count(view); ++k) {
+    const Attribute found = attribute(view, k);
+    if (found.channel == 0) runs.emplace_back(found.of, 0);
+    REQUIRE_FALSE(runs.empty());
+    CHECK(found.of == runs.back().first);
+    CHECK(found.channel == runs.back().second++);
+  }
+  return runs;
 }
 
 /// One Gaussian as a splat.
@@ -69,90 +83,55 @@ struct OneSplat {
 
 }  // namespace
 
-TEST_CASE("planes: a pixel remembers the first and the median and the largest splat") {
-  const SplatPicks none = picks_of({});
-  CHECK(none.first == SplatPicks::none);
-  CHECK(none.median == SplatPicks::none);
-  CHECK(none.largest == SplatPicks::none);
-  const SplatPicks picks = picks_of({0.125f, 0.25f, 0.5f, 0.5f});  // leave 0.875, 0.65625, 0.328125, 0.164
-  CHECK(picks.first == 1);
-  CHECK(picks.median == 2);
-  CHECK(picks.largest == 2);
-  CHECK(picks.weight == 0.328125f);
-}
-
-TEST_CASE("planes: thresholds are passed and not reached") {
-  CHECK(picks_of({0.25f}).first == SplatPicks::none);
-  CHECK(picks_of({0.25f, 0.25f}).first == 1);
-  CHECK(picks_of({0.5f}).median == SplatPicks::none);
-  CHECK(picks_of({0.5f, 0.125f}).median == 1);
-  CHECK(picks_of({0.25f}, 1).first == 0);
-}
-
-TEST_CASE("planes: of equal weights the first wins") {
-  CHECK(picks_of({0.5f, 1}).largest == 0);
-  SplatPicks picks;
-  picks.offer(3, 0, 1, 0.9f);
-  CHECK(picks.largest == SplatPicks::none);  // weighs nothing
-  picks.offer(2, 0.5f, 0.5f, 0.9f), picks.offer(1, 0.5f, 0, 0.9f);
-  CHECK(picks.largest == 2);
-}
-
-TEST_CASE("planes: attributes are normals and then squared depths and then features") {
-  using Of = Attribute::Of;
-  CHECK(attribute_count(View()) == 0);
-  CHECK(attribute_count(asks_for(true, false, 0)) == 3);
-  CHECK(attribute_count(asks_for(true, true, 2)) == 6);
-  CHECK(attribute_count(asks_for(false, false, 17)) == 17);
-  const auto is = [](const View& view, int k, Of of, int channel) {
-    const Attribute found = attribute(view, k);
-    return found.of == of && found.channel == channel;
+TEST_CASE("planes: a pixel remembers the first splat, the median and the largest") {
+  constexpr std::uint32_t none = SplatPicks::none;
+  struct Row {
+    std::vector<float> alphas;
+    float first_below;
+    std::uint32_t first, median, largest;
   };
-  const View all = asks_for(true, true, 2);
-  for (int k = 0; k < 3; ++k) CHECK(is(all, k, Of::normal, k));
-  CHECK(is(all, 3, Of::squared_depth, 0));
-  CHECK(is(all, 4, Of::feature, 0));
-  CHECK(is(all, 5, Of::feature, 1));
-  CHECK(is(all, 6, Of::nothing, 0));
-  CHECK(is(asks_for(false, true, 1), 1, Of::feature, 0));
-  CHECK(is(asks_for(false, false, 1), 0, Of::feature, 0));
-  CHECK(is(asks_for(true, false, 0), 3, Of::nothing, 0));
+  // Thresholds are passed and not reached. Of equal weights the nearer wins.
+  for (const Row& row : {Row{{}, 0.75f, none, none, none},
+                         {{0}, 0.75f, none, none, none},
+                         {{0.125f, 0.25f, 0.5f, 0.5f}, 0.75f, 2, 1, 1},  // leave 0.875, 0.656, 0.328, 0.164
+                         {{0.25f}, 0.75f, none, none, 0},
+                         {{0.25f, 0.25f}, 0.75f, 0, none, 1},
+                         {{0.5f}, 0.75f, 0, none, 0},
+                         {{0.5f, 0.125f}, 0.75f, 1, 0, 1},
+                         {{0.25f}, 1, 0, none, 0},
+                         {{0.5f, 1}, 0.75f, 1, 0, 1}}) {
+    CAPTURE(row.alphas.size());
+    const SplatPicks picks = picks_of(row.alphas, row.first_below);
+    CHECK(picks.first == row.first);
+    CHECK(picks.median == row.median);
+    CHECK(picks.largest == row.largest);
+  }
+  CHECK(picks_of({0.125f, 0.25f, 0.5f, 0.5f}).weight == 0.328125f);
 }
 
-TEST_CASE("planes: attributes of views along the ray begin with depth") {
-  using Of = Attribute::Of;
-  const auto of = [](const View& view) {
-    std::vector<std::pair<Of, int>> found;
-    for (int k = 0; k < attribute_count(view); ++k)
-      found.emplace_back(attribute(view, k).of, attribute(view, k).channel);
-    return found;
-  };
-  using All = std::vector<std::pair<Of, int>>;
+TEST_CASE("planes: attributes are depths along the ray, normals, squared depths and features") {
+  using enum Attribute::Of;
+  CHECK(runs_of(View()) == Runs{});
+  CHECK(runs_of(asks_for(true, false, 0)) == Runs{{normal, 3}});
+  CHECK(runs_of(asks_for(true, true, 2)) == Runs{{normal, 3}, {squared_depth, 1}, {feature, 2}});
+  CHECK(runs_of(asks_for(false, true, 1)) == Runs{{squared_depth, 1}, {feature, 1}});
+  CHECK(runs_of(asks_for(false, false, 17)) == Runs{{feature, 17}});
+  CHECK(attribute(asks_for(true, true, 2), 6).of == nothing);
+  CHECK(attribute(asks_for(true, false, 0), 3).of == nothing);
+
   View view = asks_for(true, true, 1);
   view.camera.depth_along_ray = true;
-  CHECK(of(view) == All{{Of::ray_depth, 0},
-                        {Of::ray_depth, 1},
-                        {Of::ray_depth, 2},
-                        {Of::normal, 0},
-                        {Of::normal, 1},
-                        {Of::normal, 2},
-                        {Of::squared_ray_depth, 0},
-                        {Of::squared_ray_depth, 1},
-                        {Of::squared_ray_depth, 2},
-                        {Of::squared_ray_depth, 3},
-                        {Of::squared_ray_depth, 4},
-                        {Of::squared_ray_depth, 5},
-                        {Of::feature, 0}});
+  CHECK(runs_of(view) == Runs{{ray_depth, 3}, {normal, 3}, {squared_ray_depth, 6}, {feature, 1}});
   view = asks_for(true, false, 0), view.camera.depth_along_ray = true;
-  CHECK(attribute_count(view) == 3);  // nothing asks for depth
+  CHECK(runs_of(view) == Runs{{normal, 3}});  // nothing asks for depth
   float memory;
   for (Plane<float>* plane : {&view.frame.depth, &view.frame.first_depth, &view.frame.median_depth}) {
     plane->data = &memory;
-    CHECK(attribute_count(view) == 6);
+    CHECK(runs_of(view) == Runs{{ray_depth, 3}, {normal, 3}});
     *plane = {};
   }
   view.frame.occluder.data = &memory;
-  CHECK(attribute_count(view) == 6);
+  CHECK(runs_of(view) == Runs{{ray_depth, 3}, {normal, 3}});
 }
 
 TEST_CASE("planes: the square of a depth along the ray is the sum of its coefficients") {
@@ -248,7 +227,7 @@ TEST_CASE("planes: a normal points against the ray and along the axis of an orth
   CHECK(normal().x == doctest::Approx(0.70710678));
 }
 
-TEST_CASE("planes: attributes that are not finite count as 0") {
+TEST_CASE("planes: attributes are cut to what sums in units of alpha_max can hold, and to 0 if not finite") {
   using Row = std::vector<float>;
   OneSplat splat;
   splat.scene.feature_channels = 2;
@@ -256,12 +235,6 @@ TEST_CASE("planes: attributes that are not finite count as 0") {
     splat.scene.features = {bad, -3};
     CHECK(splat.attributes(asks_for(false, false, 2)) == Row{0, -3, 0, 0});
   }
-}
-
-TEST_CASE("planes: attributes are cut to what sums in units of alpha_max can hold") {
-  using Row = std::vector<float>;
-  OneSplat splat;
-  splat.scene.feature_channels = 2;
   splat.scene.features = {largest_float, -largest_float};
   const float most = most_attribute(splat.alpha_max);
   CHECK(most / splat.alpha_max < largest_float);

@@ -2,7 +2,6 @@
 
 // What changes no bit of the planes beside colour, alpha and depth, on every backend, and what is refused.
 #include <cstddef>
-#include <functional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -22,18 +21,6 @@ using namespace swiftgs::test;
 
 namespace {
 
-/// Calls f(outputs) with one plane at a time.
-template <class F>
-void for_each_further(const F& f) {
-  const Outputs each[] = {{.squared_depth = true}, {.first_depth = true}, {.median_depth = true},
-                          {.normal = true},        {.id = true},          {.median_id = true},
-                          {.features = 4}};
-  for (std::size_t plane = 0; plane < std::size(each); ++plane) {
-    CAPTURE(plane);
-    f(each[plane]);
-  }
-}
-
 /// Views that ask for different planes: none, some, all.
 std::vector<AskedView> different_planes() {
   std::vector<AskedView> views = different_views();
@@ -51,35 +38,43 @@ std::vector<AskedView> different_planes() {
   return views;
 }
 
+/// Whether all planes that a frame has are those of another one.
+bool same_of(const Frame& few, const Frame& whole) {
+  bool same = true;
+  for_each_plane([&](std::size_t, const auto& plane,
+                     const auto& expected) { same = same && (plane.empty() || same_bits(plane, expected)); },
+                 few, whole);
+  return same;
+}
+
 }  // namespace
 
-SWIFTGS_CONTRACT("planes: further ones change no bit of others and no count") {
+SWIFTGS_CONTRACT("planes: further ones change no bit of others and no count, at centres and along the ray") {
   const Scene scene = with_features(random_scene(400, 1, 3), 4);
   const Camera camera = forward_camera(70, 45);
+  const Outputs some[] = {{.depth = true},       {.squared_depth = true},
+                          {.first_depth = true}, {.median_depth = true},
+                          {.normal = true},      {.id = true},
+                          {.median_id = true},   {.features = 4},
+                          all_planes(4),         {.squared_depth = true, .median_depth = true}};
   with_each_renderer<B>([&](BoundRenderer<B>& renderer, std::string_view) {
     const auto on = renderer.backend().upload(scene);
-    RenderSettings settings = settings_of({true, true}, vec3(0.2f, 0.3f, 0.4f));
-    settings.count = true;
-    const Frame plain = renderer.render(on, camera, settings);
-    const RasterCounts counts = renderer.statistics().raster;
-    settings.outputs = all_planes(4);
-    const Frame all = renderer.render(on, camera, settings);
-    CHECK(same_counts(renderer.statistics().raster, counts));
-    // What a frame has of another's planes.
-    const auto same_of = [](const Frame& some, const Frame& whole) {
-      bool same = true;
-      for_each_plane([&](std::size_t, const auto& few,
-                         const auto& many) { same = same && (few.empty() || same_bits(few, many)); },
-                     some, whole);
-      return same;
-    };
-    CHECK(same_of(plain, all));
-    for_each_further([&](const Outputs& outputs) {
-      for (const bool count : {false, true}) {
-        settings.outputs = outputs, settings.count = count;
-        CHECK(same_of(renderer.render(on, camera, settings), all));
-      }
-    });
+    for (const Conventions& conventions : {Conventions(), along_ray()}) {
+      RenderSettings settings = settings_of({true, true}, vec3(0.2f, 0.3f, 0.4f));
+      settings.conventions = conventions, settings.count = true;
+      const Frame plain = renderer.render(on, camera, settings);
+      const RasterCounts counts = renderer.statistics().raster;
+      settings.outputs = all_planes(4);
+      const Frame all = renderer.render(on, camera, settings);
+      CHECK(same_counts(renderer.statistics().raster, counts));
+      CHECK(same_of(plain, all));
+      for (std::size_t i = 0; i < std::size(some); ++i)
+        for (const bool count : {false, true}) {
+          CAPTURE(i);
+          settings.outputs = some[i], settings.count = count;
+          CHECK(same_of(renderer.render(on, camera, settings), all));
+        }
+    }
   });
 }
 
@@ -136,43 +131,6 @@ SWIFTGS_CONTRACT("planes: rows of each may go up in memory") {
       all_planes(4));
 }
 
-SWIFTGS_CONTRACT("planes: recorded frames have the bits of rendered ones and the planes that were reserved") {
-  Usual<B> renderer(test::make_backend<B>()), other(std::move(backend));
-  const auto scene = other.backend().upload(with_features(random_scene(2000, 1, 10), 5));
-  Report<B> report;
-  const auto asked = [](int k) {
-    std::vector<AskedView> views{changing_view(k), changing_lean_view(k), changing_view(k + 1)};
-    views[0].further = all_planes(5), views[2].further = {.median_depth = true, .features = 2};
-    return views;
-  };
-  PlacedViews reserved(other.backend(), asked(0));
-  renderer.reserve(scene.view(), reserved.span(), {8000, 200'000});
-  for (int k = 0; k < 6; ++k) {
-    CAPTURE(k);
-    PlacedViews drawn(other.backend(), asked(k));
-    renderer.set_views(drawn.span());
-    renderer.record(scene.view(), report.data());
-    CHECK(report.get(renderer.backend()).overflowed == 0);
-    CHECK(differing(drawn.finish(renderer.backend()), draw_together(other, scene.view(), asked(k))) == 0);
-  }
-  const auto refuses = [&](const std::function<void(FrameView&)>& change) {
-    std::vector<View> views = reserved.views;
-    change(views[2].frame);
-    CHECK_THROWS_WITH_AS(
-        renderer.set_views(span_of(views)),
-        "set_views: the size or the planes of view 2 changed, expected those that were reserved",
-        std::invalid_argument);
-  };
-  refuses([](FrameView& frame) { frame.median_depth = {}; });
-  refuses([](FrameView& frame) { frame.feature_channels = 1; });
-  refuses([&](FrameView& frame) { frame.id = reserved.views[0].frame.id; });
-  const auto plain = other.backend().upload(random_scene(2000, 1, 10));
-  CHECK_THROWS_WITH_AS(
-      renderer.record(plain.view(), report.data()),
-      "render: the frame asks for 5 features a Gaussian, expected at most the 0 of the scene",
-      std::invalid_argument);
-}
-
 TEST_CASE("planes: frames have the same bits with one thread and two") {
   const Scene scene = with_features(random_scene(5000, 2, 5), 5);
   for_each_raster([&]<class Raster>(Raster) {
@@ -205,10 +163,9 @@ TEST_CASE("planes: those that cannot be written are refused in words") {
     };
     CHECK_NOTHROW(accepts(frame(least)));
     for (const std::ptrdiff_t pitch : {least - 4, least + 2, -least + 4}) {
-      const std::string message = "render: the pitch of " + name + " is " + std::to_string(pitch) +
-                                  " bytes, expected at least " + std::to_string(least) +
-                                  " up or down, a multiple of 4";
-      CHECK_THROWS_WITH_AS(accepts(frame(pitch)), message.c_str(), std::invalid_argument);
+      const std::string message = "the pitch of " + name + " is " + std::to_string(pitch) +
+                                  " bytes, expected at least " + std::to_string(least);
+      CHECK_THROWS_WITH_AS(accepts(frame(pitch)), doctest::Contains(message.c_str()), std::invalid_argument);
     }
     CHECK_THROWS_WITH_AS(accepts(frame(least, 2)),
                          ("render: expected " + name + " aligned to 4 bytes").c_str(), std::invalid_argument);
@@ -227,8 +184,7 @@ TEST_CASE("planes: those that cannot be written are refused in words") {
   SceneView raw = view(scene);
   --raw.features.size;
   CHECK_THROWS_WITH_AS(validate(raw),
-                       "render: features of the scene: 9 values, 12 bytes apart; expected 10 values, "
-                       "12 bytes or more apart, in multiples of 4",
+                       doctest::Contains("features of the scene: 9 values, 12 bytes apart; expected 10"),
                        std::invalid_argument);
   scene.features.pop_back();
   CHECK_THROWS_WITH_AS(validate(scene), "scene: features has 29 elements, expected 30",
@@ -239,8 +195,7 @@ TEST_CASE("planes: those that cannot be written are refused in words") {
   Conventions conventions;
   for (const float first_alpha : {-0.1f, 1.0f}) {
     conventions.first_alpha = first_alpha;
-    CHECK_THROWS_WITH_AS(validate(conventions),
-                         "conventions: expected a first alpha of 0 or more and below 1",
+    CHECK_THROWS_WITH_AS(validate(conventions), doctest::Contains("expected a first alpha of 0 or more"),
                          std::invalid_argument);
   }
 }

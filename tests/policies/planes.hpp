@@ -8,10 +8,12 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <vector>
 
 #include <doctest/doctest.h>
 
 #include <swiftgs/frame.hpp>
+#include <swiftgs/pick.hpp>
 #include <swiftgs/reference/planes.hpp>
 #include <swiftgs/renderer.hpp>
 
@@ -23,6 +25,18 @@ inline RenderSettings settings_of_all(int features = 0, const Conventions& conve
   RenderSettings settings;
   settings.conventions = conventions, settings.outputs = all_planes(features);
   return settings;
+}
+
+/// With depth along the ray.
+inline Conventions along_ray(Conventions conventions = {}) {
+  conventions.depth_at = Conventions::DepthAt::ray;
+  return conventions;
+}
+
+/// Same planes but for the numbers of Gaussians.
+inline bool same_but_ids(Frame a, Frame b) {
+  a.id.clear(), a.median_id.clear(), b.id.clear(), b.median_id.clear();
+  return same_planes(a, b);
 }
 
 /// What a frame may differ from the reference by where no decision is close.
@@ -104,6 +118,22 @@ inline void check_planes(const Frame& frame, const ReferencePlanes& expected, co
   for (const std::size_t pixels :
        {errors.at_threshold, errors.at_first, errors.at_median, errors.at_id, errors.undecided_normals})
     CHECK(double(pixels) <= close * double(frame.pixels()));
+}
+
+/// What view `view` of the last frame shows at each pixel, picked in rectangles of odd sizes.
+template <class B>
+std::vector<PickedPixel> pick_all(BoundRenderer<B>& renderer, const Camera& camera, std::size_t view = 0) {
+  std::vector<PickedPixel> all(std::size_t(camera.width) * std::size_t(camera.height));
+  const int step_x = max_pick_side, step_y = 37;
+  for (int y = 0; y < camera.height; y += step_y)
+    for (int x = 0; x < camera.width; x += step_x) {
+      const int width = std::min(step_x, camera.width - x), height = std::min(step_y, camera.height - y);
+      const auto picked = renderer.pick({.x = x, .y = y, .width = width, .height = height, .view = view});
+      REQUIRE(picked.size() == std::size_t(width) * std::size_t(height));
+      for (int row = 0; row < height; ++row)
+        std::copy_n(picked.data() + row * width, width, all.data() + (y + row) * camera.width + x);
+    }
+  return all;
 }
 
 }  // namespace swiftgs::test

@@ -15,6 +15,7 @@
 
 #include "policies/all_planes.hpp"
 #include "policies/backends.hpp"
+#include "policies/planes.hpp"
 #include "policies/tile_lists.hpp"
 
 namespace swiftgs::test {
@@ -38,6 +39,23 @@ void with_each_renderer(const F& f) {
 /// Whether `Raster` keeps its terms in half precision, which costs accuracy.
 template <class Raster>
 inline const bool stores_half = Raster::name.find("half") != std::string_view::npos;
+
+/// What the planes of a frame may differ from the reference by. Rounding alone reaches half of it: of
+/// devices, of split terms and of depths that slope more than of others.
+template <class B, class Raster = AxisSharedThreshold<FloatCholesky>>
+PlaneBounds plane_bounds(const Conventions& conventions = {}) {
+  const bool split = Raster::name.find("split") != std::string_view::npos;
+  const double slack = (on_host<B> ? 1 : 4) * (split ? 2 : 1);
+  if (conventions.depth_at == Conventions::DepthAt::centre)
+    return {.sum = 1.5e-5 * slack, .mean = 3e-5 * slack, .threshold = 1e-4, .pick = 1e-5};
+  return {.sum = 1.5e-5 * slack,
+          .mean = 6e-5 * slack,
+          .threshold = 1e-4,
+          .pick = 1e-5,
+          .picked = 1e-5,
+          .least = 1,
+          .occluder = 1e-5};
+}
 
 struct DrawSettings {
   BlendRules rules = BlendRules::from(Conventions::gsplat());
@@ -117,6 +135,19 @@ class PlanesOn {
   Frame frame_;
   FramePlanes<B> planes_;
 };
+
+/// Draws the planes of `settings` into memory that held 7 everywhere, behind `occluder` unless it is empty.
+template <class B>
+Frame draw_over_sevens(BoundRenderer<B>& renderer, const PlacedScenes& scenes, const Camera& camera,
+                       const RenderSettings& settings, const std::vector<float>& occluder = {}) {
+  const B& backend = renderer.backend();
+  PlanesOn<B> planes(backend, camera.width, camera.height, settings.outputs, 7);
+  const auto depths = to_backend(backend, occluder);
+  FrameView frame = planes.view();
+  if (!occluder.empty()) frame.occluder = {depths.data(), std::ptrdiff_t(sizeof(float)) * camera.width};
+  renderer.render_into(scenes, camera, settings, frame);
+  return planes.on_host(backend);
+}
 
 /// Splats of a backend with lists that every sort builds alike, of tiles of so many pixels a side, and what
 /// draws them.
