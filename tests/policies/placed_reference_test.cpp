@@ -93,7 +93,14 @@ PlaneBounds usual_bounds(double times = 1) {
           .occluder = 1e-5 * times};
 }
 
-/// Checks all planes of a frame of the list.
+/// Checks all planes of a frame, and its colours.
+void check_planes_and_colour(const Frame& frame, const ReferencePlanes& expected, const PlaneBounds& bounds,
+                             double close = 0.02) {
+  check_planes(frame, expected, bounds, close);
+  CHECK(colour_error(frame, expected, bounds) <= 3 * bounds.sum);
+}
+
+/// Draws the list and checks all planes of the frame.
 template <class B>
 void check_frame(BoundRenderer<B>& renderer, const List& list, const Camera& camera,
                  const Conventions& conventions, const PlaneBounds& bounds, double close = 0.02,
@@ -101,26 +108,22 @@ void check_frame(BoundRenderer<B>& renderer, const List& list, const Camera& cam
   const ListOn on(renderer.backend(), list);
   const ReferencePlanes expected = reference_of(list, camera, conventions);
   const Frame frame = renderer.render(on.placed, camera, settings_of_all(channels, conventions));
-  check_planes(frame, expected, bounds, close);
-  CHECK(colour_error(frame, expected, bounds) <= 3 * bounds.sum);
+  check_planes_and_colour(frame, expected, bounds, close);
   double sum = 0;
   for (const float alpha : frame.alpha) sum += double(alpha);
   CHECK(sum >= least_alpha * double(frame.pixels()));
 }
 
-Conventions with_depth(Conventions::DepthAt at, Conventions conventions = {}) {
-  conventions.depth_at = at;
-  return conventions;
-}
-constexpr auto both_depths = {Conventions::DepthAt::centre, Conventions::DepthAt::ray};
+/// Depth of centres, and along the ray.
+const Conventions both_depths[] = {Conventions(), along_ray()};
 
 }  // namespace
 
 SWIFTGS_CONTRACT("placed reference: scales of 1e-3 to 1e3 are those of the reference by every rasterizer") {
   const List list = list_of_scales(with_features(random_scene(150, 3, 5), channels));
   const Camera camera = turned_camera(67, 45, 0.2, 0.3);
-  for (const auto at : both_depths) {
-    const ReferencePlanes expected = reference_of(list, camera, with_depth(at));
+  for (const Conventions& conventions : both_depths) {
+    const ReferencePlanes expected = reference_of(list, camera, conventions);
     for_each_raster([&]<class Raster>(Raster) {
       if constexpr (stores_half<Raster>) return;
       CAPTURE(Raster::name);
@@ -128,9 +131,8 @@ SWIFTGS_CONTRACT("placed reference: scales of 1e-3 to 1e3 are those of the refer
       const ListOn on(renderer.backend(), list);
       const bool split = Raster::name.find("split") != std::string_view::npos;
       const PlaneBounds bounds = usual_bounds<B>(split ? 2 : 1);
-      const Frame frame = renderer.render(on.placed, camera, settings_of_all(channels, with_depth(at)));
-      check_planes(frame, expected, bounds);
-      CHECK(colour_error(frame, expected, bounds) <= 3 * bounds.sum);
+      const Frame frame = renderer.render(on.placed, camera, settings_of_all(channels, conventions));
+      check_planes_and_colour(frame, expected, bounds);
     });
   }
 }
@@ -139,17 +141,16 @@ SWIFTGS_CONTRACT("placed reference: every lens and preset shows them as the refe
   Usual<B> renderer(make_backend<B>());
   const Scene scene = with_features(make_builtin_scene(2'500), channels);  // in chunks
   const List list = list_of_scales(scene);
-  for (const Camera& camera : cameras_of_lenses())
-    for (const auto at : both_depths) {
-      CAPTURE(name_of(camera.lens.model));
-      CAPTURE(camera.lens.is_distorted());
-      Conventions conventions = with_depth(at);
+  Conventions inria = Conventions::inria();
+  inria.depth = Conventions::Depth::distance, inria.footprint = Conventions::Footprint::alpha;
+  for (const Camera& camera : cameras_of_lenses()) {
+    CAPTURE(name_of(camera.lens.model));
+    CAPTURE(camera.lens.is_distorted());
+    for (const Conventions& conventions : both_depths)
       check_frame(renderer, list, camera, conventions, usual_bounds<B>());
-      if (camera.lens.model == LensModel::orthographic || at == Conventions::DepthAt::ray) continue;
-      conventions = Conventions::inria(), conventions.depth = Conventions::Depth::distance;
-      conventions.footprint = Conventions::Footprint::alpha;
-      check_frame(renderer, list, camera, conventions, usual_bounds<B>());
-    }
+    if (camera.lens.model != LensModel::orthographic)
+      check_frame(renderer, list, camera, inria, usual_bounds<B>());
+  }
 }
 
 SWIFTGS_CONTRACT("placed reference: planes and occluders are at the world's depths") {
@@ -161,21 +162,14 @@ SWIFTGS_CONTRACT("placed reference: planes and occluders are at the world's dept
   for (int i = 0; i < camera.width * camera.height; ++i)
     occluder.push_back(i % 7 == 0 ? std::numeric_limits<float>::infinity()
                                   : 4.5f + 2.5f * std::sin(0.05f * float(i)));
-  const auto depths = to_backend(renderer.backend(), occluder);
   const ListOn on(renderer.backend(), list);
-  for (const auto at : both_depths)
+  for (Conventions conventions : both_depths)
     for (const auto depth : {Conventions::Depth::z, Conventions::Depth::distance}) {
-      Conventions conventions = with_depth(at);
       conventions.depth = depth, conventions.near_plane = 4, conventions.far_plane = 8;
       const ReferencePlanes expected = reference_of(list, camera, conventions, occluder);
-      PlanesOn<B> planes(renderer.backend(), camera.width, camera.height, all_planes(channels), 0);
-      FrameView frame = planes.view();
-      frame.occluder = {depths.data(), std::ptrdiff_t(sizeof(float)) * camera.width};
-      const View view = make_view(camera, conventions, frame);
-      renderer.render_into(on.placed, Span<const View>{&view, 1});
-      const Frame found = planes.on_host(renderer.backend());
-      check_planes(found, expected, usual_bounds<B>(), 0.05);
-      CHECK(colour_error(found, expected, usual_bounds<B>()) <= 3 * usual_bounds<B>().sum);
+      const Frame found =
+          draw_over_sevens(renderer, on.placed, camera, settings_of_all(channels, conventions), occluder);
+      check_planes_and_colour(found, expected, usual_bounds<B>(), 0.05);
       CHECK(std::count_if(found.alpha.begin(), found.alpha.end(), [](float a) { return a > 0; }) > 1000);
     }
 }
@@ -188,8 +182,8 @@ SWIFTGS_CONTRACT("placed reference: rotations may be as far from one as is accep
     rotation[0] *= 1 + 4e-7, rotation[1] -= 5e-7 * rotation[2];
     CHECK_NOTHROW(validate(placed.pose));
   }
-  for (const auto at : both_depths)
-    check_frame(renderer, list, turned_camera(80, 60, 0.2, 0.3), with_depth(at), usual_bounds<B>());
+  for (const Conventions& conventions : both_depths)
+    check_frame(renderer, list, turned_camera(80, 60, 0.2, 0.3), conventions, usual_bounds<B>());
 }
 
 SWIFTGS_CONTRACT("placed reference: millimetres 1e7 from zero are seen by a camera as far") {
@@ -204,9 +198,8 @@ SWIFTGS_CONTRACT("placed reference: millimetres 1e7 from zero are seen by a came
                   moved(placed_by(scene(4), pose_of(5, 1e-3, dvec3(0, 0, 1e-3))), far),
                   moved(placed_by(scene(5), pose_of(6, 1e3, dvec3(1e-3, 0, 0)), 0.5f), far)};
   for (const double angle : {0.0, 0.3})
-    for (const auto at : both_depths) {
+    for (Conventions conventions : both_depths) {
       CAPTURE(angle);
-      Conventions conventions = with_depth(at);
       conventions.near_plane = 1e-6f;
       Camera camera = turned_camera(90, 70, angle);
       for (int k = 0; k < 3; ++k) camera.translation -= far[k] * camera.rotation[k];
@@ -232,12 +225,11 @@ SWIFTGS_CONTRACT("placed reference: clips decide by the means of needles that th
   for (const Clip& clip :
        {Clip::box(vec3(-1, -2, 1), vec3(2, 1, 8)), Clip::sphere(vec3(0.5f, 0, 6), 3), both}) {
     for (const vec3& mean : scene.means) (clip.shows(mean) ? shown : cut) += 1;
-    for (const auto at : both_depths) {
-      List list{{scene, pose_of(7, 1, dvec3(0)), 0.8f, clip}, {scene, {}, 0.2f}};
-      // Turns about the middle of the scene.
-      list[0].pose.translation = dvec3(0, 0, 6) - list[0].pose.rotation * dvec3(0, 0, 6);
-      check_frame(renderer, list, camera, with_depth(at), usual_bounds<B>(2), 0.05, 0.07);
-    }
+    List list{{scene, pose_of(7, 1, dvec3(0)), 0.8f, clip}, {scene, {}, 0.2f}};
+    // Turns about the middle of the scene.
+    list[0].pose.translation = dvec3(0, 0, 6) - list[0].pose.rotation * dvec3(0, 0, 6);
+    for (const Conventions& conventions : both_depths)
+      check_frame(renderer, list, camera, conventions, usual_bounds<B>(2), 0.05, 0.07);
   }
   CHECK(cut > 200);
   CHECK(shown > 200);
@@ -268,36 +260,42 @@ SWIFTGS_CONTRACT("placed reference: of equal depths the first scene's is in fron
     check_frame(renderer, list, camera, {}, usual_bounds<B>());
 }
 
-SWIFTGS_CONTRACT("placed reference: each view shows its own under the numbers of the frame") {
+SWIFTGS_CONTRACT("placed reference: each view shows its own, as alone, under the numbers of the frame") {
   Usual<B> renderer(make_backend<B>());
   const List list = list_of_scales(with_features(random_scene(200, 1, 10), channels));
   const ListOn on(renderer.backend(), list);
-  const ShownScenes shown[] = {{0, 3}, {3, 3}, {4, 1}, {2, 1}, {5, 1}, {}};
+  const ShownScenes shown[] = {{0, 3}, {3, 3}, {4, 1}, {2, 1}, {5, 1}, {1, 4}, {3, 0}, {}};
+  const auto camera_of = [](std::size_t v) {
+    return turned_camera(60 + 7 * int(v), 50, 0.05 * double(v), 0.2);
+  };
   std::vector<PlanesOn<B>> memory;
   std::vector<View> views;
   memory.reserve(std::size(shown));
-  for (const ShownScenes& shows : shown) {
-    const Camera camera = turned_camera(60 + 7 * int(views.size()), 50, 0.05 * double(views.size()), 0.2);
-    const auto at = views.size() % 2 == 0 ? Conventions::DepthAt::ray : Conventions::DepthAt::centre;
+  for (std::size_t v = 0; v < std::size(shown); ++v) {
+    const Camera camera = camera_of(v);
     memory.emplace_back(renderer.backend(), camera.width, camera.height, all_planes(channels), 0);
-    views.push_back(make_view(camera, with_depth(at), memory.back().view()));
-    views.back().shows = shows;
+    views.push_back(make_view(camera, both_depths[v % 2], memory.back().view()));
+    views.back().shows = shown[v];
   }
   renderer.render_into(on.placed, span_of(views));
   for (std::size_t v = 0; v < views.size(); ++v) {
     CAPTURE(v);
-    const std::size_t end = std::min(list.size(), std::size_t(shown[v].first) + shown[v].count);
-    const List own(list.begin() + shown[v].first, list.begin() + std::ptrdiff_t(end));
-    const Camera camera = turned_camera(60 + 7 * int(v), 50, 0.05 * double(v), 0.2);
-    const auto at = v % 2 == 0 ? Conventions::DepthAt::ray : Conventions::DepthAt::centre;
-    ReferencePlanes expected = reference_of(own, camera, with_depth(at));
+    List own;
+    std::vector<PlacedScene> own_placed;
     std::uint32_t before = 0;
-    for (std::size_t i = 0; i < shown[v].first; ++i) before += std::uint32_t(list[i].scene.size());
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      if (i < shown[v].first) before += std::uint32_t(list[i].scene.size());
+      if (i < shown[v].first || i - shown[v].first >= shown[v].count) continue;
+      own.push_back(list[i]), own_placed.push_back(on.placed[i]);
+    }
+    if (own.empty()) own = {list[2]}, own_placed = {on.placed[2]};  // without Gaussians
+    ReferencePlanes expected = reference_of(own, camera_of(v), both_depths[v % 2]);
     for (auto* ids : {&expected.id, &expected.median_id})
       for (std::uint32_t& id : *ids)
         if (id != no_gaussian) id += before;
     const Frame found = memory[v].on_host(renderer.backend());
-    check_planes(found, expected, usual_bounds<B>());
-    CHECK(colour_error(found, expected, usual_bounds<B>()) <= 3 * usual_bounds<B>().sum);
+    check_planes_and_colour(found, expected, usual_bounds<B>());
+    const RenderSettings settings = settings_of_all(channels, both_depths[v % 2]);
+    CHECK(same_but_ids(found, renderer.render(own_placed, camera_of(v), settings)));
   }
 }

@@ -14,6 +14,7 @@
 
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/edit.hpp>
+#include <swiftgs/metrics.hpp>
 
 #include "policies/hooked.hpp"
 #include "policies/placed_list.hpp"
@@ -40,66 +41,46 @@ std::vector<PlacedScene> pieces(const SceneView& scene, std::size_t each) {
   return out;
 }
 
-/// Peak signal to noise ratio of `found`, of values to about 1. @units{dB}
-double psnr_of(const std::vector<float>& found, const std::vector<float>& wanted) {
-  double sum = 0;
-  for (std::size_t i = 0; i < found.size(); ++i) sum += std::pow(double(found[i]) - double(wanted[i]), 2);
-  return -10 * std::log10(sum / double(found.size()) + 1e-30);
-}
-
 SceneView without_gaussians() {
   SceneView scene;
   scene.feature_channels = channels;
   return scene;
 }
 
-/// What makes a placed scene invalid, and how a host refuses it.
+/// What makes a placed scene invalid, and what a host expects instead.
 struct Defect {
   const char* refusal;
   void (*make)(PlacedScene&);
 };
 constexpr float nan_f = std::numeric_limits<float>::quiet_NaN();
 constexpr double nan_d = std::numeric_limits<double>::quiet_NaN();
-constexpr const char* not_orthonormal = "placed scene: expected a rotation with orthonormal columns";
-constexpr const char* not_a_scale = "placed scene: expected a finite scale above 0";
-constexpr const char* not_a_translation = "placed scene: expected a finite translation";
-constexpr const char* not_an_opacity = "placed scene: expected an opacity of 0 to 1";
-constexpr const char* not_a_count = "placed scene: expected a clip of 0 to 6 half-spaces";
-constexpr const char* not_a_half_space = "placed scene: expected a clip with half-spaces of finite numbers";
-constexpr const char* not_a_centre = "placed scene: expected a clip with a finite centre";
-constexpr const char* not_a_radius = "placed scene: expected a clip with a radius of 0 or more";
 constexpr Defect defects[] = {
-    {not_orthonormal, [](PlacedScene& p) { p.world_from_scene.rotation[1][2] = nan_d; }},
-    {not_orthonormal, [](PlacedScene& p) { p.world_from_scene.rotation = dmat3(0.0); }},
-    {not_orthonormal, [](PlacedScene& p) { p.world_from_scene.rotation[0] *= 1 + 2e-6; }},
-    {not_orthonormal, [](PlacedScene& p) { p.world_from_scene.rotation[2][0] = INFINITY; }},
-    {"placed scene: expected a rotation, not a mirror",
-     [](PlacedScene& p) { p.world_from_scene.rotation[0] *= -1; }},
-    {not_a_scale, [](PlacedScene& p) { p.world_from_scene.scale = 0; }},
-    {not_a_scale, [](PlacedScene& p) { p.world_from_scene.scale = -1; }},
-    {not_a_scale, [](PlacedScene& p) { p.world_from_scene.scale = nan_d; }},
-    {not_a_scale, [](PlacedScene& p) { p.world_from_scene.scale = INFINITY; }},
-    {not_a_translation, [](PlacedScene& p) { p.world_from_scene.translation.y = -INFINITY; }},
-    {not_a_translation, [](PlacedScene& p) { p.world_from_scene.translation.z = nan_d; }},
-    {not_an_opacity, [](PlacedScene& p) { p.opacity = nan_f; }},
-    {not_an_opacity, [](PlacedScene& p) { p.opacity = -0.1f; }},
-    {not_an_opacity, [](PlacedScene& p) { p.opacity = 1.1f; }},
-    {not_a_count, [](PlacedScene& p) { p.clip.half_space_count = 1 << 20; }},
-    {not_a_count, [](PlacedScene& p) { p.clip.half_space_count = 7; }},
-    {not_a_count, [](PlacedScene& p) { p.clip.half_space_count = -1; }},
-    {not_a_half_space, [](PlacedScene& p) { p.clip.half_space_count = 1, p.clip.half_spaces[0].w = nan_f; }},
-    {not_a_half_space,
+    {"rotation with orthonormal columns", [](PlacedScene& p) { p.world_from_scene.rotation[1][2] = nan_d; }},
+    {"rotation with orthonormal columns", [](PlacedScene& p) { p.world_from_scene.rotation = dmat3(0.0); }},
+    {"rotation with orthonormal columns", [](PlacedScene& p) { p.world_from_scene.rotation[0] *= 1 + 2e-6; }},
+    {"rotation with orthonormal columns",
+     [](PlacedScene& p) { p.world_from_scene.rotation[2][0] = INFINITY; }},
+    {"rotation, not a mirror", [](PlacedScene& p) { p.world_from_scene.rotation[0] *= -1; }},
+    {"finite scale above 0", [](PlacedScene& p) { p.world_from_scene.scale = 0; }},
+    {"finite scale above 0", [](PlacedScene& p) { p.world_from_scene.scale = -1; }},
+    {"finite scale above 0", [](PlacedScene& p) { p.world_from_scene.scale = nan_d; }},
+    {"finite scale above 0", [](PlacedScene& p) { p.world_from_scene.scale = INFINITY; }},
+    {"finite translation", [](PlacedScene& p) { p.world_from_scene.translation.y = -INFINITY; }},
+    {"finite translation", [](PlacedScene& p) { p.world_from_scene.translation.z = nan_d; }},
+    {"opacity of 0 to 1", [](PlacedScene& p) { p.opacity = nan_f; }},
+    {"opacity of 0 to 1", [](PlacedScene& p) { p.opacity = -0.1f; }},
+    {"opacity of 0 to 1", [](PlacedScene& p) { p.opacity = 1.1f; }},
+    {"clip of 0 to 6 half-spaces", [](PlacedScene& p) { p.clip.half_space_count = 1 << 20; }},
+    {"clip of 0 to 6 half-spaces", [](PlacedScene& p) { p.clip.half_space_count = 7; }},
+    {"clip of 0 to 6 half-spaces", [](PlacedScene& p) { p.clip.half_space_count = -1; }},
+    {"clip with half-spaces of finite numbers",
+     [](PlacedScene& p) { p.clip.half_space_count = 1, p.clip.half_spaces[0].w = nan_f; }},
+    {"clip with half-spaces of finite numbers",
      [](PlacedScene& p) { p.clip.half_space_count = 6, p.clip.half_spaces[5].x = INFINITY; }},
-    {not_a_centre, [](PlacedScene& p) { p.clip.centre.y = nan_f; }},
-    {not_a_centre, [](PlacedScene& p) { p.clip.centre.y = INFINITY, p.clip.radius = 1; }},
-    {not_a_radius, [](PlacedScene& p) { p.clip.radius = nan_f; }},
-    {not_a_radius, [](PlacedScene& p) { p.clip.radius = -1; }}};
-
-/// Same planes but for the numbers of Gaussians.
-bool same_but_ids(Frame a, Frame b) {
-  a.id.clear(), a.median_id.clear(), b.id.clear(), b.median_id.clear();
-  return same_planes(a, b);
-}
+    {"clip with a finite centre", [](PlacedScene& p) { p.clip.centre.y = nan_f; }},
+    {"clip with a finite centre", [](PlacedScene& p) { p.clip.centre.y = INFINITY, p.clip.radius = 1; }},
+    {"clip with a radius of 0 or more", [](PlacedScene& p) { p.clip.radius = nan_f; }},
+    {"clip with a radius of 0 or more", [](PlacedScene& p) { p.clip.radius = -1; }}};
 
 }  // namespace
 
@@ -131,36 +112,6 @@ SWIFTGS_CONTRACT("placed scenes: a scene in pieces has the bits of the whole in 
   }
 }
 
-SWIFTGS_CONTRACT("placed scenes: one that is moved is drawn as its transformed copy") {
-  Usual<B> renderer(test::make_backend<B>());
-  const Scene still = scene_of_all(800, 1), scene = scene_of_all(500, 2);
-  for (const double scale : {1e-3, 0.7, 1.0, 1e3})
-    for (const bool along_ray : {false, true}) {
-      CAPTURE(scale);
-      Similarity pose = moved(scale);
-      Scene inner = scene;  // so that it is about as large where it is placed
-      transform(inner, {dmat3(1.0), 1 / scale, dvec3(0.0)});
-      Scene copy = inner;
-      transform(copy, pose);
-      Scene both = still;
-      append(both, copy);
-      const auto a = backend.upload(still), b = backend.upload(inner), c = backend.upload(both);
-      RenderSettings settings = settings_of_all(channels);
-      if (along_ray) settings.conventions.depth_at = Conventions::DepthAt::ray;
-      const Camera camera = turned_camera(150, 90, 0.1, 0.2);
-      const Frame expected = renderer.render(c, camera, settings);
-      const Frame found =
-          renderer.render(std::vector<PlacedScene>{{a.view()}, {b.view(), pose}}, camera, settings);
-      CHECK(psnr_of(found.colour, expected.colour) >= 100);
-      CHECK(psnr_of(found.normal, expected.normal) >= 90);
-      CHECK(psnr_of(found.depth, expected.depth) >= 90);
-      CHECK(psnr_of(found.features, expected.features) >= 90);
-      std::size_t other = 0;
-      for (std::size_t i = 0; i < found.id.size(); ++i) other += found.id[i] != expected.id[i];
-      CHECK(other <= found.id.size() / 1000);
-    }
-}
-
 SWIFTGS_CONTRACT("placed scenes: a scene and its camera far from zero have the bits of those at zero") {
   Usual<B> renderer(test::make_backend<B>());
   Scene scene = scene_of_all(700, 3);
@@ -181,56 +132,8 @@ SWIFTGS_CONTRACT("placed scenes: a scene and its camera far from zero have the b
     if (angle == 0)
       CHECK(same_planes(found, expected));
     else  // the camera's centre is rounded to 2e-9, a 500,000th of a splat
-      CHECK(psnr_of(found.colour, expected.colour) >= 90);
+      CHECK(psnr(found.colour, expected.colour) >= 90);
   }
-}
-
-SWIFTGS_CONTRACT("placed scenes: each view shows its own, and the order of others changes nothing") {
-  Usual<B> renderer(test::make_backend<B>());
-  std::vector<Scene> scenes;
-  std::vector<typename B::SceneOn> uploaded;
-  for (int i = 0; i < 4; ++i) {
-    scenes.push_back(scene_of_all(200 + 150 * std::size_t(i), 10 + std::uint64_t(i)));
-    uploaded.push_back(backend.upload(scenes.back()));
-  }
-  const std::vector<Similarity> poses{{}, moved(0.6), moved(1.5), moved(1, dvec3(-0.5, 0, 1))};
-  const ShownScenes worlds[] = {{0, 2}, {2, 1}, {1, 3}, {3, 0}, {}};
-  const auto frames_of = [&](const std::vector<std::size_t>& order, const std::vector<ShownScenes>& shown) {
-    std::vector<PlacedScene> placed;
-    for (const std::size_t i : order) placed.push_back({uploaded[i].view(), poses[i]});
-    std::vector<PlanesOn<B>> memory;
-    std::vector<View> views;
-    std::vector<Frame> frames;
-    memory.reserve(shown.size());
-    for (std::size_t v = 0; v < shown.size(); ++v) {
-      const Camera camera = turned_camera(60 + 7 * int(v), 50, 0.1 * double(v));
-      memory.emplace_back(renderer.backend(), camera.width, camera.height, all_planes(channels), 0);
-      views.push_back(make_view(camera, {}, memory[v].view(), vec3(0.2f, 0.4f, 0.1f)));
-      views.back().shows = shown[v];
-    }
-    renderer.render_into(placed, span_of(views));
-    for (auto& on : memory) frames.push_back(on.on_host(renderer.backend()));
-    return frames;
-  };
-  const std::vector<ShownScenes> all(std::begin(worlds), std::end(worlds));
-  const std::vector<Frame> frames = frames_of({0, 1, 2, 3}, all);
-  for (std::size_t v = 0; v < all.size(); ++v) {
-    CAPTURE(v);
-    // The same view alone, of a frame that has no more scenes.
-    std::vector<PlacedScene> own;
-    for (std::size_t i = 0; i < 4; ++i)
-      if (i >= all[v].first && i - all[v].first < all[v].count) own.push_back({uploaded[i].view(), poses[i]});
-    if (own.empty()) own.push_back({without_gaussians()});
-    RenderSettings settings = settings_of_all(channels);
-    settings.background = vec3(0.2f, 0.4f, 0.1f);
-    const Frame expected =
-        renderer.render(own, turned_camera(60 + 7 * int(v), 50, 0.1 * double(v)), settings);
-    CHECK(same_but_ids(frames[v], expected));
-  }
-  // Worlds that share no scene, in another order.
-  const std::vector<Frame> one = frames_of({0, 1, 2, 3}, {{0, 2}, {2, 2}});
-  const std::vector<Frame> other = frames_of({2, 3, 0, 1}, {{2, 2}, {0, 2}});
-  for (std::size_t v = 0; v < 2; ++v) CHECK(same_but_ids(one[v], other[v]));
 }
 
 SWIFTGS_CONTRACT("placed scenes: clips and opacities are those of scenes that were cut and made fainter") {
@@ -349,11 +252,10 @@ SWIFTGS_CONTRACT("placed scenes: recorded frames follow them where they go, and 
   renderer.reserve(at(0), {&view, 1}, {2000, 40'000});
   std::vector<PlacedScene> fewer = at(0), larger = at(0);
   fewer.pop_back(), larger[1].scene = still.view();
-  CHECK_THROWS_WITH_AS(renderer.set_scenes(fewer),
-                       "set_scenes: the number of placed scenes is 2, expected 3 as reserved",
+  CHECK_THROWS_WITH_AS(renderer.set_scenes(fewer), doctest::Contains("is 2, expected 3 as reserved"),
                        std::invalid_argument);
   CHECK_THROWS_WITH_AS(renderer.set_scenes(larger),
-                       "set_scenes: placed scene 1 has 900 Gaussians, expected 300 as reserved",
+                       doctest::Contains("placed scene 1 has 900 Gaussians, expected 300 as reserved"),
                        std::invalid_argument);
 }
 
@@ -403,7 +305,8 @@ SWIFTGS_CONTRACT("placed scenes: recorded ones that others write to are drawn wh
       CHECK_FALSE(bad.is_valid());
       write(which, bad);
       if constexpr (on_host<B>) {
-        CHECK_THROWS_WITH_AS(renderer.record(report.data()), defect.refusal, std::invalid_argument);
+        CHECK_THROWS_WITH_AS(renderer.record(report.data()), doctest::Contains(defect.refusal),
+                             std::invalid_argument);
         CHECK(renderer.refused_scenes().empty());
       } else {
         std::vector<PlacedScene> without = good;
@@ -533,7 +436,7 @@ TEST_CASE("placed scenes: what cannot be placed is refused") {
     PlacedScene wrong;
     defect.make(wrong);
     CHECK_FALSE(wrong.is_valid());  // a device refuses by the same rules, without words
-    CHECK_THROWS_WITH_AS(render(wrong), defect.refusal, std::invalid_argument);
+    CHECK_THROWS_WITH_AS(render(wrong), doctest::Contains(defect.refusal), std::invalid_argument);
   }
   Clip clip;
   clip.half_space_count = 1, clip.half_spaces[1].w = nan_f;  // the others do not count
@@ -541,9 +444,8 @@ TEST_CASE("placed scenes: what cannot be placed is refused") {
   CHECK(PlacedScene{.clip = Clip::sphere(vec3(0), 0)}.is_valid());
   View view = make_view(camera, {}, {.width = 20, .height = 20});
   view.shows = {1, 1};
-  CHECK_THROWS_WITH_AS(
-      renderer.render_into(uploaded, Span<const View>{&view, 1}),
-      "render: a view shows 1 placed scenes from number 1 on, expected some of the frame's 1",
-      std::invalid_argument);
+  CHECK_THROWS_WITH_AS(renderer.render_into(uploaded, Span<const View>{&view, 1}),
+                       doctest::Contains("a view shows 1 placed scenes from number 1 on, "),
+                       std::invalid_argument);
   CHECK_THROWS_AS(range_of(uploaded.view(), 5, 6), std::invalid_argument);
 }
