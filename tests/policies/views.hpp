@@ -214,6 +214,19 @@ inline bool same_counts(const RasterCounts& a, const RasterCounts& b) {
          a.contributing_pairs == b.contributing_pairs && a.pixels_stopped == b.pixels_stopped;
 }
 
+/// Draws a view in a frame of its own, by the call that takes a camera.
+template <class B>
+PlanesMemory draw_one(BoundRenderer<B>& renderer, const SceneView& scene, const AskedView& asked,
+                      bool count) {
+  PlanesMemory memory = asked.memory();
+  PlacedFrame<B> place(renderer.backend(), memory);
+  RenderSettings settings = asked.settings();
+  settings.count = count;
+  renderer.render_into(scene, asked.camera, settings, asked.frame(place.frame()));
+  place.finish(renderer.backend());
+  return memory;
+}
+
 /// What frames of one view each draw, and what they took together.
 struct DrawnAlone {
   std::vector<PlanesMemory> memories;
@@ -221,24 +234,14 @@ struct DrawnAlone {
   bool coarse = false;  ///< whether a counted frame had coarser tiles than its view
 };
 
-/// Draws each view in a frame of its own, by the call that takes a camera.
 template <class B>
 DrawnAlone draw_alone(BoundRenderer<B>& renderer, const SceneView& scene,
                       const std::vector<AskedView>& asked) {
-  using Place = PlacedFrame<B>;
   DrawnAlone out;
   out.sum.gaussians = scene.size();
   for (const AskedView& view : asked) {
-    PlanesMemory memory = view.memory();
-    Place place(renderer.backend(), memory);
-    RenderSettings settings = view.settings();
-    renderer.render_into(scene, view.camera, settings, view.frame(place.frame()));
-    place.finish(renderer.backend());
-    out.memories.push_back(memory);
-    settings.count = true;
-    PlanesMemory counted = view.memory();
-    Place other(renderer.backend(), counted);
-    renderer.render_into(scene, view.camera, settings, view.frame(other.frame()));
+    out.memories.push_back(draw_one(renderer, scene, view, false));
+    draw_one(renderer, scene, view, true);
     const Statistics statistics = renderer.statistics();
     out.sum.visible += statistics.visible, out.sum.intersections += statistics.intersections;
     out.sum.raster += statistics.raster;
@@ -448,24 +451,18 @@ inline std::vector<int> every(int size, int step) {
 template <class B>
 void check_parts(BoundRenderer<B>& renderer, const SceneView& scene, const AskedView& asked,
                  const std::vector<Part>& parts, bool count = true) {
-  using Place = PlacedFrame<B>;
-  PlanesMemory whole = asked.memory();
-  Place place(renderer.backend(), whole);
-  RenderSettings settings = asked.settings();
-  settings.count = count;
-  renderer.render_into(scene, asked.camera, settings, asked.frame(place.frame()));
-  place.finish(renderer.backend());
+  const PlanesMemory whole = draw_one(renderer, scene, asked, count);
   const RasterCounts counts = renderer.statistics().raster;
 
   for (const bool together : {true, false}) {
     CAPTURE(together);
     PlanesMemory memory = asked.memory();
-    Place cut_place(renderer.backend(), memory);
+    PlacedFrame<B> place(renderer.backend(), memory);
     std::vector<View> views;
     for (const Part& part : parts)
       views.push_back(
           make_view(asked.camera, asked.conventions,
-                    asked.frame(cut_place.frame()).part(part.first.x, part.first.y, part.width, part.height),
+                    asked.frame(place.frame()).part(part.first.x, part.first.y, part.width, part.height),
                     asked.background, part.first));
     RasterCounts sum;
     const auto render = [&](Span<const View> some) {
@@ -477,7 +474,7 @@ void check_parts(BoundRenderer<B>& renderer, const SceneView& scene, const Asked
     } else {
       for (const View& view : views) render({&view, 1});
     }
-    cut_place.finish(renderer.backend());
+    place.finish(renderer.backend());
     CHECK((memory.bytes == whole.bytes));
     CHECK(memory.kept_to_its_rows());
     // A device counts rows of what it visits in larger groups, which the cut ends.
