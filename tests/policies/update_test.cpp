@@ -47,15 +47,13 @@ Scene other_scene(std::size_t size = count) {
 /// Gaussians.
 template <class B>
 void check_numbers(const B& backend, const SceneView& found, const Scene& scene) {
-  CHECK(same_bits(to_host(backend, found.means), scene.means));
-  CHECK(same_bits(to_host(backend, found.scales), scene.scales));
-  CHECK(same_bits(to_host(backend, found.rotations), scene.rotations));
-  CHECK(same_bits(to_host(backend, found.opacities), scene.opacities));
-  CHECK(same_bits(to_host(backend, found.sh0), scene.sh0));
-  CHECK(same_bits(to_host(backend, found.features, std::size_t(scene.feature_channels)), scene.features));
   CHECK(found.sh_degree == scene.sh_degree);
-  const std::size_t each = 3 * std::size_t(sh_rest_count(scene.sh_degree));
-  CHECK(same_bits(to_host(backend, found.sh_rest, each), scene.sh_rest));
+  for_each_array(
+      [&](const char* name, std::size_t each, const auto& array, const auto& values) {
+        CAPTURE(name);
+        CHECK(same_bits(to_host(backend, array, each), values));
+      },
+      found, scene);
 
   const std::vector<ChunkBounds> chunks = to_host(backend, found.chunks);
   const SceneView host = view(scene);
@@ -76,6 +74,14 @@ Camera camera_of_all() { return turned_camera(120, 80, 0.1, 0.2); }
 
 /// Shows a part of the scene, so that chunks are skipped.
 Camera camera_of_few() { return forward_camera(90, 60, 400); }
+
+/// Checks that frames of both cameras show no difference.
+template <class B>
+void check_frames(BoundRenderer<B>& renderer, const SceneView& found, const SceneView& expected) {
+  for (const Camera& camera : {camera_of_all(), camera_of_few()})
+    CHECK(same_planes(renderer.render(found, camera, settings_of_all(channels)),
+                      renderer.render(expected, camera, settings_of_all(channels))));
+}
 
 }  // namespace
 
@@ -105,9 +111,7 @@ SWIFTGS_CONTRACT("update: any range has the bits of a fresh upload") {
         CHECK(scene.view().chunks.empty() != chunks);
         if (size != 129 && size != 1000) continue;
         const auto fresh = backend.upload(expected);
-        for (const Camera& camera : {camera_of_all(), camera_of_few()})
-          CHECK(same_planes(renderer.render(scene, camera, settings_of_all(channels)),
-                            renderer.render(fresh, camera, settings_of_all(channels))));
+        check_frames(renderer, scene.view(), fresh.view());
       }
   }
 }
@@ -129,13 +133,10 @@ SWIFTGS_CONTRACT("update: arrays that are null stay") {
       replace(expected, first, part, which);
       check_numbers(backend, scene.view(), expected);
       const auto fresh = backend.upload(expected);
+      check_frames(renderer, scene.view(), fresh.view());
       const RenderSettings settings = settings_of_all(channels);
-      const Frame frame = renderer.render(scene, camera_of_all(), settings);
-      CHECK(same_planes(frame, renderer.render(fresh, camera_of_all(), settings)));
-      CHECK(same_planes(frame, renderer.render(backend.upload(before), camera_of_all(), settings)) ==
-            (which == 0));
-      CHECK(same_planes(renderer.render(scene, camera_of_few(), settings),
-                        renderer.render(fresh, camera_of_few(), settings)));
+      CHECK(same_planes(renderer.render(scene, camera_of_all(), settings),
+                        renderer.render(backend.upload(before), camera_of_all(), settings)) == (which == 0));
     }
   }
 }
@@ -257,7 +258,6 @@ SWIFTGS_CONTRACT("update: recorded frames show it and no memory is taken") {
 
 SWIFTGS_CONTRACT("update: numbers that are not finite are refused on hosts and not drawn on devices") {
   Usual<B> renderer(test::make_backend<B>());
-  const RenderSettings settings = settings_of_all(channels);
   const float values[] = {std::numeric_limits<float>::infinity(), -std::numeric_limits<float>::infinity(),
                           std::nanf("")};
   const Scene before = scene_with(true);
@@ -290,9 +290,7 @@ SWIFTGS_CONTRACT("update: numbers that are not finite are refused on hosts and n
       backend.update(changed, 500, arrays.all);
       SceneView without_chunks = changed.view();
       without_chunks.chunks = {};
-      for (const Camera& camera : {camera_of_all(), camera_of_few()})
-        CHECK(same_planes(renderer.render(changed, camera, settings),
-                          renderer.render(without_chunks, camera, settings)));
+      check_frames(renderer, changed.view(), without_chunks);
       // What is not finite leaves with the next update.
       const ArraysOn<B> good(backend, before);
       backend.update(changed, 0, good.all);
@@ -304,16 +302,14 @@ SWIFTGS_CONTRACT("update: what does not fit the scene is refused") {
   const Scene before = scene_with(true);
   auto scene = backend.upload(before);
   const ArraysOn<B> arrays(backend, other_scene());
-  const auto refused = [&](std::size_t first, const SceneArrays& with, const char* message) {
-    CHECK_THROWS_WITH_AS(backend.update(scene, first, with), message, std::invalid_argument);
+  const auto refused = [&](std::size_t first, const SceneArrays& with, const char* why) {
+    CHECK_THROWS_WITH_AS(backend.update(scene, first, with), doctest::Contains(why), std::invalid_argument);
   };
   refused(1, arrays.all, "update: 1000 Gaussians from number 1 on, expected some of the scene's 1000");
   SceneArrays some = arrays.all;
   some.count = 3;
-  refused(998, some, "update: 3 Gaussians from number 998 on, expected some of the scene's 1000");
-  const std::size_t most = std::numeric_limits<std::size_t>::max();
-  refused(most, some,
-          "update: 3 Gaussians from number 18446744073709551615 on, expected some of the scene's 1000");
+  refused(998, some, "update: 3 Gaussians from number 998 on, ");
+  refused(std::numeric_limits<std::size_t>::max(), some, " from number 18446744073709551615 on, ");
   some.sh_degree = 1;
   refused(0, some, "update: sh_degree is 1, expected 2 as in the scene");
   some.sh_degree = 4;
@@ -321,8 +317,7 @@ SWIFTGS_CONTRACT("update: what does not fit the scene is refused") {
   some.sh_degree = degree, some.feature_channels = 4;
   refused(0, some, "update: feature_channels is 4, expected 5 as in the scene");
   some.feature_channels = channels, some.means.stride = 8;
-  refused(0, some,
-          "scene: means: stride is 8 bytes, expected 0 or a multiple of 4 from 12 to 3074457345618258602");
+  refused(0, some, "scene: means: stride is 8 bytes, expected 0 or a multiple of 4 from 12 to ");
   some.means = {reinterpret_cast<const float*>(reinterpret_cast<const char*>(arrays.all.means.data) + 1)};
   refused(0, some, "scene: means: expected an address that is a multiple of 4");
   check_numbers(backend, scene.view(), before);
@@ -339,8 +334,8 @@ SWIFTGS_CONTRACT("update: renderers by name show it with all that share the scen
   Scene still = *shared, moved = other_scene(600);
   const Scene part = other_scene(300);
   const ArraysOn<B> arrays(backend, part);
-  CHECK_THROWS_WITH_AS(first->update_scene(0, 0, arrays.all),
-                       "update_scene: the scene is number 0, expected less than 0", std::invalid_argument);
+  CHECK_THROWS_WITH_AS(first->update_scene(0, 0, arrays.all), doctest::Contains("number 0, expected less"),
+                       std::invalid_argument);
   first->set_scene(shared);
   REQUIRE(first->add_scene(std::make_shared<const Scene>(moved)) == 1);
   const Placement placed[] = {{.scene = 1, .world_from_scene = {.translation = dvec3(0.1, 0.2, 0)}},
@@ -370,18 +365,15 @@ SWIFTGS_CONTRACT("update: renderers by name show it with all that share the scen
     CHECK(same_planes(planes.on_host(backend), expected));
   };
   check();
-  first->update_scene(1, 50, some_of(arrays.all, means_and_rotations));
-  replace(moved, 50, part, means_and_rotations);
-  first->wait();
-  check();
-  first->update_scene(0, 700, arrays.all);
-  replace(still, 700, part);
-  first->wait();
-  check();
-  second->update_scene(1, 300, arrays.all);
-  replace(moved, 300, part);
-  second->wait();
-  check();
+  const auto update = [&](AnyRenderer& by, std::size_t scene, std::size_t at, unsigned which) {
+    by.update_scene(scene, at, some_of(arrays.all, which));
+    replace(scene == 0 ? still : moved, at, part, which);
+    by.wait();
+    check();
+  };
+  update(*first, 1, 50, means_and_rotations);
+  update(*first, 0, 700, every_array);
+  update(*second, 1, 300, every_array);
   CHECK(same_bits(shared->means, scene_with(true).means));
   CHECK_THROWS_WITH_AS(first->update_scene(2, 0, arrays.all),
                        "update_scene: the scene is number 2, expected less than 2", std::invalid_argument);

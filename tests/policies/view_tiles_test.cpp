@@ -44,10 +44,6 @@ std::string refusal(const F& make) {
   return "accepted";
 }
 
-std::string refusal_of(const std::vector<View>& views) {
-  return refusal([&] { Views(views.data(), views.size()); });
-}
-
 }  // namespace
 
 TEST_CASE("view tiles: each number belongs to one tile of one view or to none") {
@@ -128,13 +124,14 @@ TEST_CASE("view tiles: numbers of another order, other sides and no views are re
   std::vector<View> views(3);
   views[0] = view_without_camera(100, 40), views[1] = view_without_camera(30, 50);
   views[2] = view_without_camera(70, 20);
+  using Spoilt = std::vector<View>;
+  const auto refusal_of = [](const Spoilt& v) { return refusal([&] { Views(v.data(), v.size()); }); };
   const auto with = [&](const auto& spoil) {
-    std::vector<View> spoilt = views;
+    Spoilt spoilt = views;
     number_tiles(span_of(spoilt));
     spoil(spoilt);
     return refusal_of(spoilt);
   };
-  using Spoilt = std::vector<View>;
   CHECK(with([](Spoilt&) {}) == "accepted");
   CHECK(refusal_of({}) == "frame: the number of views is 0, expected 1 to 65536");
   CHECK(refusal_of(Spoilt(65537, views[0])) == "frame: the number of views is 65537, expected 1 to 65536");
@@ -193,10 +190,6 @@ TEST_CASE("view tiles: a part that does not begin at a tile or lie within the im
   CHECK(made({0, -1}, 16, 16) == "view: the first pixel's y is -1, expected a multiple of 16");
   CHECK(made({96, 0}, 5, 16) ==
         "view: the frame has 5 pixels along x from 96 on, expected 1 or more within the camera's 100");
-  struct Part {
-    FirstPixel first;
-    int width, height;
-  };
   for (const Part& outside : {Part{{0, 0}, 101, 75},
                               {{0, 0}, 100, 76},
                               {{0, 80}, 16, 1},

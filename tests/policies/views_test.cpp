@@ -192,37 +192,36 @@ SWIFTGS_CONTRACT("views: bad ones are refused by all calls and those that were s
   Report<B> report;
 
   struct Spoilt {
-    const char* message;
+    const char* why;
     void (*spoil)(View&);
   };
   const Spoilt all[] = {
-      {"render: the background is nan in channel 1, expected finite numbers",
-       [](View& view) { view.background.y = std::nanf(""); }},
-      {"render: the background is -inf in channel 2, expected finite numbers",
+      {"background is nan in channel 1", [](View& view) { view.background.y = std::nanf(""); }},
+      {"background is -inf in channel 2",
        [](View& view) { view.background.z = -std::numeric_limits<float>::infinity(); }},
-      {"tiles: the number of rows is 4, expected 3", [](View& view) { view.grid.rows.end += 1; }},
-      {"tiles: the number of columns is 5, expected 4", [](View& view) { view.grid.columns.begin = -1; }},
-      {"tiles: the first of the columns is -1, expected 0 or more",
+      {"number of rows is 4, expected 3", [](View& view) { view.grid.rows.end += 1; }},
+      {"number of columns is 5, expected 4", [](View& view) { view.grid.columns.begin = -1; }},
+      {"first of the columns is -1, expected 0 or more",
        [](View& view) { --view.grid.columns.begin, --view.grid.columns.end; }},
-      {"tiles: the side is 24, expected a power of two of at least 16 pixels",
-       [](View& view) { view.grid.side = 24; }}};
+      {"side is 24, expected a power of two", [](View& view) { view.grid.side = 24; }}};
   for (const Spoilt& spoilt : all) {
-    CAPTURE(std::string(spoilt.message));
+    CAPTURE(std::string(spoilt.why));
+    const doctest::Contains why(spoilt.why);
     PlacedViews before(on, asked), after(on, moved);
     renderer.reserve(scene.view(), before.span());
     std::vector<View> bad = after.views;
     spoilt.spoil(bad[3]);
     const Span<const View> views{bad.data(), bad.size()};
-    CHECK_THROWS_WITH_AS(renderer.render_into(scene.view(), views), spoilt.message, std::invalid_argument);
-    CHECK_THROWS_WITH_AS(renderer.set_views(views), spoilt.message, std::invalid_argument);
+    CHECK_THROWS_WITH_AS(renderer.render_into(scene.view(), views), why, std::invalid_argument);
+    CHECK_THROWS_WITH_AS(renderer.set_views(views), why, std::invalid_argument);
     renderer.record(scene.view(), report.data());
     CHECK(differing(before.finish(on), expected_first) == 0);
     renderer.set_views(after.span());
     renderer.record(scene.view(), report.data());
     CHECK(differing(after.finish(on), expected_second) == 0);
-    CHECK_THROWS_WITH_AS(renderer.reserve(scene.view(), views), spoilt.message, std::invalid_argument);
+    CHECK_THROWS_WITH_AS(renderer.reserve(scene.view(), views), why, std::invalid_argument);
     CHECK_THROWS_WITH_AS(renderer.record(scene.view(), report.data()),
-                         "render: expected reserve before record", std::invalid_argument);
+                         doctest::Contains("expected reserve before record"), std::invalid_argument);
   }
 }
 
