@@ -116,24 +116,6 @@ TEST_CASE("kernel: alpha is cut at its maximum and no lower") {
   });
 }
 
-TEST_CASE("kernel: an alpha of exactly the threshold is kept and the next float below is not") {
-  for_each_raster([]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
-    const float alpha_min = 0.25f;
-    const BlendRules rules{alpha_min, 0.99f, 1e-4f};
-    const auto alpha_at_mean = [&](float opacity) {
-      SplatShape shape = make_splat(8.5, 8.5, 4, 4, 0, double(opacity), double(alpha_min));
-      shape.cutoff = std::log2(opacity / alpha_min);
-      typename Raster::Kernel kernel(shape, vec2(0.5f, 0.5f), rules);
-      kernel.start_row(8.5f);
-      return kernel.alpha(8);
-    };
-    CHECK(alpha_at_mean(0.25f) == 0.25f);
-    CHECK(alpha_at_mean(0.2499f) == 0);
-    CHECK(alpha_at_mean(std::nextafter(0.25f, 0.0f)) == 0);
-  });
-}
-
 TEST_CASE("kernel: a half-split term that overflows keeps no pixel and is never an alpha") {
   const BlendRules rules = BlendRules::from(Conventions::gsplat());
   // 1,500 pixels from the mean of a needle of one pixel: a dx^2 is 1.6 million, and infinite minus infinite

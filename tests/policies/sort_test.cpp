@@ -207,17 +207,6 @@ SWIFTGS_CONTRACT("sort: splats larger than the screen are in every tile, also am
   CHECK(sorts.check(giants, 1000, 700) == 100 * 63 * 44);
 }
 
-SWIFTGS_CONTRACT("sort: splats of every number of tiles a side are listed where they lie") {
-  SplatSet splats;
-  Random random(5);
-  for (int i = 0; i < 2000; ++i) {
-    const double x = random.in(-100, 1100), y = random.in(-100, 800), along = random.scale(1, 80);
-    const double across = random.scale(1, 80), angle = random.in(0, 3.14159);
-    splats.add(make_splat(x, y, along, across, angle, random.scale(1.0 / 250, 1)), random.f(1, 2));
-  }
-  CHECK(Sorts<B>().check(splats, 1000, 700) > 10'000);
-}
-
 SWIFTGS_CONTRACT("sort: more intersections than there can be are refused before memory is taken") {
   Sorts<B> sorts;
   // The largest image has 2^24 tiles: 129 splats that fill it are 2^24 intersections too many.
