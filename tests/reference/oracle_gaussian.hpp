@@ -153,15 +153,6 @@ inline void set_slope(OracleSplat& s, const WorldGaussian& g, const ImageFactor&
                   2 * places * length(depth) / narrowest;
 }
 
-/// Limits of x/z or y/z in the linearised projection.
-inline Real limited(Real tangent, Real side, Real focal, Real principal, Conventions::JacobianClamp clamp) {
-  const Real half = side / (2 * focal);
-  const bool image = clamp == Conventions::JacobianClamp::around_image;
-  const Real low = image ? -principal / focal - 0.3L * half : -1.3L * half;
-  const Real high = image ? (side - principal) / focal + 0.3L * half : 1.3L * half;
-  return std::min(high, std::max(low, tangent));
-}
-
 /// Whether the planes keep a depth that is already rounded.
 inline bool between_planes(float z, const Conventions& k) {
   return (k.cull_at_near ? z > k.near_plane : z >= k.near_plane) && z <= k.far_plane && std::isfinite(z);
@@ -185,8 +176,8 @@ inline std::optional<ImageFactor> through_pinhole(OracleSplat& s, const WorldGau
   if (p[2] == 0) return {};
   const Real3 rows[3] = {row_of(camera, 0), row_of(camera, 1), row_of(camera, 2)};
   set_position(s, p, p_error, camera);
-  const Real tx = limited(p[0] / p[2], camera.width, camera.fx, camera.cx, k.clamp);
-  const Real ty = limited(p[1] / p[2], camera.height, camera.fy, camera.cy, k.clamp);
+  Real tx = p[0] / p[2], ty = p[1] / p[2];
+  limit(tx, ty, camera, k.clamp);
   const Real jx = camera.fx / p[2], jy = camera.fy / p[2];
   const Real relative = 32 * unit + p_error[2] / std::abs(p[2]);
   ImageFactor f;

@@ -86,12 +86,14 @@ inline std::array<Real, 2> undistorted(const Distortion& d, Real u, Real v) {
   Real x = u, y = v;
   for (int n = 0; n < 500; ++n) {
     const Sight at = distorted(d, {x, y});
+    if (at.u.value == u && at.v.value == v) break;
     x += u - at.u.value, y += v - at.v.value;
   }
   return {x, y};
 }
 
-/// Limits of tangents through a distorted perspective lens whose image shows most at its corners.
+/// Limits the tangents at which projection through a perspective lens is linearised. A distorted lens must
+/// show most at the corners of its image.
 inline void limit(Real& u, Real& v, const Camera& camera, Conventions::JacobianClamp clamp) {
   Real least[2] = {INFINITY, INFINITY}, most[2] = {-INFINITY, -INFINITY};
   for (const int x : {0, camera.width})

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <limits>
 #include <stdexcept>
 
 #include <doctest/doctest.h>
+#include <sys/mman.h>
+#include <unistd.h>
 
 #include <swiftgs/frame.hpp>
 #include <swiftgs/parallel.hpp>
@@ -53,6 +57,38 @@ TEST_CASE("reference: no plane at all still leaves no NaN in the image") {
   }
 }
 
+TEST_CASE("reference: scales of a Gaussian that the planes cull are not read") {
+  // Whole pages of scales belong to Gaussians behind the camera. A read of them ends the program.
+  const std::size_t page = std::size_t(sysconf(_SC_PAGESIZE)), count = page;
+  Scene scene;
+  scene.means.assign(count, vec3(0, 0, 2)), scene.scales.assign(count, vec3(0.1f));
+  scene.rotations.resize(count), scene.opacities.assign(count, 0.01f), scene.sh0.resize(count);
+  const auto begin = reinterpret_cast<std::uintptr_t>(scene.scales.data());
+  const std::uintptr_t first = (begin + page - 1) / page * page, last = first + 10 * page;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::uintptr_t at = begin + i * sizeof(vec3);
+    if (at + sizeof(vec3) > first && at < last) scene.means[i].z = -2;
+  }
+  const ReferenceFrame all = draw(scene);
+  REQUIRE(mprotect(reinterpret_cast<void*>(first), 10 * page, PROT_NONE) == 0);
+  const ReferenceFrame guarded = draw(scene);
+  REQUIRE(mprotect(reinterpret_cast<void*>(first), 10 * page, PROT_READ | PROT_WRITE) == 0);
+  CHECK(guarded.contributing_pairs > 0);
+  CHECK(guarded.colour == all.colour);
+}
+
+TEST_CASE("reference: without blur a Gaussian without extent covers nothing and is culled") {
+  Conventions k;
+  k.blur = 0;
+  const Scene scene = scene_of(Gaussian{.scale = vec3(0)}, Gaussian{.scale = vec3(1, 0, 0)});
+  CHECK(draw(scene, k).contributing_pairs == 0);
+}
+
+TEST_CASE("reference: without a far plane the largest depths are drawn") {
+  const Scene scene = scene_of(Gaussian{.mean = {0, 0, 3e38f}, .scale = vec3(0.001f)});
+  CHECK(draw(scene, Conventions::inria()).visible == 1);
+}
+
 TEST_CASE("reference: a camera of one pixel and one of one row are rendered") {
   const Scene scene = scene_of(Gaussian{.opacity = 0.75f});
   CHECK(render_reference(scene, small_camera(1, 1), Conventions::inria()).alpha.at(0) == 0.75);
@@ -68,6 +104,12 @@ TEST_CASE("reference: invalid arguments are refused") {
   const Conventions k;
   CHECK_THROWS_AS(render_reference(torn, small_camera(), k), std::invalid_argument);
   CHECK_THROWS_AS(render_reference(scene, flat, k), std::invalid_argument);
+  for (const double bad : {double(NAN), double(INFINITY), -double(INFINITY)})
+    for (int channel = 0; channel < 3; ++channel) {
+      dvec3 background(0);
+      background[channel] = bad;
+      CHECK_THROWS_AS(draw(scene, k, background), std::invalid_argument);
+    }
   const float occluder = 1;
   CHECK_THROWS_AS(render_reference(scene, small_camera(), k, dvec3(0), 1, {&occluder, 1}),
                   std::invalid_argument);
