@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stress/sweep.hpp"
 
-#include <cmath>
+#include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <string>
@@ -82,6 +82,22 @@ std::string message_of(const cli::StressOptions& options, const std::vector<Rend
 }  // namespace
 
 TEST_CASE("stress: rows hold the worst of what judge says of each seed") {
+  using Row = cli::StressRow;
+  const struct {
+    const char* name;  // in the file
+    double StressVerdict::*of_seed;
+    double Row::*of_row;
+    bool least_is_worst = false;
+  } numbers[] = {
+      {"strict_normalised_error", &StressVerdict::strict_normalised_error, &Row::strict_normalised_error},
+      {"normalised_error", &StressVerdict::normalised_error, &Row::normalised_error},
+      {"normalised_depth_error", &StressVerdict::normalised_depth_error, &Row::normalised_depth_error},
+      {"psnr_db", &StressVerdict::psnr_db, &Row::psnr_db, true},
+      {"max_abs", &StressVerdict::max_abs, &Row::max_abs},
+      {"ambiguity", &StressVerdict::ambiguity, &Row::ambiguity},
+      {"allowed", &StressVerdict::allowed, &Row::allowed},
+      {"judged", &StressVerdict::judged, &Row::judged, true},
+  };
   const ImageSize size{32, 24};
   const std::vector<RendererEntry> table = entries<PerPixel, AxisShared<HalfSplit>, AxisShared<FloatSplit>>();
   const StressFamily& family = stress_families().back();
@@ -89,10 +105,10 @@ TEST_CASE("stress: rows hold the worst of what judge says of each seed") {
   const auto rows = cli::Sweep(table, 3, 1).run({&family, 50, size}, progress);
   REQUIRE(rows.size() == table.size());
   for (std::size_t i = 0; i < table.size(); ++i) {
+    CAPTURE(table[i].name);
     const auto renderer = table[i].make();
-    StressVerdict worst;
-    worst.psnr_db = std::numeric_limits<double>::infinity();
-    std::uint64_t worst_seed = 1;
+    std::vector<StressVerdict> verdicts;
+    std::uint64_t flips = 0, worst_seed = 1;
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       const StressCase made = family.make(50, seed, size);
       Frame frame;
@@ -100,44 +116,30 @@ TEST_CASE("stress: rows hold the worst of what judge says of each seed") {
       renderer->render(
           made.camera,
           {.conventions = made.conventions, .background = made.background, .outputs = {true, true}}, frame);
-      const StressVerdict verdict =
-          judge(render_conditioned(made, seed), frame, exponent_representation_named(table[i].name));
-      if (verdict.strict_normalised_error > worst.strict_normalised_error)
-        worst.strict_normalised_error = verdict.strict_normalised_error,
-        worst.worst_pixel = verdict.worst_pixel, worst_seed = seed;
-      worst.normalised_error = std::max(worst.normalised_error, verdict.normalised_error);
-      worst.normalised_depth_error = std::max(worst.normalised_depth_error, verdict.normalised_depth_error);
-      worst.psnr_db = std::min(worst.psnr_db, verdict.psnr_db);
-      worst.max_abs = std::max(worst.max_abs, verdict.max_abs);
-      worst.ambiguity = std::max(worst.ambiguity, verdict.ambiguity);
-      worst.allowed = std::max(worst.allowed, verdict.allowed);
-      worst.judged = std::min(worst.judged, verdict.judged);
-      worst.flips += verdict.flips;
+      verdicts.push_back(
+          judge(render_conditioned(made, seed), frame, exponent_representation_named(table[i].name)));
+      flips += verdicts.back().flips;
+      if (verdicts.back().strict_normalised_error > verdicts[worst_seed - 1].strict_normalised_error)
+        worst_seed = seed;
     }
-    CAPTURE(rows[i].renderer);
-    CHECK(rows[i].renderer == table[i].name);
-    CHECK(rows[i].strict_normalised_error == worst.strict_normalised_error);
-    CHECK(rows[i].normalised_error == worst.normalised_error);
-    CHECK(rows[i].normalised_depth_error == worst.normalised_depth_error);
-    CHECK(rows[i].psnr_db == worst.psnr_db);
-    CHECK(rows[i].max_abs == worst.max_abs);
-    CHECK(rows[i].ambiguity == worst.ambiguity);
-    CHECK(rows[i].allowed == worst.allowed);
-    CHECK(rows[i].judged == worst.judged);
-    CHECK(rows[i].flips == worst.flips);
-    CHECK(rows[i].worst_seed == worst_seed);
-    CHECK(rows[i].max_abs > 0);
-
-    // What the file says of it is the same to the last digit.
     cli::StressResults results;
     results.rows = {rows[i]};
     const auto json = nlohmann::json::parse(to_json(results)).at("rows").at(0);
-    CHECK(json.at("strict_normalised_error") == worst.strict_normalised_error);
-    CHECK(json.at("psnr_db") == worst.psnr_db);
-    CHECK(json.at("max_abs") == worst.max_abs);
-    CHECK(json.at("ambiguity") == worst.ambiguity);
-    CHECK(json.at("allowed") == worst.allowed);
-    CHECK(json.at("judged") == worst.judged);
+    for (const auto& number : numbers) {
+      CAPTURE(number.name);
+      double worst = verdicts[0].*number.of_seed;
+      for (const StressVerdict& verdict : verdicts) {
+        const double value = verdict.*number.of_seed;
+        worst = number.least_is_worst ? std::min(worst, value) : std::max(worst, value);
+      }
+      CHECK(rows[i].*number.of_row == worst);
+      CHECK(json.at(number.name) == worst);  // to the last digit
+    }
+    CHECK(rows[i].renderer == table[i].name);
+    CHECK(rows[i].flips == flips);
+    CHECK(rows[i].worst_seed == worst_seed);
+    CHECK(rows[i].worst_pixel == verdicts[worst_seed - 1].worst_pixel);
+    CHECK(rows[i].max_abs > 0);
   }
 }
 
@@ -146,8 +148,7 @@ TEST_CASE("stress: a renderer that is off by a thousandth is named and the exact
   CHECK(message_of(options, entries<PerPixel>()) == "");
   const std::string message = message_of(options, entries<PerPixel, Off>());
   CAPTURE(message);
-  CHECK(
-      message.starts_with("stress: expected a normalised error up to 10; 1 of 2 rows are above, the worst "));
+  CHECK(message.find("1 of 2 rows are above") != message.npos);
   CHECK(message.find("serial/early/off-by-a-thousandth/ellipse on needles at 1e10") != message.npos);
 }
 
@@ -158,8 +159,7 @@ TEST_CASE("stress: a search names the renderer that is off by a thousandth and w
   CHECK(message_of(options, entries<PerPixel>()) == "");
   const std::string message = message_of(options, entries<PerPixel, Off>());
   CAPTURE(message);
-  CHECK(
-      message.starts_with("stress: expected a normalised error up to 10; 1 of 4 rows are above, the worst "));
+  CHECK(message.find("1 of 4 rows are above") != message.npos);
   CHECK(message.ends_with(" of serial/early/off-by-a-thousandth/ellipse on on-stops"));
   const auto rows = test::json_in(place / "r.json").at("rows");
   REQUIRE(rows.size() == 4);
@@ -190,10 +190,9 @@ TEST_CASE("stress: a renderer that throws has a row with its message and the oth
   options.json = (place / "r.json").string();
   frames_of_throwing = 0;
   const std::string message = message_of(options, entries<Throwing, PerPixel>());
-  CHECK(message ==
-        "stress: renderers failed in 2 of 4 rows, first serial/early/throwing/ellipse on needles at 100, "
-        "seed 1: "
-        "no \"memory\"");
+  CAPTURE(message);
+  CHECK(message.find("failed in 2 of 4 rows") != message.npos);
+  CHECK(message.ends_with("serial/early/throwing/ellipse on needles at 100, seed 1: no \"memory\""));
   const auto rows = test::json_in(place / "r.json").at("rows");
   REQUIRE(rows.size() == 4);
   CHECK(rows[0].at("failed") == 2);
