@@ -3,6 +3,7 @@
 import pathlib
 import subprocess
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 from named import NAMED
 from table import MUTANTS as SHOWN
@@ -25,6 +26,13 @@ def call(command):
     if done.returncode != 0:
         raise Failed((done.stderr or done.stdout)[-2000:])
     return done.stdout
+
+
+def run_all(steps, jobs):
+    """Calls functions with their arguments, `jobs` at a time; raises the first error."""
+    with ThreadPoolExecutor(jobs) as pool:
+        for step in [pool.submit(*step) for step in steps]:
+            step.result()
 
 
 def write(path, text):

@@ -10,7 +10,7 @@ import subprocess
 import time
 from concurrent.futures import ThreadPoolExecutor
 
-from common import BRIEFLY, HERE, ROOT, Failed, call, chosen, mutated, outcome_of, report, words_of, write
+from common import BRIEFLY, HERE, ROOT, Failed, call, chosen, mutated, outcome_of, report, run_all, words_of, write
 
 CUDA = ROOT / "backends" / "cuda"
 # What the tests link beside the backend.
@@ -59,20 +59,15 @@ class CudaTests:
         """Compiles all that no mutant changes, and links it."""
         self.folder.mkdir(parents=True, exist_ok=True)
         out.mkdir(parents=True, exist_ok=True)
-        steps = [lambda: self.compile_host(ROOT / "tests/support/main.cpp", self.folder / "main.o"),
-                 lambda: self.compile_host(ROOT / "tests/stability/case_judge.cpp", self.folder / "judge.o"),
-                 lambda: self.compile_host(HERE / "suite.cpp", self.folder / "suite_cuda.o", ["-DSWIFTGS_MUTANT_CUDA"])]
-        beside = {source: self.folder / f"{source.parent.name}_{source.stem}.o" for source in BESIDE}
-        for source, output in beside.items():
-            steps.append(lambda source=source, output=output: self.compile_host(source, output))
-        for source in self.sources():
-            output = self.folder / f"cuda_{source.stem}.o"
-            steps.append(lambda source=source, output=output: self.compile_library(source, output))
-        with ThreadPoolExecutor(self.options.jobs) as pool:
-            for step in [pool.submit(step) for step in steps]:
-                step.result()
+        program = {ROOT / "tests/support/main.cpp": "main.o", ROOT / "tests/stability/case_judge.cpp": "judge.o"}
+        program.update({source: f"{source.parent.name}_{source.stem}.o" for source in BESIDE})
+        suite = self.folder / "suite_cuda.o"
+        steps = [(self.compile_host, source, self.folder / name) for source, name in program.items()]
+        steps += [(self.compile_host, HERE / "suite.cpp", suite, ["-DSWIFTGS_MUTANT_CUDA"])]
+        steps += [(self.compile_library, source, self.folder / f"cuda_{source.stem}.o") for source in self.sources()]
+        run_all(steps, self.options.jobs)
         self.link_library(out / "none", {})
-        objects = [self.folder / name for name in ("main.o", "judge.o", "suite_cuda.o")] + list(beside.values())
+        objects = [self.folder / name for name in program.values()] + [suite]
         call(self.nvcc + objects + [out / "none/libbackend.so", "-Xlinker=-s", "-o", out / "suite"])
 
     def build(self, mutant, out):

@@ -3,9 +3,8 @@
 import pathlib
 import shlex
 import shutil
-from concurrent.futures import ThreadPoolExecutor
 
-from common import BRIEFLY, HERE, ROOT, Failed, call, mutated, outcome_of, words_of, write
+from common import BRIEFLY, HERE, ROOT, Failed, call, mutated, outcome_of, run_all, words_of, write
 
 CPU = ROOT / "backends" / "cpu"
 REFERENCE = ROOT / "backends" / "reference"
@@ -51,21 +50,16 @@ class Tests:
     def prepare(self, backends):
         """Compiles all that no mutant of these backends changes."""
         self.folder.mkdir(parents=True, exist_ok=True)
-        steps = [lambda: self.compile(ROOT / "tests/support/main.cpp", self.folder / "main.o", ["-O1"]),
-                 lambda: self.compile_judge(self.folder)]
-        if {"serial", "reference"} & backends:
-            steps.append(lambda: self.compile_suite("serial", self.folder / "suite_serial.o"))
+        suites = {"serial" if backend == "reference" else backend for backend in backends}
+        steps = [(self.compile, ROOT / "tests/support/main.cpp", self.folder / "main.o", ["-O1"]),
+                 (self.compile_judge, self.folder)]
+        steps += [(self.compile_suite, backend, self.folder / f"suite_{backend}.o") for backend in suites]
         if "cpu" in backends:
-            steps.append(lambda: self.compile_suite("cpu", self.folder / "suite_cpu.o"))
-            for source in CPU.glob("*.cpp"):
-                output = self.folder / f"{source.stem}.o"
-                steps.append(lambda name=source.name, output=output: self.compile_cpu(name, output, CPU))
-        with ThreadPoolExecutor(self.options.jobs) as pool:
-            for step in [pool.submit(step) for step in steps]:
-                step.result()
-        with ThreadPoolExecutor(self.options.jobs) as pool:
-            for backend in {"serial" if backend == "reference" else backend for backend in backends}:
-                pool.submit(self.expect_to_pass, backend).result()
+            steps += [(self.compile_cpu, source.name, self.folder / f"{source.stem}.o", CPU)
+                      for source in CPU.glob("*.cpp")]
+        run_all(steps, self.options.jobs)
+        for backend in suites:
+            self.expect_to_pass(backend)
 
     def expect_to_pass(self, backend):
         program = self.link(self.folder, backend, {})
@@ -74,7 +68,7 @@ class Tests:
 
     def link(self, folder, backend, changed):
         """Links the tests of `backend`; `changed` maps names of objects to those that replace them."""
-        names = ["main.o", "suite_cpu.o" if backend == "cpu" else "suite_serial.o", "judge.so"]
+        names = ["main.o", f"suite_{backend}.o", "judge.so"]
         names += [f"{source.stem}.o" for source in CPU.glob("*.cpp")] if backend == "cpu" else []
         objects = [changed.get(name, self.folder / name) for name in names]
         program = folder / f"test_{backend}"
