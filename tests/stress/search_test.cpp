@@ -21,25 +21,15 @@
 #include <swiftgs/stress/search.hpp>
 #include <swiftgs/swiftgs.hpp>
 
+#include "stability/climb_cases.hpp"
 #include "stress/search_results.hpp"
 
 namespace swiftgs {
 namespace {
 
-constexpr double gate = 10;
-
 template <class Raster, class Sort = EarlySort>
 StressSubject subject() {
-  using Drawn = Renderer<Serial, Sort, Raster, Ellipse>;
-  const auto renderer = std::make_shared<Drawn>();
-  return {std::string(Drawn::name), [renderer](const StressCase& drawn) {
-            const auto uploaded = renderer->backend().upload(drawn.scene);
-            const PlacedScene placed{uploaded.view(), drawn.world_from_scene, 1, drawn.clip};
-            return renderer->render(Span<const PlacedScene>{&placed, 1}, drawn.camera,
-                                    {.conventions = drawn.conventions,
-                                     .background = drawn.background,
-                                     .outputs = {.alpha = true, .depth = true}});
-          }};
+  return test::subject_of<Renderer<Serial, Sort, Raster, Ellipse>, test::DrawOnHost>();
 }
 
 /// The subject, but `change(case, frame)` spoils its frames.
@@ -83,18 +73,11 @@ double worst_of(const StressSearch& search) {
 
 /// Tries until the normalised error is above the gate, at most `most`.
 std::uint64_t tries_to_find(StressSearch& search, std::uint64_t most) {
-  while (search.tries() < most && !(worst_of(search) > gate)) search.try_one();
+  while (search.tries() < most && !(worst_of(search) > test::normalised_error_gate)) search.try_one();
   return search.tries();
 }
 
-bool same_case(const StressCase& a, const StressCase& b) {
-  return a.scene.means == b.scene.means && a.scene.scales == b.scene.scales &&
-         a.scene.rotations == b.scene.rotations && a.scene.opacities == b.scene.opacities &&
-         a.scene.sh0 == b.scene.sh0 && a.scene.sh_rest == b.scene.sh_rest && a.camera.fx == b.camera.fx &&
-         a.camera.fy == b.camera.fy && a.camera.cx == b.camera.cx && a.camera.cy == b.camera.cy &&
-         a.camera.rotation == b.camera.rotation && a.camera.translation == b.camera.translation &&
-         a.conventions == b.conventions;
-}
+bool same_case(const StressCase& a, const StressCase& b) { return cli::case_text(a) == cli::case_text(b); }
 
 }  // namespace
 
