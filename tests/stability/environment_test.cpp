@@ -46,8 +46,6 @@ bool flushed(const Environment& environment, std::string_view family, double sev
   return environment.flush && family == "far-depths" && severity > 1e35;
 }
 
-Limits limits_of(double most_normalised_error) { return {.most_normalised_error = most_normalised_error}; }
-
 /// The largest normalised error that is allowed where everything rounds to one side.
 double directed_gate(std::string_view family, double severity) {
   // Depths round to other floats, and so to another order.
@@ -75,11 +73,9 @@ TEST_CASE("stability: every family is drawn in every environment and by the CPU 
       for (const auto& inside : all) {
         const Environment& environment = inside->environment;
         CAPTURE(environment.name);
-        const double gate = flushed(environment, family.name, severity) ? INFINITY : normalised_error_gate;
-        const bool directed = environment.rounding != FE_TONEAREST;
-        inside->serial.check(
-            judge, Extent::all,
-            limits_of(directed ? std::max(gate, directed_gate(family.name, severity)) : gate));
+        double gate = flushed(environment, family.name, severity) ? INFINITY : normalised_error_gate;
+        if (environment.rounding != FE_TONEAREST) gate = std::max(gate, directed_gate(family.name, severity));
+        inside->serial.check(judge, Extent::all, {.most_normalised_error = gate});
         const std::vector<Frame> frames = inside->cpu.frames(judge.drawn());
         for (std::size_t i = 0; i < usual.size(); ++i) CHECK(same_planes(frames[i], usual[i]));
       }

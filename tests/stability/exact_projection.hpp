@@ -10,17 +10,12 @@
 
 #include <swiftgs/project.hpp>
 
+#include "reference/oracle_projection.hpp"
 #include "stability/ulps.hpp"
 
 namespace swiftgs::test {
 
-using Real3 = std::array<Real, 3>;
 using Rotation = std::array<Real3, 3>;
-
-inline Real dot(const Real3& a, const Real3& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
-inline Real3 cross(const Real3& a, const Real3& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 
 /// v turned by q as it is stored, unit or not: v + 2 w (u x v) + 2 u x (u x v).
 inline Real3 turned(const Real* q, const Real3& v) {
@@ -44,14 +39,6 @@ struct ExactAxes {
     }
   }
 };
-
-/// The camera's rotation, of which the stages round each element to float.
-inline Rotation rotation_of(const ViewConstants& v) {
-  Rotation w;
-  for (std::size_t r = 0; r < 3; ++r)
-    for (std::size_t c = 0; c < 3; ++c) w[r][c] = v.rotation[r][c];
-  return w;
-}
 
 /// Inputs of projection in this order: mean, scale, quaternion, opacity, the camera's rotation by rows.
 using ProjectionInputs = std::array<Real, 20>;

@@ -4,21 +4,15 @@
 /// @file
 /// The search for what an approximation of 2^v errs most on.
 
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <memory>
 #include <utility>
 #include <vector>
 
 namespace swiftgs::test {
-
-inline float from_bits(std::uint32_t bits) {
-  float value = 0;
-  std::memcpy(&value, &bits, sizeof value);
-  return value;
-}
 
 /// Floats that are judged together. Double has 29 bits more than float and is exact enough here.
 /// `exp2` is a function (target, floats in, count, floats out).
@@ -44,11 +38,8 @@ class Exp2Judge {
       exp2_(t, in_.data(), size, out_);
       for (std::size_t i = 0; i < size; ++i) {
         // Ulps of the power's exact value; it lies in [2^k, 2^(k + 1)), where floats are 2^(k - 23) apart.
-        std::uint64_t bits = 0;
-        std::memcpy(&bits, &exact_[i], sizeof bits);
-        bits = (bits & 0x7ff0000000000000u) - (std::uint64_t(23) << 52);
-        double spacing = 0;
-        std::memcpy(&spacing, &bits, sizeof spacing);
+        const auto power = std::bit_cast<std::uint64_t>(exact_[i]) & 0x7ff0000000000000u;
+        const auto spacing = std::bit_cast<double>(power - (std::uint64_t(23) << 52));
         const double error = std::abs(double(out_[i]) - exact_[i]);
         if (error > worst_[t].ulps * spacing) worst_[t] = {error / spacing, in_[i]};
       }
@@ -73,8 +64,10 @@ auto worst_of_exp2(std::size_t targets, const Exp2& exp2, int effort) {
   // The polynomial sees v - round(v) alone, so [-1/2, 1/2] holds every case. Take every float of it down to
   // 2^-16, or every eighth; nearer to 0 the polynomial is 1 + v ln 2.
   const std::uint32_t step = effort > 1 ? 1 : 8;
-  for (std::uint32_t bits = 0x37800000u; bits <= 0x3f000000u; bits += step)
-    block->add(from_bits(bits)), block->add(-from_bits(bits));
+  for (std::uint32_t bits = 0x37800000u; bits <= 0x3f000000u; bits += step) {
+    const auto v = std::bit_cast<float>(bits);
+    block->add(v), block->add(-v);
+  }
   // Whole exponents of the range, with the floats around each half, where rounding changes sides.
   for (int n = -126; n < 126; ++n)
     for (int k = 0; k < 4096; ++k) block->add(float(n) + float(k) / 4096);

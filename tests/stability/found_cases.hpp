@@ -2,149 +2,114 @@
 #pragma once
 
 /// @file
-/// Frames that searches found, of one Gaussian each, for whatever backends the including file has. After
-/// `sweep_cases.hpp`.
+/// Frames that searches found, of one Gaussian each, for whatever backends the including file has.
 
-#include <swiftgs/stress/case.hpp>
-
-#include "stability/sweep.hpp"
+#include "stability/corner_cases.hpp"
 
 namespace swiftgs::test {
 namespace {
 
-/// One Gaussian in 16 x 16 pixels.
-StressCase found_case(double fx, double fy, const stress::Gaussian& gaussian) {
-  StressCase out;
-  out.camera = stress::forward_camera({16, 16}, fx);
-  out.camera.fy = fy;
-  stress::add(out.scene, gaussian);
-  return out;
+Conventions with_blur(float blur, bool antialiased = false, Conventions conventions = {}) {
+  conventions.footprint = {}, conventions.blur = blur, conventions.antialiased = antialiased;
+  return conventions;
 }
 
-/// Turns the camera of `drawn`; rows are the axes of the world as the camera sees them.
-StressCase seen_by(StressCase drawn, const dmat3& rotation) {
-  drawn.camera.rotation = rotation;
-  return drawn;
-}
-
-TEST_CASE(SWIFTGS_STABILITY ": a disk eight times as wide as its depth is seen edge-on") {
-  check_one(seen_by(found_case(42.00540541842998, 42.00540541842998,
-                               {.mean = {14.724762f, -3.63998151f, -23.8882523f},
-                                .scale = {227.921188f, 6.22205639f, 1.14952882e-05f},
-                                .rotation = {0.355474472f, 0.798355758f, 0.113286033f, -0.472686261f},
-                                .opacity = 0.940403938f}),
-                    dmat3(dvec3(0.5928110536839577, -0.5945768668393017, 0.54318818474786),
-                          dvec3(-0.695076900719958, -0.7183981997374278, -0.027787203881658257),
-                          dvec3(0.4067470426636851, -0.36108499835022556, -0.8391510395934478))));
-}
-
-TEST_CASE(SWIFTGS_STABILITY ": a needle ten times as long as its depth points at the camera") {
-  check_one(seen_by(found_case(40.8833050725891, 40.8833050725891,
-                               {.mean = {-2.27965903f, -0.0808770284f, -7.10065556f},
-                                .scale = {72.3398361f, 1.25452769f, 0.000798591995f},
-                                .rotation = {-0.0099840546f, 0.808882475f, 0.0196996648f, 0.587555468f},
-                                .opacity = 0.952097714f}),
-                    dmat3(dvec3(0.05611012047848396, -0.9771675040843987, -0.2049276051227773),
-                          dvec3(-0.9719655550404888, -0.10039910870384783, 0.21260992165538228),
-                          dvec3(-0.22833005539071033, 0.18725300513727378, -0.9554065615602267))));
-}
-
-TEST_CASE(SWIFTGS_STABILITY ": a needle of six hundred thousand depths under uneven focal lengths") {
-  check_one(seen_by(found_case(4.57207788717579, 4.784255767995087,
-                               {.mean = {58.6094856f, 31.7088985f, -72.6000824f},
-                                .scale = {31.0565014f, 14451780.0f, 0.123541936f},
-                                .rotation = {-0.23145549f, -0.0102302497f, -0.506589711f, -0.830476105f},
-                                .opacity = 0.499533921f}),
-                    dmat3(dvec3(-0.3345891224730211, -0.9340498708265559, -0.12490379470467616),
-                          dvec3(-0.023037469861439064, -0.12439606331017572, 0.9919651679445776),
-                          dvec3(-0.9420824773368396, 0.3347782224724676, 0.020103423913802154))));
-}
-
-TEST_CASE(SWIFTGS_STABILITY ": a needle of three hundred thousand depths points at an ordinary lens") {
-  check_one(found_case(7.24067233, 7.24067233,
-                       {.mean = {-6.72712183f, 0.735681236f, 5.845397f},
-                        .scale = {6.97249603f, 1.33409762f, 2169288.75f},
-                        .rotation = {0.880127966f, -0.147736624f, -0.389019698f, 0.228500083f},
-                        .opacity = 0.0961201563f}));
-}
-
-TEST_CASE(SWIFTGS_STABILITY ": a needle of a hundred thousand depths under hardly any blur") {
-  StressCase drawn = found_case(8.5739519, 8.5739519,
-                                {.mean = {31.3252411f, 10.6531324f, 28.8665504f},
-                                 .scale = {0.471810818f, 4090760.25f, 41.2993011f},
-                                 .rotation = {0.739910841f, 0.547459543f, 0.271738052f, -0.281030953f},
-                                 .opacity = 0.0224179775f});
-  drawn.conventions = Conventions::inria(), drawn.conventions.footprint = {};
-  drawn.conventions.blur = 9.96720587e-07f;
-  check_one(drawn);
-}
-
-TEST_CASE(SWIFTGS_STABILITY ": a blade of two million depths and a billionth thick") {
-  check_one(found_case(17.9548438, 17.9548438,
-                       {.mean = {-3.71621513f, -0.135017589f, 6.98651505f},
-                        .scale = {10.0189581f, 17084222.0f, 2.00761696e-09f},
-                        .rotation = {0.0771528259f, 0.260124743f, 0.708873153f, -0.651061714f},
-                        .opacity = 0.465864152f}));
-}
-
-TEST_CASE(SWIFTGS_STABILITY ": a needle of a single depth points at a lens of a million pixels") {
-  StressCase drawn = found_case(734773.647, 734773.647,
-                                {.mean = {0.000346459448f, -0.000127906082f, 78.1707916f},
-                                 .scale = {89.7003708f, 0.000161408185f, 1.03465927e-05f},
-                                 .rotation = {0.0954564139f, -0.700638294f, -0.0954582095f, -0.700629592f},
-                                 .opacity = 0.0552681684f});
-  drawn.conventions = Conventions::inria(), drawn.conventions.footprint = {};
-  drawn.conventions.blur = 6.9464113e-05f;
-  check_one(drawn);
-}
-
-TEST_CASE(SWIFTGS_STABILITY ": a needle of six hundred thousand depths under hardly any blur") {
-  StressCase drawn = found_case(11.855630316397358, 3.7304474607144078,
-                                {.mean = {7.50387478f, 0.162397861f, 9.14385414f},
-                                 .scale = {6196411.5f, 0.122796983f, 30790.1836f},
-                                 .rotation = {0.903909206f, -0.0103693381f, -0.427590221f, 0.00268842629f},
-                                 .opacity = 0.384487122f});
-  drawn.conventions.blur = 3.48281297e-08f;
-  check_one(seen_by(drawn, dmat3(dvec3(-0.13583759480460933, 0.93654870733855322, -0.32314805681016234),
-                                 dvec3(-0.97411698041484707, -0.18573843358796371, -0.12883067474693344),
-                                 dvec3(-0.18067721578870799, 0.29728396033216248, 0.93753826088542436))));
-}
-
-TEST_CASE(SWIFTGS_STABILITY ": a needle of five depths beside the first row of an image") {
-  StressCase drawn = found_case(54.268168156529093, 54.268168156529093,
-                                {.mean = {0.00846857205f, 3.04592013f, -1.01829517f},
-                                 .scale = {0.000215488602f, 3.8743062f, 20.6286602f},
-                                 .rotation = {0.58298254f, -0.812483847f, 0.000767956488f, -0.000845556322f},
-                                 .opacity = 0.928718686f});
-  drawn.camera.width = 40, drawn.camera.height = 24;
-  drawn.camera.cx = 19.999975471134441, drawn.camera.cy = 0.93488399060908689;
-  drawn.conventions.blur = 0.000671027577f, drawn.conventions.antialiased = true;
-  check_one(seen_by(drawn, dmat3(dvec3(0.90108852620617441, -0.27946629503801468, 0.33156908462236034),
-                                 dvec3(-0.4100107421228687, -0.30015453922641044, 0.86127721665305634),
-                                 dvec3(-0.14117598692213584, -0.91203390425987274, -0.38504999441248455))));
-}
-
-TEST_CASE(SWIFTGS_STABILITY ": a disk seven hundred focal lengths off the axis is compensated for its width") {
-  StressCase drawn = found_case(0.017121364814206855, 0.017121364814206855,
-                                {.mean = {2105.53613f, 973.013794f, -3.35509109f},
-                                 .scale = {3.9406882e-06f, 7.21360016f, 3.17682028f},
-                                 .rotation = {-0.165313855f, -0.529265463f, -0.808405638f, 0.197559506f},
-                                 .opacity = 0.959827363f});
-  drawn.conventions.blur = 5.48764001e-05f, drawn.conventions.antialiased = true;
-  check_one(seen_by(drawn, dmat3(dvec3(0, 1, 0), dvec3(1, 0, 0), dvec3(0, 0, -1))));
-}
-
-TEST_CASE(SWIFTGS_STABILITY ": a disk twenty billion times as wide as its depth is seen edge-on") {
-  StressCase drawn = found_case(11.565209883990281, 11.565209883990281,
-                                {.mean = {-4.03880548f, -0.00864559691f, -4.61738873f},
-                                 .scale = {1.05364185e+11f, 0.365659177f, 1281287.88f},
-                                 .rotation = {0.00910208281f, -0.910579145f, -0.00490574911f, -0.413205385f},
-                                 .opacity = 0.00497382693f});
-  drawn.camera.cx = 1.1777047508988499, drawn.camera.cy = 7.9999690844200888;
-  drawn.conventions.blur = 0, drawn.conventions.antialiased = true;
-  check_one(seen_by(drawn, dmat3(dvec3(-0.59473633905486967, 0.74091574586017728, -0.31198164135741707),
-                                 dvec3(0.79745336637656783, 0.49458943512972087, -0.34561455280810011),
-                                 dvec3(-0.10176844040413713, -0.45434034400933471, -0.88499606572187006))));
+TEST_CASE(SWIFTGS_STABILITY ": single Gaussians that searches found") {
+  const ImageSize size{16, 16};
+  check_found(
+      {{"a disk eight times as wide as its depth is seen edge-on",
+        found_camera(size, 42.00540541842998, 42.00540541842998, 8, 8,
+                     dmat3(dvec3(0.5928110536839577, -0.5945768668393017, 0.54318818474786),
+                           dvec3(-0.695076900719958, -0.7183981997374278, -0.027787203881658257),
+                           dvec3(0.4067470426636851, -0.36108499835022556, -0.8391510395934478))),
+        {{.mean = {14.724762f, -3.63998151f, -23.8882523f},
+          .scale = {227.921188f, 6.22205639f, 1.14952882e-05f},
+          .rotation = {0.355474472f, 0.798355758f, 0.113286033f, -0.472686261f},
+          .opacity = 0.940403938f}}},
+       {"a needle ten times as long as its depth points at the camera",
+        found_camera(size, 40.8833050725891, 40.8833050725891, 8, 8,
+                     dmat3(dvec3(0.05611012047848396, -0.9771675040843987, -0.2049276051227773),
+                           dvec3(-0.9719655550404888, -0.10039910870384783, 0.21260992165538228),
+                           dvec3(-0.22833005539071033, 0.18725300513727378, -0.9554065615602267))),
+        {{.mean = {-2.27965903f, -0.0808770284f, -7.10065556f},
+          .scale = {72.3398361f, 1.25452769f, 0.000798591995f},
+          .rotation = {-0.0099840546f, 0.808882475f, 0.0196996648f, 0.587555468f},
+          .opacity = 0.952097714f}}},
+       {"a needle of six hundred thousand depths under uneven focal lengths",
+        found_camera(size, 4.57207788717579, 4.784255767995087, 8, 8,
+                     dmat3(dvec3(-0.3345891224730211, -0.9340498708265559, -0.12490379470467616),
+                           dvec3(-0.023037469861439064, -0.12439606331017572, 0.9919651679445776),
+                           dvec3(-0.9420824773368396, 0.3347782224724676, 0.020103423913802154))),
+        {{.mean = {58.6094856f, 31.7088985f, -72.6000824f},
+          .scale = {31.0565014f, 14451780.0f, 0.123541936f},
+          .rotation = {-0.23145549f, -0.0102302497f, -0.506589711f, -0.830476105f},
+          .opacity = 0.499533921f}}},
+       {"a needle of three hundred thousand depths points at an ordinary lens",
+        found_camera(size, 7.24067233, 7.24067233, 8, 8),
+        {{.mean = {-6.72712183f, 0.735681236f, 5.845397f},
+          .scale = {6.97249603f, 1.33409762f, 2169288.75f},
+          .rotation = {0.880127966f, -0.147736624f, -0.389019698f, 0.228500083f},
+          .opacity = 0.0961201563f}}},
+       {"a needle of a hundred thousand depths under hardly any blur",
+        found_camera(size, 8.5739519, 8.5739519, 8, 8),
+        {{.mean = {31.3252411f, 10.6531324f, 28.8665504f},
+          .scale = {0.471810818f, 4090760.25f, 41.2993011f},
+          .rotation = {0.739910841f, 0.547459543f, 0.271738052f, -0.281030953f},
+          .opacity = 0.0224179775f}},
+        with_blur(9.96720587e-07f, false, Conventions::inria())},
+       {"a blade of two million depths and a billionth thick",
+        found_camera(size, 17.9548438, 17.9548438, 8, 8),
+        {{.mean = {-3.71621513f, -0.135017589f, 6.98651505f},
+          .scale = {10.0189581f, 17084222.0f, 2.00761696e-09f},
+          .rotation = {0.0771528259f, 0.260124743f, 0.708873153f, -0.651061714f},
+          .opacity = 0.465864152f}}},
+       {"a needle of a single depth points at a lens of a million pixels",
+        found_camera(size, 734773.647, 734773.647, 8, 8),
+        {{.mean = {0.000346459448f, -0.000127906082f, 78.1707916f},
+          .scale = {89.7003708f, 0.000161408185f, 1.03465927e-05f},
+          .rotation = {0.0954564139f, -0.700638294f, -0.0954582095f, -0.700629592f},
+          .opacity = 0.0552681684f}},
+        with_blur(6.9464113e-05f, false, Conventions::inria())},
+       {"a needle of six hundred thousand depths under hardly any blur",
+        found_camera(size, 11.855630316397358, 3.7304474607144078, 8, 8,
+                     dmat3(dvec3(-0.13583759480460933, 0.93654870733855322, -0.32314805681016234),
+                           dvec3(-0.97411698041484707, -0.18573843358796371, -0.12883067474693344),
+                           dvec3(-0.18067721578870799, 0.29728396033216248, 0.93753826088542436))),
+        {{.mean = {7.50387478f, 0.162397861f, 9.14385414f},
+          .scale = {6196411.5f, 0.122796983f, 30790.1836f},
+          .rotation = {0.903909206f, -0.0103693381f, -0.427590221f, 0.00268842629f},
+          .opacity = 0.384487122f}},
+        with_blur(3.48281297e-08f)},
+       {"a needle of five depths beside the first row of an image",
+        found_camera({40, 24}, 54.268168156529093, 54.268168156529093, 19.999975471134441,
+                     0.93488399060908689,
+                     dmat3(dvec3(0.90108852620617441, -0.27946629503801468, 0.33156908462236034),
+                           dvec3(-0.4100107421228687, -0.30015453922641044, 0.86127721665305634),
+                           dvec3(-0.14117598692213584, -0.91203390425987274, -0.38504999441248455))),
+        {{.mean = {0.00846857205f, 3.04592013f, -1.01829517f},
+          .scale = {0.000215488602f, 3.8743062f, 20.6286602f},
+          .rotation = {0.58298254f, -0.812483847f, 0.000767956488f, -0.000845556322f},
+          .opacity = 0.928718686f}},
+        with_blur(0.000671027577f, true)},
+       {"a disk seven hundred focal lengths off the axis is compensated for its width",
+        found_camera(size, 0.017121364814206855, 0.017121364814206855, 8, 8,
+                     dmat3(dvec3(0, 1, 0), dvec3(1, 0, 0), dvec3(0, 0, -1))),
+        {{.mean = {2105.53613f, 973.013794f, -3.35509109f},
+          .scale = {3.9406882e-06f, 7.21360016f, 3.17682028f},
+          .rotation = {-0.165313855f, -0.529265463f, -0.808405638f, 0.197559506f},
+          .opacity = 0.959827363f}},
+        with_blur(5.48764001e-05f, true)},
+       {"a disk twenty billion times as wide as its depth is seen edge-on",
+        found_camera(size, 11.565209883990281, 11.565209883990281, 1.1777047508988499, 7.9999690844200888,
+                     dmat3(dvec3(-0.59473633905486967, 0.74091574586017728, -0.31198164135741707),
+                           dvec3(0.79745336637656783, 0.49458943512972087, -0.34561455280810011),
+                           dvec3(-0.10176844040413713, -0.45434034400933471, -0.88499606572187006))),
+        {{.mean = {-4.03880548f, -0.00864559691f, -4.61738873f},
+          .scale = {1.05364185e+11f, 0.365659177f, 1281287.88f},
+          .rotation = {0.00910208281f, -0.910579145f, -0.00490574911f, -0.413205385f},
+          .opacity = 0.00497382693f}},
+        with_blur(0, true)}},
+      Extent::rasterizers);
 }
 
 }  // namespace

@@ -20,8 +20,7 @@ struct Exact {
 
 /// Bands 1 to 3 in the direction `d`, as homogeneous polynomials.
 std::array<Exact, most> exact_basis(const Real3& d) {
-  const Real pi = std::acos(Real(-1));
-  const auto root = [&](Real number) { return std::sqrt(number / pi); };
+  const auto root = [](Real number) { return std::sqrt(number / pi); };
   const Real x = d[0], y = d[1], z = d[2], xx = x * x, yy = y * y, zz = z * z;
   const auto f = [](Real c, Real factor, Real a, Real b = 0, Real e = 0) {
     return Exact{c * factor * (a + b + e), std::abs(c * factor) * (std::abs(a) + std::abs(b) + std::abs(e))};
@@ -57,7 +56,7 @@ Real3 direction(vec3 mean) {
 }
 
 Exact exact_colour(int degree, const Candidate& c, const Real3& d) {
-  const Real c0 = 1 / std::sqrt(4 * std::acos(Real(-1)));
+  const Real c0 = 1 / std::sqrt(4 * pi);
   const std::array<Exact, most> basis = exact_basis(d);
   Exact out{0.5L + c0 * Real(c.sh0), 0.5L + c0 * std::abs(Real(c.sh0))};
   for (std::size_t k = 0; k < std::size_t(sh_rest_count(degree)); ++k) {

@@ -18,11 +18,10 @@
 namespace swiftgs::test {
 namespace {
 
-/// Draws with every renderer.
-void check_drawn(StressCase drawn) {
+void check_drawn(StressCase drawn, Extent extent = Extent::all, Limits limits = {}) {
   if (unavailable()) return;
   CaseJudge judge(std::move(drawn));
-  Backends().check(judge, Extent::all);
+  Backends().check(judge, extent, limits);
 }
 
 StressCase usual_scene(std::uint64_t seed, int count = 200) {

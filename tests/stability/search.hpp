@@ -5,9 +5,10 @@
 /// Search for the inputs that a stage errs most on. Random draws alone miss them: the worst cases hold
 /// several coincidences at once.
 
+#include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <vector>
 
 #include <swiftgs/activation.hpp>
@@ -75,11 +76,8 @@ class Search {
 inline void nudge(Random& random, float& value) {
   switch (random.bits() % 4) {
     case 0: {
-      std::uint32_t bits = 0;
-      std::memcpy(&bits, &value, sizeof bits);
-      bits += std::uint32_t(random.bits() % 9) - 4;
-      float moved = 0;
-      std::memcpy(&moved, &bits, sizeof moved);
+      const auto bits = std::bit_cast<std::uint32_t>(value) + std::uint32_t(random.bits() % 9) - 4;
+      const auto moved = std::bit_cast<float>(bits);
       if (std::isfinite(moved)) value = moved;
       return;
     }

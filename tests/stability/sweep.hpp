@@ -183,7 +183,7 @@ class Sweep {
   static void check_frame(const Frame& frame, std::string_view name, CaseJudge& judge, Limits limits) {
     CAPTURE(name);
     CHECK(is_finite(frame));
-    const Verdict verdict = judge.judge(name, frame);
+    const StressVerdict verdict = judge.judge(name, frame);
     CHECK(verdict.normalised_error <= limits.most_normalised_error);
     CHECK(verdict.normalised_depth_error <= limits.most_normalised_error);
     if (name.find("half") == std::string_view::npos) {

@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include "stability/number_cases.hpp"
 #include "stability/sweep.hpp"
 
 namespace swiftgs::stress {
@@ -78,11 +79,8 @@ void sweep(const Names& names, Seeds seeds, ImageSize size) {
   });
 }
 
-/// Draws one case.
 void check_one(StressCase drawn, Limits limits = {}) {
-  if (unavailable()) return;
-  CaseJudge judge(std::move(drawn));
-  Backends().check(judge, Extent::rasterizers, limits);
+  check_drawn(std::move(drawn), Extent::rasterizers, limits);
 }
 
 TEST_CASE(SWIFTGS_STABILITY ": every family is swept") {

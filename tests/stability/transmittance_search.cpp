@@ -98,34 +98,36 @@ double bias(B& backend, int layers, int period) {
   return double(std::abs(sum) / Real(found.size()));
 }
 
-/// Behind alphas above 1/2, each of which is an exact input: the result alone is rounded. Plain ulps show it
-/// where conditioned ones do not, because an ulp of such an alpha is many of what is left.
-void search_nearly_opaque(Targets& targets, int effort, std::vector<Worst>& worst) {
-  const int layers = 4;
-  Search<Candidate> search(targets.size(), 12, effort, 521);
+/// Searches for the alphas, between `least` and `most`, after which the transmittance errs most, in units of
+/// `allowed(candidate, exact transmittance)`. Each target has an objective.
+template <class Draw, class Allowed>
+Search<Candidate> search_layers(Targets& targets, int effort, std::uint64_t seed, std::size_t size,
+                                int layers, float least, float most, const Draw& draw,
+                                const Allowed& allowed) {
+  Search<Candidate> search(targets.size(), 12, effort, seed);
   const auto judge = [&](const std::vector<Candidate>& candidates, const auto& offer) {
+    std::vector<Real> exact, scales;
+    for (const Candidate& c : candidates) {
+      exact.push_back(exactly(c, layers));
+      scales.push_back(allowed(c, exact.back()));
+    }
     for (std::size_t t = 0; t < targets.size(); ++t) {
       std::vector<float> found;
       targets.on(t, [&](auto& backend) { found = transmittances(backend, candidates, layers); });
-      for (std::size_t i = 0; i < found.size(); ++i) {
-        const Real exact = exactly(candidates[i], layers);
-        offer(t, candidates[i], double(std::abs(found[i] - exact) / ulp(exact)));
-      }
+      for (std::size_t i = 0; i < found.size(); ++i)
+        offer(t, candidates[i], double(std::abs(found[i] - exact[i]) / scales[i]));
     }
   };
-  const auto draw = [&](Random& random) {
-    Candidate c{};
-    c.period = layers;
-    for (float& a : c.alphas) a = random.f(0.5, 0.99);
-    return c;
-  };
   const auto nudge_all = [&](Random& random, Candidate& c) {
-    for (float& a : c.alphas) nudge(random, a), a = std::clamp(a, 0.5f, 0.99f);
+    for (float& a : c.alphas) nudge(random, a), a = std::clamp(a, least, most);
   };
-  search.run(256, draw, nudge_all, judge);
-  for (std::size_t t = 0; t < targets.size(); ++t)
-    worst.push_back({"transmittance after 4 nearly opaque layers", "ulps", targets.name(t), search.value(t),
-                     text_of(search.best()[t].candidate)});
+  search.run(size, draw, nudge_all, judge);
+  return search;
+}
+
+Worst worst_of(const Search<Candidate>& search, std::size_t target, const std::string& stage,
+               const char* yardstick, const std::string& name) {
+  return {stage, yardstick, name, search.value(target), text_of(search.best()[target].candidate)};
 }
 
 }  // namespace
@@ -133,34 +135,30 @@ void search_nearly_opaque(Targets& targets, int effort, std::vector<Worst>& wors
 std::vector<Worst> search_transmittance(int effort) {
   Targets targets;
   std::vector<Worst> worst;
-  search_nearly_opaque(targets, effort, worst);
+  // Behind alphas above 1/2, each of which is an exact input, the result alone is rounded. Plain ulps show it
+  // where conditioned ones do not, because an ulp of such an alpha is many of what is left.
+  const auto draw_opaque = [](Random& random) {
+    Candidate c{};
+    c.period = 4;
+    for (float& a : c.alphas) a = random.f(0.5, 0.99);
+    return c;
+  };
+  const Search<Candidate> opaque = search_layers(targets, effort, 521, 256, 4, 0.5f, 0.99f, draw_opaque,
+                                                 [](const Candidate&, Real exact) { return ulp(exact); });
+  for (std::size_t t = 0; t < targets.size(); ++t)
+    worst.push_back(
+        worst_of(opaque, t, "transmittance after 4 nearly opaque layers", "ulps", targets.name(t)));
+
   for (const int layers : {10, 100, 1000, 10000}) {
     for (const int period : {1, 8}) {
-      Search<Candidate> search(targets.size(), 12, effort, std::uint64_t(500 + layers + period));
-      const auto judge = [&](const std::vector<Candidate>& candidates, const auto& offer) {
-        std::vector<Real> exact, allowed;
-        for (const Candidate& c : candidates) {
-          exact.push_back(exactly(c, layers));
-          allowed.push_back(ulp(exact.back()) + exact.back() * moved(c, layers));
-        }
-        for (std::size_t t = 0; t < targets.size(); ++t) {
-          std::vector<float> found;
-          targets.on(t, [&](auto& backend) { found = transmittances(backend, candidates, layers); });
-          for (std::size_t i = 0; i < found.size(); ++i)
-            offer(t, candidates[i], double(std::abs(found[i] - exact[i]) / allowed[i]));
-        }
-      };
-      const auto nudge_all = [&](Random& random, Candidate& c) {
-        for (float& a : c.alphas)
-          nudge(random, a), a = std::clamp(a, 1.0f / 255, float(largest_alpha(layers)));
-      };
-      search.run(
-          64, [&](Random& random) { return draw_alphas(random, layers, period); }, nudge_all, judge);
+      const Search<Candidate> search = search_layers(
+          targets, effort, std::uint64_t(500 + layers + period), 64, layers, 1.0f / 255,
+          float(largest_alpha(layers)), [&](Random& random) { return draw_alphas(random, layers, period); },
+          [&](const Candidate& c, Real exact) { return ulp(exact) + exact * moved(c, layers); });
       const std::string of =
           text("transmittance after %d %s layers", layers, period == 1 ? "equal" : "unequal");
       for (std::size_t t = 0; t < targets.size(); ++t) {
-        worst.push_back(
-            {of, "conditioned ulps", targets.name(t), search.value(t), text_of(search.best()[t].candidate)});
+        worst.push_back(worst_of(search, t, of, "conditioned ulps", targets.name(t)));
         Worst mean{"mean error of " + of, "2^-23 of it", targets.name(t), 0, "256 draws"};
         targets.on(t, [&](auto& backend) { mean.ulps = bias(backend, layers, period); });
         worst.push_back(mean);
