@@ -84,7 +84,7 @@ std::string message_of(const cli::StressOptions& options, const std::vector<Rend
 TEST_CASE("stress: rows hold the worst of what judge says of each seed") {
   using Row = cli::StressRow;
   const struct {
-    const char* name;  // in the file
+    std::string name;  // in the file
     double StressVerdict::*of_seed;
     double Row::*of_row;
     bool least_is_worst = false;
