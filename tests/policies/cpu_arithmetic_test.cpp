@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Vector conversions and exponentials against the scalar functions, on every target of the machine.
-#include <algorithm>
+// Vector conversions against the scalar functions, on every target of the machine.
+// tests/stability searches for the errors of the exponential.
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -13,7 +13,6 @@
 #include <swiftgs/half.hpp>
 
 #include "policies/only_targets.hpp"
-#include "stability/ulps.hpp"
 
 // Compile the rest of this file for every target; the order of these lines matters.
 // clang-format off
@@ -21,7 +20,6 @@
 #define HWY_TARGET_INCLUDE "policies/cpu_arithmetic_test.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
-#include "exp2-inl.hpp"
 #include "half-inl.hpp"
 // clang-format on
 
@@ -39,12 +37,6 @@ void ToFloatAll(const std::uint16_t* HWY_RESTRICT in, std::size_t count, float* 
     hn::StoreU(ToFloat(hn::BitCast(F16(), hn::LoadU(U16(), in + i))), F32(), out + i);
 }
 
-/// `Exp2` of `count` floats, a multiple of 16.
-void Exp2All(const float* HWY_RESTRICT in, std::size_t count, float* HWY_RESTRICT out) {
-  const F32 d;
-  for (std::size_t i = 0; i < count; i += lanes) hn::StoreU(Exp2(d, hn::LoadU(d, in + i)), d, out + i);
-}
-
 }  // namespace swiftgs::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -53,7 +45,6 @@ namespace swiftgs {
 namespace {
 HWY_EXPORT(ToHalfAll);
 HWY_EXPORT(ToFloatAll);
-HWY_EXPORT(Exp2All);
 }  // namespace
 
 TEST_CASE("cpu arithmetic: every vector target rounds to the halves of the scalar conversion") {
@@ -94,26 +85,6 @@ TEST_CASE("cpu arithmetic: every vector target reads halves as the scalar conver
     for (std::size_t i = 0; i < in.size(); ++i)
       other += std::bit_cast<std::uint32_t>(out[i]) != std::bit_cast<std::uint32_t>(to_float(Half{in[i]}));
     CHECK(other == 0);
-  });
-}
-
-TEST_CASE("cpu arithmetic: every vector target has the exponential of the scalar kernels within 2 ulps") {
-  // `Exp2` is a polynomial of degree 5, `std::exp2` is rounded better.
-  // The exponents of alphas that show and all that vector kernels pass: from -64 to 0.
-  std::vector<float> in;
-  for (std::uint32_t bits = 0; bits <= std::bit_cast<std::uint32_t>(64.0f); bits += 977)
-    in.push_back(-std::bit_cast<float>(bits));
-  for (int k = 0; k <= 64 * 4096; ++k) in.push_back(-float(k) / 4096);
-  in.resize((in.size() + 15) / 16 * 16);
-  std::vector<float> out(in.size());
-  test::on_each_target([&] {
-    HWY_DYNAMIC_DISPATCH(Exp2All)(in.data(), in.size(), out.data());
-    double worst = 0;
-    for (std::size_t i = 0; i < in.size(); ++i) {
-      const float expected = std::exp2(in[i]);
-      worst = std::max(worst, std::abs(double(out[i]) - double(expected)) / double(test::ulp(expected)));
-    }
-    CHECK(worst <= 2.5);  // 2 with glibc
   });
 }
 

@@ -143,35 +143,6 @@ TEST_CASE("cpu raster: every vector target stores terms beyond the largest half 
   });
 }
 
-TEST_CASE("cpu sort: every vector target lists the same tiles") {
-  const SplatSet splats = random_splats(3000, 400, 300, 5);
-  const SortInput job = splats.job(400, 300);
-  const Lists expected = brute_force_lists<Ellipse>(job);
-  Cpu cpu(2);
-  on_each_target([&] {
-    CHECK(to_vectors(build_lists<EarlySort, Ellipse>(cpu, job).view()) == expected);
-    CHECK(to_vectors(build_lists<StandardSort, Ellipse>(cpu, job).view()) == expected);
-  });
-}
-
-TEST_CASE("cpu raster: the same bits on 1 2 4 and 8 threads and in every run") {
-  const SplatSet splats = usual_splats(2000, 300, 200, 6);
-  for_each_raster([&]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
-    Cpu one(1);
-    const Drawing expected = draw<Raster>(one, splats, 300, 200);
-    for (const int threads : {1, 2, 4, 8}) {
-      CAPTURE(threads);
-      Cpu cpu(threads);
-      for (int run = 0; run < 2; ++run) {
-        const Drawing drawing = draw<Raster>(cpu, splats, 300, 200);
-        CHECK(same_planes(drawing.frame, expected.frame));
-        CHECK(drawing.counts.contributing_pairs == expected.counts.contributing_pairs);
-      }
-    }
-  });
-}
-
 TEST_CASE("cpu raster: no block is refused that has a pixel to show") {
   // Faint and apart, so that no pixel stops and each that is lost is a pair less.
   SplatSet splats;

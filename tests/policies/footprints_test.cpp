@@ -6,10 +6,8 @@
 #include <stdexcept>
 #include <string>
 #include <type_traits>
-#include <vector>
 
 #include <doctest/doctest.h>
-#include <hwy/targets.h>
 
 #include "policies/backends.hpp"
 #include "policies/only_targets.hpp"
@@ -61,34 +59,11 @@ void check_footprints_on(B& backend) {
 
 }  // namespace
 
-SWIFTGS_CASE_ON("footprints: every backend finds those of the scalar bounds", SWIFTGS_TEST_HOSTS) {
-  check_footprints_on(backend);
-}
-
-TEST_CASE("footprints: every vector target finds those of the scalar bounds") {
-  Cpu cpu(1);
+TEST_CASE("footprints: every backend and every vector target finds those of the scalar bounds") {
+  Serial serial;
+  check_footprints_on(serial);
+  Cpu cpu(4);
   on_each_target([&] { check_footprints_on(cpu); });
-}
-
-TEST_CASE("footprints: a traversal names the tiles of the bounds once each and in order") {
-  const SplatSet splats = random_splats(2000, 700, 500, 4);
-  const TileGrid grid = TileGrid::covering(700, 500);
-  std::size_t large = 0;
-  for (const SplatShape& shape : splats.shapes) {
-    const Footprint footprint = find_footprint(Ellipse(), shape, grid);
-    large += footprint.mask == 0 && footprint.count != 0;
-    std::vector<std::uint32_t> traversed, expected;
-    for_each_tile(footprint, Ellipse(), shape, grid, [&](std::uint32_t tile) { traversed.push_back(tile); });
-    const auto tiles = Ellipse().tiles(shape, grid);
-    const TileRect& rect = tiles.rect;
-    for (int row = rect.rows.begin; row < rect.rows.end && rect.columns.size() > 0; ++row) {
-      const TileRun run = tiles.row(row);
-      for (int column = run.begin; column < run.end; ++column)
-        expected.push_back(std::uint32_t(row * grid.columns.size() + column));
-    }
-    REQUIRE(traversed == expected);
-  }
-  CHECK(large > 50);
 }
 
 SWIFTGS_CASE_ON("footprints: those of other splats and that say another number of intersections are refused",
@@ -96,19 +71,17 @@ SWIFTGS_CASE_ON("footprints: those of other splats and that say another number o
   const SplatSet splats = random_splats(20, 64, 48, 1);
   const Binned<B, Ellipse> binned(backend, splats.job(64, 48), Ellipse{});
   SortJob wrong_sum = binned.job(), wrong_splats = binned.job();
-  const std::string sum = std::to_string(wrong_sum.footprints.intersections.most);
+  const std::string sum = std::to_string(wrong_sum.footprints.intersections.most) + " intersections";
   wrong_sum.footprints.intersections = 1;
   const Footprint some[3];
   wrong_splats.footprints.each = {some, 3}, wrong_splats.footprints.intersections = 3;
   for_each_type(AllSorts(), [&]<class Sort>(Sort sort) {
     typename Sort::template Scratch<B> scratch;
     TileLists<B> lists;
-    CHECK_THROWS_WITH_AS(
-        sort.build(backend, wrong_sum, Ellipse{}, scratch, lists),
-        ("sort: the footprints hold " + sum + " intersections, expected those that they say, 1").c_str(),
-        std::invalid_argument);
+    CHECK_THROWS_WITH_AS(sort.build(backend, wrong_sum, Ellipse{}, scratch, lists),
+                         doctest::Contains(sum.c_str()), std::invalid_argument);
     CHECK_THROWS_WITH_AS(sort.build(backend, wrong_splats, Ellipse{}, scratch, lists),
-                         "sort: there are footprints of 3 splats, expected those of 20",
+                         doctest::Contains("footprints of 3 splats, expected those of 20"),
                          std::invalid_argument);
   });
 }
