@@ -17,7 +17,6 @@
 
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/edit.hpp>
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/scene_arrays.hpp>
 #include <swiftgs/swiftgs.hpp>
@@ -36,6 +35,11 @@ constexpr const char* other_sort = "serial/standard/per-pixel/ellipse";
 
 std::shared_ptr<const Scene> small_scene() { return std::make_shared<const Scene>(make_builtin_scene(500)); }
 Camera small_camera() { return scaled(builtin_camera(), 0.05); }
+Frame drawn_by(AnyRenderer& renderer) {
+  Frame frame;
+  renderer.render(small_camera(), {}, frame);
+  return frame;
+}
 
 /// Arrays of `floats.size() / 4` Gaussians that all read the same floats.
 SceneArrays arrays_of(const std::vector<float>& floats) {
@@ -54,10 +58,7 @@ TEST_CASE("any renderer: a scene is shared within a backend and drawn as an uplo
   CHECK_THROWS_AS(second->render_resident(small_camera(), {}), std::logic_error);
   first->set_scene(small_scene());
   REQUIRE(second->share_scene(*first));
-  Frame expected, shared;
-  first->render(small_camera(), {}, expected);
-  second->render(small_camera(), {}, shared);
-  CHECK(shared.colour == expected.colour);
+  CHECK(drawn_by(*second).colour == drawn_by(*first).colour);
   for (const RendererEntry& entry : renderers()) {  // but not across backends
     if (!entry.usable || entry.name.starts_with("serial/")) continue;
     CHECK_FALSE(entry.make()->share_scene(*first));
@@ -99,45 +100,24 @@ TEST_CASE("any renderer: arrays of any layout are drawn as the scene that has th
   for (const char* name : {plain, "cpu/early/per-pixel/ellipse"}) {
     const std::unique_ptr<AnyRenderer> renderer = make_renderer(name);
     renderer->set_scene(scene);
-    Frame expected, drawn;
-    renderer->render(small_camera(), {}, expected);
+    const Frame expected = drawn_by(*renderer);
     renderer->set_scene(arrays);
-    renderer->render(small_camera(), {}, drawn);
-    CHECK(psnr(drawn.colour, expected.colour) > 90);
+    CHECK(psnr(drawn_by(*renderer).colour, expected.colour) > 90);
 
     SceneArrays lower = arrays;
     lower.sh_degree = 1;
     renderer->set_scene(lower);
-    renderer->render(small_camera(), {}, drawn);
-    CHECK(psnr(drawn.colour, expected.colour) < 90);
-    Frame again;
+    const Frame of_lower = drawn_by(*renderer);
+    CHECK(psnr(of_lower.colour, expected.colour) < 90);
     lower.means.stride = 8;
     CHECK_THROWS_WITH_AS(renderer->set_scene(lower), doctest::Contains("means: stride is 8 bytes, expected"),
                          std::invalid_argument);
-    renderer->render(small_camera(), {}, again);  // the scene of before
-    CHECK(again.colour == drawn.colour);
-
-    // Another renderer that shares a scene keeps it when this one takes other arrays.
-    const std::unique_ptr<AnyRenderer> other = make_renderer(name);
-    CHECK(other->share_scene(*renderer));
-    renderer->set_scene(arrays);
-    other->render(small_camera(), {}, again);
-    CHECK(again.colour == drawn.colour);
+    CHECK(drawn_by(*renderer).colour == of_lower.colour);  // the scene of before
     SceneArrays few = arrays;
     few.count = 10;
     renderer->set_scene(few);
     renderer->set_scene(arrays);
-    renderer->render(small_camera(), {}, again);
-    CHECK(psnr(again.colour, expected.colour) > 90);
-
-    std::vector<float> means(3 * arrays.count, 1.0f);
-    means[3 * 7 + 1] = std::numeric_limits<float>::quiet_NaN();
-    SceneArrays wrong = arrays;
-    wrong.means = {means.data()};
-    CHECK_THROWS_WITH_AS(renderer->set_scene(wrong),
-                         doctest::Contains("means of Gaussian 7 is nan, expected"), std::invalid_argument);
-    renderer->render(small_camera(), {}, drawn);  // the scene of before
-    CHECK(again.colour == drawn.colour);
+    CHECK(psnr(drawn_by(*renderer).colour, expected.colour) > 90);
   }
 }
 
@@ -177,8 +157,7 @@ SWIFTGS_CASE_ON("any renderer: hosts take memory of arrays again unless somebody
 TEST_CASE("any renderer: a resident frame is finished and counted as any other") {
   const std::unique_ptr<AnyRenderer> renderer = make_renderer(plain);
   renderer->set_scene(small_scene());
-  Frame frame;
-  renderer->render(small_camera(), {}, frame);
+  drawn_by(*renderer);
   CHECK(std::isnan(renderer->times().total));
   const std::size_t intersections = renderer->statistics().intersections;
   RenderSettings counting;
@@ -190,28 +169,6 @@ TEST_CASE("any renderer: a resident frame is finished and counted as any other")
   CHECK_FALSE(renderer->device_memory().has_value());
 }
 
-SWIFTGS_CONTRACT("any renderer: several views are drawn as each alone and counted together") {
-  // Every combination draws several views as its type does, and its type draws them as each alone.
-  const auto any = make_renderer(Usual<B>::name, {.threads = 2});
-  any->set_scene(std::make_shared<const Scene>(order_spatially(make_builtin_scene(100'000))));
-  const std::vector<Camera> cameras = builtin_cameras(5, 192, 108);
-  const RenderSettings settings = settings_of({true, true}, vec3(0.2f, 0.3f, 0.4f));
-  std::vector<Frame> together(cameras.size());
-  any->render(span_of(cameras), settings, span_of(together));
-  const Statistics statistics = any->statistics();
-  std::size_t visible = 0, intersections = 0;
-  for (std::size_t i = 0; i < cameras.size(); ++i) {
-    Frame alone;
-    any->render(cameras[i], settings, alone);
-    visible += any->statistics().visible, intersections += any->statistics().intersections;
-    CHECK(same_planes(together[i], alone));
-  }
-  CHECK(statistics.visible == visible);
-  CHECK(statistics.intersections == intersections);
-  any->render_resident(span_of(cameras), settings);
-  CHECK(any->statistics().intersections == intersections);
-}
-
 TEST_CASE("any renderer: measurements reach an adaptive sort and change nothing of another") {
   const Camera camera = small_camera();
   const SortCalibration saved{500, camera.width, camera.height, 1, 2};
@@ -220,9 +177,7 @@ TEST_CASE("any renderer: measurements reach an adaptive sort and change nothing 
     renderer->set_scene(small_scene()), without->set_scene(small_scene());
     renderer->use_calibrations({saved});
     CHECK_FALSE(renderer->calibration());
-    Frame frame, expected;
-    renderer->render(camera, {}, frame), without->render(camera, {}, expected);
-    CHECK(frame.colour == expected.colour);
+    CHECK(drawn_by(*renderer).colour == drawn_by(*without).colour);
     CHECK_FALSE(without->calibration());
     CHECK(renderer->calibration().has_value() == (name != plain));
     if (renderer->calibration()) CHECK(renderer->calibration()->early_ms == 2);
@@ -283,6 +238,14 @@ struct TwoScenes {
   typename B::SceneOn uploaded[2];
 };
 
+/// Records a frame of `views`.
+template <class B>
+void record_into(AnyRenderer& any, const PlacedViews<B>& views, Report<B>& report) {
+  any.set_views(views.span());
+  any.record(report.data());
+  any.wait();
+}
+
 }  // namespace
 
 SWIFTGS_CONTRACT("any renderer: scenes that are added and placed are drawn and recorded as its type does") {
@@ -315,10 +278,8 @@ SWIFTGS_CONTRACT("any renderer: scenes that are added and placed are drawn and r
   CHECK(differing(drawn.finish(backend), before.finish(backend)) == 0);
   PlacedViews followed(backend, asked);
   followed.views[1].shows = {1, 2};
-  any->set_views(followed.span());
   any->set_recorded_scenes();
-  any->record(report.data());
-  any->wait();
+  record_into(*any, followed, report);
   CHECK(differing(followed.finish(backend), after.finish(backend)) == 0);
 
   // Another renderer shares scenes and placements, and keeps them when this one takes another scene.
@@ -362,9 +323,7 @@ SWIFTGS_CONTRACT("any renderer: recorded frames show the poses that work writes 
   };
   const auto shows = [&](PlacedViews<B>& expected) {
     PlacedViews views(backend, asked);  // some are drawn over what they hold
-    any->set_views(views.span());
-    any->record(report.data());
-    any->wait();
+    record_into(*any, views, report);
     return differing(views.finish(backend), expected.finish(backend)) == 0;
   };
   CHECK(shows(still));
@@ -455,10 +414,8 @@ SWIFTGS_CONTRACT("any renderer: what cannot be placed is refused and changes not
                        "render: expected reserve or set_recorded_scenes after other scenes were set",
                        std::invalid_argument);
   PlacedViews again(backend, asked);
-  any->set_views(again.span());
   any->set_recorded_scenes();
-  any->record(report.data());
-  any->wait();
+  record_into(*any, again, report);
   CHECK(differing(again.finish(backend), expected.finish(backend)) == 0);
 
   any->place({placements.data(), 2});
