@@ -15,6 +15,7 @@
 #include <swiftgs/edit.hpp>
 #include <swiftgs/scene_arrays.hpp>
 
+#include "policies/arrays_on.hpp"
 #include "policies/counted_memory.hpp"
 #include "policies/rasterizers.hpp"
 #include "support/skip.hpp"
@@ -129,19 +130,12 @@ TEST_CASE("cpu: an upload moves arrays to large pages only if asked to") {
 #if defined(__linux__)
   const Cpu cpu;
   const auto scene = std::make_shared<const Scene>(make_builtin_scene(400'000));
-  const SceneArrays arrays{.count = scene->size(),
-                           .means = {&scene->means[0].x},
-                           .scales = {&scene->scales[0].x},
-                           .rotations = {&scene->rotations[0].w},
-                           .opacities = {scene->opacities.data()},
-                           .sh0 = {&scene->sh0[0].x},
-                           .sh_rest = {scene->sh_rest.data()},
-                           .sh_degree = scene->sh_degree};
+  const ArraysOn<Cpu> arrays(cpu, *scene);
   std::optional<Cpu::SceneOn> copy;
   moves = 0;
   (void)cpu.upload(scene);
-  copy.emplace(cpu.upload(arrays, copy));
-  copy.emplace(cpu.upload(arrays, copy));
+  copy.emplace(cpu.upload(arrays.all, copy));
+  copy.emplace(cpu.upload(arrays.all, copy));
   CHECK(moves == 0);
   (void)cpu.upload(scene, HarmonicsKept::smallest, LargePages::now);
   CHECK(moves == 5);  // the opacities fill no page

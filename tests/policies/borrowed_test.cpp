@@ -73,6 +73,14 @@ std::vector<Camera> cameras() {
   return {turned_camera(120, 80, 0.1, 0.2), forward_camera(120, 80), turned_camera(120, 80, -0.2, 0.1)};
 }
 
+/// Checks that each camera sees the same bits in both.
+template <class B>
+void check_same(BoundRenderer<B>& renderer, const PlacedScenes& found, const PlacedScenes& expected,
+                const RenderSettings& settings = {}) {
+  for (const Camera& camera : cameras())
+    CHECK(same_planes(renderer.render(found, camera, settings), renderer.render(expected, camera, settings)));
+}
+
 }  // namespace
 
 SWIFTGS_CONTRACT("borrowed: arrays of any stride have the bits of their copies in every plane") {
@@ -91,11 +99,9 @@ SWIFTGS_CONTRACT("borrowed: arrays of any stride have the bits of their copies i
         const SceneView borrowed = view(arrays);
         const auto copy = backend.upload(arrays, none);
         const RenderSettings settings = settings_of_all(channels);
-        for (const Camera& camera : cameras())
-          CHECK(same_planes(renderer.render(borrowed, camera, settings),
-                            renderer.render(copy, camera, settings)));
-        std::vector<Frame> some(cameras().size()), expected(cameras().size());
+        check_same<B>(renderer, borrowed, copy, settings);
         const std::vector<Camera> all = cameras();
+        std::vector<Frame> some(all.size()), expected(all.size());
         renderer.render(borrowed, span_of(all), settings, span_of(some));
         renderer.render(copy, span_of(all), settings, span_of(expected));
         for (std::size_t i = 0; i < some.size(); ++i) CHECK(same_planes(some[i], expected[i]));
@@ -124,8 +130,7 @@ SWIFTGS_CONTRACT("borrowed: bands side by side, as tensors have them, are drawn 
       arrays.sh0 = {sh.data(), std::ptrdiff_t(row * sizeof(float))};
       arrays.sh_rest = {sh.data() + 3, std::ptrdiff_t(row * sizeof(float))};
       const auto copy = backend.upload(arrays, none);
-      for (const Camera& camera : cameras())
-        CHECK(same_planes(renderer.render(view(arrays), camera, {}), renderer.render(copy, camera, {})));
+      check_same<B>(renderer, view(arrays), copy);
       // Placed too, with warps that see several scenes.
       std::vector<PlacedScene> placed, expected;
       for (std::size_t first = 0; first + 50 <= count; first += 50) {
@@ -147,10 +152,9 @@ SWIFTGS_CONTRACT("borrowed: quaternions of any length turn as unit ones do") {
     Scene longer = scene;
     for (Quaternion& q : longer.rotations)
       q = {float(length * q.w), float(length * q.x), float(length * q.y), float(length * q.z)};
-    const ArraysOn<B> arrays(backend, longer);
-    SceneArrays all = arrays.all;
-    all.any_rotations = true;
-    CHECK(psnr(renderer.render(view(all), cameras()[0], {}).colour, expected.colour) > 90);
+    ArraysOn<B> arrays(backend, longer);
+    arrays.all.any_rotations = true;
+    CHECK(psnr(renderer.render(arrays.view(), cameras()[0], {}).colour, expected.colour) > 90);
   }
 }
 
@@ -165,16 +169,10 @@ SWIFTGS_CONTRACT("borrowed: a Gaussian with a number that is not finite is not d
                            &with.opacities[i], &with.sh0[i].x,    &with.sh_rest[24 * i + 5]};
       *of[i / 7 % 6] = bad;
     }
-    const ArraysOn<B> arrays(backend, with);
+    ArraysOn<B> found(backend, with), expected(backend, without);
     for (const bool any : {false, true}) {
-      SceneArrays all = arrays.all;
-      all.any_rotations = any;
-      const ArraysOn<B> of_without(backend, without);
-      SceneArrays expected = of_without.all;
-      expected.any_rotations = any;
-      for (const Camera& camera : cameras())
-        CHECK(
-            same_planes(renderer.render(view(all), camera, {}), renderer.render(view(expected), camera, {})));
+      found.all.any_rotations = expected.all.any_rotations = any;
+      check_same<B>(renderer, found, expected);
     }
   }
 }

@@ -63,6 +63,13 @@ HarmonicPacking packing_of(const Scene& scene, HarmonicsKept kept = HarmonicsKep
 std::string format_of(const HarmonicPacking& packing) {
   return name_of(packing.rows_at(nullptr, packing.labels().data));
 }
+std::string format_of(const SceneView& scene) { return name_of(scene.sh_rest); }
+
+/// `scene` with the harmonics that halves hold of it.
+Scene in_halves(Scene scene) {
+  for (float& value : scene.sh_rest) value = to_float(to_half(value));
+  return scene;
+}
 
 /// Packed harmonics in memory of a backend, for views of uploaded scenes.
 template <class B>
@@ -88,6 +95,14 @@ struct PackedOn {
 
 std::vector<Camera> cameras() { return {turned_camera(120, 80, 0.1, 0.2), forward_camera(120, 80)}; }
 
+/// Checks that each camera sees the same bits in both.
+template <class B>
+void check_same(BoundRenderer<B>& renderer, const PlacedScenes& found, const PlacedScenes& expected,
+                const RenderSettings& settings = {}) {
+  for (const Camera& camera : cameras())
+    CHECK(same_planes(renderer.render(found, camera, settings), renderer.render(expected, camera, settings)));
+}
+
 }  // namespace
 
 TEST_CASE("harmonics: a scene takes the smallest format that is exact") {
@@ -102,9 +117,8 @@ TEST_CASE("harmonics: a scene takes the smallest format that is exact") {
       if (degree == 3 && format != "palette")
         CHECK(packing.stride() == (format == "bytes" ? 48 : format == "halves" ? 96 : 192));
 
-      std::vector<unsigned char> bytes(packing.rows() * packing.stride());
-      for (std::size_t i = 0; i < packing.rows(); ++i) packing.write(i, &bytes[i * packing.stride()]);
-      const HarmonicRows rows = packing.rows_at(bytes.data(), packing.labels().data);
+      const PackedOn<Serial> packed(Serial(), scene);
+      const HarmonicRows& rows = packed.rows;
       const std::size_t each = 3 * std::size_t(sh_rest_count(degree));
       std::vector<float> found(each);
       int wrong = 0;
@@ -195,24 +209,19 @@ SWIFTGS_CONTRACT("harmonics: frames have the bits of floats in every format and 
       const Scene scene = scene_in(format, stored);
       const auto floats = backend.upload(scene, HarmonicsKept::floats);
       const auto smallest = backend.upload(scene);
-      CHECK(name_of(floats.view().sh_rest) == std::string("floats"));
-      CHECK(name_of(smallest.view().sh_rest) == format);
+      CHECK(format_of(floats.view()) == "floats");
+      CHECK(format_of(smallest.view()) == format);
       const auto shared = backend.upload(std::make_shared<const Scene>(scene));
-      CHECK(name_of(shared.view().sh_rest) == (on_host<B> ? std::string("floats") : format));
+      CHECK(format_of(shared.view()) == (on_host<B> ? "floats" : format));
       const PackedOn<B> packed(backend, scene);
       for (int degree = 0; degree <= stored; ++degree) {
         CAPTURE(stored);
         CAPTURE(format);
         CAPTURE(degree);
-        const auto drawn = [&](SceneView view, const Camera& camera) {
-          view.sh_degree = degree;
-          return renderer.render(view, camera, {});
-        };
-        for (const Camera& camera : cameras()) {
-          const Frame expected = drawn(floats.view(), camera);
-          CHECK(same_planes(drawn(packed.in(floats.view()), camera), expected));
-          CHECK(same_planes(drawn(smallest.view(), camera), expected));
-        }
+        SceneView expected = floats.view(), found = smallest.view();
+        expected.sh_degree = found.sh_degree = degree;
+        check_same<B>(renderer, packed.in(expected), expected);
+        check_same<B>(renderer, found, expected);
       }
     }
 }
@@ -235,8 +244,7 @@ SWIFTGS_CONTRACT("harmonics: placed scenes of several formats share warps") {
       packed.push_back({range_of(rows[i].in(view), 2 * size, size), where});
       expected.push_back({range_of(view, 2 * size, size), where});
     }
-  for (const Camera& camera : cameras())
-    CHECK(same_planes(renderer.render(packed, camera, {}), renderer.render(expected, camera, {})));
+  check_same<B>(renderer, packed, expected);
 }
 
 SWIFTGS_CONTRACT("harmonics: colours whose sums leave the range of float are found in every format") {
@@ -257,9 +265,7 @@ SWIFTGS_CONTRACT("harmonics: colours whose sums leave the range of float are fou
     REQUIRE(format_of(packing_of(scene)) == format);
     const auto floats = backend.upload(scene, HarmonicsKept::floats);
     const PackedOn<B> packed(backend, scene);
-    for (const Camera& camera : cameras())
-      CHECK(same_planes(renderer.render(packed.in(floats.view()), camera, settings),
-                        renderer.render(floats, camera, settings)));
+    check_same<B>(renderer, packed.in(floats.view()), floats, settings);
   }
 }
 
@@ -269,18 +275,14 @@ SWIFTGS_CONTRACT("harmonics: halves are the nearest and of colours as near as is
   const Scene scene = scene_of(3, [&](std::size_t i, std::size_t) {
     return i % 3 == 0 ? random.f(-1, 1) : random.f(-1, 1) * (i % 3 == 1 ? 1e-6f : 1e3f);
   });
-  Scene rounded = scene;
-  for (float& value : rounded.sh_rest) value = to_float(to_half(value));
+  const Scene rounded = in_halves(scene);
   const auto moved = backend.upload(Scene(scene), HarmonicsKept::halves);
   const auto shared = backend.upload(std::make_shared<const Scene>(scene), HarmonicsKept::halves);
   const auto expected = backend.upload(rounded, HarmonicsKept::floats);
-  CHECK(name_of(moved.view().sh_rest) == std::string("halves"));
+  CHECK(format_of(moved.view()) == "halves");
   CHECK(moved.view().sh_rest.stride == 96);
-  for (const Camera& camera : cameras()) {
-    const Frame frame = renderer.render(expected, camera, {});
-    CHECK(same_planes(renderer.render(moved, camera, {}), frame));
-    CHECK(same_planes(renderer.render(shared, camera, {}), frame));
-  }
+  check_same<B>(renderer, moved, expected);
+  check_same<B>(renderer, shared, expected);
   // The float64 reference, of both.
   double most = 0;
   for (std::size_t i = 0; i < count; ++i) {
@@ -312,8 +314,7 @@ SWIFTGS_CONTRACT("harmonics: numbers that no half holds are refused") {
   }
   scene.sh_rest[24 * 11 + 5] = -65505;
   CHECK_THROWS_WITH_AS((void)backend.upload(scene, HarmonicsKept::halves),
-                       "upload: sh_rest of Gaussian 11 is -65505.000000, expected -65504 to 65504 for halves",
-                       std::invalid_argument);
+                       doctest::Contains("sh_rest of Gaussian 11 is -65505.0"), std::invalid_argument);
   CHECK_NOTHROW((void)backend.upload(scene));
   scene.sh_rest[24 * 11 + 5] = std::numeric_limits<float>::infinity();
   CHECK_THROWS_AS((void)backend.upload(scene, HarmonicsKept::halves), std::invalid_argument);
@@ -328,8 +329,7 @@ SWIFTGS_CONTRACT("harmonics: packed ones stay in updates and all else is replace
     auto scene = shares ? backend.upload(shared, HarmonicsKept::halves)
                         : backend.upload(Scene(before), HarmonicsKept::halves);
     CHECK_THROWS_WITH_AS(backend.update(scene, 100, arrays.all),
-                         "update: the scene keeps sh_rest as halves, expected floats: upload it so that they "
-                         "are kept as floats",
+                         doctest::Contains("the scene keeps sh_rest as halves, expected floats"),
                          std::invalid_argument);
     const Frame unchanged = renderer.render(backend.upload(before), cameras()[0], {});
     CHECK(same_planes(renderer.render(scene, cameras()[0], {}), unchanged));
@@ -338,18 +338,15 @@ SWIFTGS_CONTRACT("harmonics: packed ones stay in updates and all else is replace
     const View view = make_view(cameras()[0], {}, planes.view());
     Report<B> report;
     const SceneArrays rest = some_of(arrays.all, every_array & ~sh_rest_alone);
+    Scene expected = before;
     for (const std::size_t first : {0, 100, 700}) {
       backend.update(scene, first, rest);
-      Scene expected = before;
+      replace(expected, first, other, every_array & ~sh_rest_alone);
       if (first == 0) {
         renderer.reserve(scene.view(), {&view, 1}, {4000, 100'000});
       } else {
         renderer.record(scene.view(), report.data());
         CHECK(report.get(backend).overflowed == 0);
-      }
-      for (const std::size_t from : {0, 100, 700}) {
-        if (from > first) break;
-        replace(expected, from, other, every_array & ~sh_rest_alone);
       }
       Usual<B> fresh(test::make_backend<B>());
       const Frame frame = fresh.render(backend.upload(expected), cameras()[0], settings_of_all());
@@ -363,8 +360,6 @@ SWIFTGS_CONTRACT("harmonics: packed ones stay in updates and all else is replace
 SWIFTGS_CONTRACT("harmonics: renderers by name upload scenes as they are told") {
   const auto renderer = make_renderer(std::string(B::name) + "/early/per-pixel/ellipse");
   const auto scene = std::make_shared<const Scene>(scene_in("floats", 3));
-  Scene rounded = *scene;
-  for (float& value : rounded.sh_rest) value = to_float(to_half(value));
   const auto drawn = [&] {
     Frame frame;
     renderer->render(cameras()[0], {}, frame);
@@ -379,7 +374,7 @@ SWIFTGS_CONTRACT("harmonics: renderers by name upload scenes as they are told") 
                        std::invalid_argument);
   const Frame halves = drawn();
   CHECK_FALSE(same_planes(halves, floats));
-  renderer->set_scene(std::make_shared<const Scene>(rounded));
+  renderer->set_scene(std::make_shared<const Scene>(in_halves(*scene)));
   CHECK(same_planes(halves, drawn()));
   // The second scene, alone in the frame.
   REQUIRE(renderer->add_scene(scene, HarmonicsKept::halves) == 1);
@@ -394,10 +389,10 @@ TEST_CASE("harmonics: packed rows need multiples of 16 bytes") {
   SceneView view = packed.in(swiftgs::view(scene));
   CHECK_NOTHROW(validate(view));
   view.sh_rest.stride = 56;
-  CHECK_THROWS_WITH_AS(validate(view),
-                       "render: sh_rest of the scene: 1000 values, 56 bytes apart; expected 1000 values, 45 "
-                       "bytes or more apart, in multiples of 16",
-                       std::invalid_argument);
+  CHECK_THROWS_WITH_AS(
+      validate(view),
+      doctest::Contains("56 bytes apart; expected 1000 values, 45 bytes or more apart, in multiples of 16"),
+      std::invalid_argument);
   view.sh_rest.stride = 32;
   CHECK_THROWS_AS(validate(view), std::invalid_argument);
 }
