@@ -34,8 +34,8 @@ struct Drawn {
 };
 
 template <class B>
-Drawn draw(BoundRenderer<B>& renderer, const SceneView& scene, Image image, Conversion conversion, bool over,
-           vec3 background) {
+Drawn draw(BoundRenderer<B>& renderer, const SceneView& scene, Image image, Conversion conversion,
+           bool over = false, vec3 background = vec3(0)) {
   const auto& backend = renderer.backend();
   auto bytes = to_backend(backend, image.bytes);
   auto alpha = to_backend(backend, std::vector<float>(width * height));
@@ -64,7 +64,7 @@ SWIFTGS_CONTRACT("conversion: every format holds the converted straight colours 
   with_each_renderer<B>([&](BoundRenderer<B>& renderer, std::string_view) {
     const auto scene = renderer.backend().upload(random_scene(200, 1, 6));
     const Image nothing(width, height, PixelFormat::rgba_float);
-    Drawn splats = draw(renderer, scene.view(), nothing, Conversion::as_is, false, vec3(0));
+    Drawn splats = draw(renderer, scene.view(), nothing, Conversion::as_is);
     for (const PixelFormat format : pixel_formats)
       for (const Conversion conversion : conversions)
         for (const int kind : {0, 1, 2}) {  // nothing behind the splats, a background, an image
@@ -111,7 +111,7 @@ SWIFTGS_CASE_ON("conversion: hosts store the bits that the curve gives of what w
   with_each_renderer<B>([&](BoundRenderer<B>& renderer, std::string_view) {
     const auto scene = renderer.backend().upload(random_scene(300, 1, 6));
     const Image nothing(width, height, PixelFormat::rgba_float);
-    Image plain = draw(renderer, scene.view(), nothing, Conversion::as_is, false, vec3(0)).image;
+    Image plain = draw(renderer, scene.view(), nothing, Conversion::as_is).image;
     for (const PixelFormat format : {PixelFormat::rgba_float, PixelFormat::rgba_half, PixelFormat::rgba_8})
       for (const Conversion conversion : conversions) {
         Image expected(width, height, format);
@@ -122,9 +122,8 @@ SWIFTGS_CASE_ON("conversion: hosts store the bits that the curve gives of what w
             expected.set(
                 x, y,
                 detail::lay_and_convert(frame, std::size_t(x), std::size_t(y), plain.at(x, y), 0, vec3(0)));
-        const Image drawn =
-            draw(renderer, scene.view(), Image(width, height, format), conversion, false, vec3(0)).image;
-        CHECK((drawn.bytes == expected.bytes));
+        const Drawn drawn = draw(renderer, scene.view(), Image(width, height, format), conversion);
+        CHECK((drawn.image.bytes == expected.bytes));
       }
   });
 }
@@ -140,7 +139,7 @@ SWIFTGS_CONTRACT("conversion: an image of 8 bits or halves keeps its bytes where
           const vec4 at = image.at(x, y);
           image.set(x, y, vec4(at.r * at.a, at.g * at.a, at.b * at.a, at.a));  // straight colours up to 1
         }
-      CHECK((draw(renderer, scene.view(), image, conversion, true, vec3(0)).image.bytes == image.bytes));
+      CHECK((draw(renderer, scene.view(), image, conversion, true).image.bytes == image.bytes));
     }
 }
 
@@ -160,8 +159,6 @@ SWIFTGS_CONTRACT("conversion: recorded frames convert and keep to what was reser
   }
   std::vector<View> views = reserved.views;
   views[0].frame.conversion = Conversion::linear_to_srgb;
-  CHECK_THROWS_WITH_AS(
-      renderer.set_views(span_of(views)),
-      "set_views: the size or the planes of view 0 changed, expected those that were reserved",
-      std::invalid_argument);
+  CHECK_THROWS_WITH_AS(renderer.set_views(span_of(views)),
+                       doctest::Contains("the size or the planes of view 0 changed"), std::invalid_argument);
 }
