@@ -19,8 +19,8 @@ using Sums = std::vector<std::uint64_t>;
 
 /// Sums of the weights over views, in parts.
 template <class B>
-Sums sums_of(const Scene& scene, const std::vector<Camera>& cameras, const Conventions& conventions,
-             B backend = test::make_backend<B>()) {
+Sums sums_of(const Scene& scene, const std::vector<Camera>& cameras,
+             const Conventions& conventions = Conventions::gsplat(), B backend = test::make_backend<B>()) {
   Contributions<B> contributions(std::make_shared<const Scene>(scene), std::move(backend));
   for (const Camera& camera : cameras) contributions.add(camera, conventions);
   return contributions.sums();
