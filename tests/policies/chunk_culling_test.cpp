@@ -24,6 +24,9 @@ using namespace swiftgs::test;
 
 namespace {
 
+constexpr LensModel models[] = {LensModel::perspective, LensModel::fisheye, LensModel::orthographic,
+                                LensModel::equirectangular};
+
 vec3 random_point(Random& random, double most) {
   const float z = random.f(-most, most), y = random.f(-most, most), x = random.f(-most, most);
   return vec3(x, y, z);
@@ -119,8 +122,7 @@ bool any_visible(const ViewConstants& view, const SceneView& scene) {
 }  // namespace
 
 TEST_CASE("chunks: no Gaussian of a hidden chunk is visible, and most chunks without one are hidden") {
-  for (const LensModel model :
-       {LensModel::perspective, LensModel::fisheye, LensModel::orthographic, LensModel::equirectangular}) {
+  for (const LensModel model : models) {
     CAPTURE(name_of(model));
     Random random(1);
     int hidden = 0, without = 0;
@@ -144,8 +146,7 @@ TEST_CASE("chunks: no Gaussian of a hidden chunk is visible, and most chunks wit
 TEST_CASE("chunks: what is not a number hides nothing, and what cannot be seen is hidden") {
   const float nan = std::numeric_limits<float>::quiet_NaN(),
               infinity = std::numeric_limits<float>::infinity();
-  for (const LensModel model :
-       {LensModel::perspective, LensModel::fisheye, LensModel::orthographic, LensModel::equirectangular}) {
+  for (const LensModel model : models) {
     CAPTURE(name_of(model));
     Camera camera = forward_camera(64, 48);
     camera.lens.model = model;

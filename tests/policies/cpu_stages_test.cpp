@@ -106,14 +106,20 @@ std::size_t for_each_shared(const Projected& x, const Projected& y, const F& f) 
   return alone + x.gaussians.size() - a + y.gaussians.size() - b;
 }
 
-/// The largest differences of splats that both have.
-Apart worst_of(const Projected& x, const Projected& y, std::size_t& alone) {
+/// Checks that members of splats that both have differ by limit_of(member) at most, and that `most_alone`
+/// splats at most are in one of them only.
+template <class LimitOf>
+void check_splats(const Projected& x, const Projected& y, std::size_t most_alone, const LimitOf& limit_of) {
   Apart worst{};
-  alone = for_each_shared(x, y, [&](std::size_t a, std::size_t b) {
+  const std::size_t alone = for_each_shared(x, y, [&](std::size_t a, std::size_t b) {
     const Apart here = differences(x.shapes[a], x.depths[a], y.shapes[b], y.depths[b]);
     for (std::size_t k = 0; k < here.size(); ++k) worst[k] = std::max(worst[k], here[k]);
   });
-  return worst;
+  for (std::size_t k = 0; k < worst.size(); ++k) {
+    CAPTURE(members[k].name);
+    CHECK(worst[k] <= limit_of(k));
+  }
+  CHECK(alone <= most_alone);
 }
 
 View whole(const Camera& camera, const Conventions& conventions = {}) {
@@ -134,14 +140,11 @@ TEST_CASE("cpu stages: every vector target projects to the scalar splats within 
                         REQUIRE(scalar.shapes.size() > 10000);
                         const bool fuses =
                             name.find("SSE") == std::string::npos && name.find("EMU") == std::string::npos;
-                        std::size_t alone = 0;
-                        const Apart worst = worst_of(scalar, found, alone);
-                        for (std::size_t k = 0; k < worst.size(); ++k) {
-                          CAPTURE(members[k].name);
-                          const Limit limit = fuses ? members[k].fused : members[k].unfused;
-                          CHECK(worst[k] <= (conventions.antialiased ? limit.compensated : limit.usual));
-                        }
-                        CHECK(alone <= 1);  // at the border of the image; none was measured
+                        // One alone may be at the border of the image; none was measured.
+                        check_splats(scalar, found, 1, [&](std::size_t member) {
+                          const Limit limit = fuses ? members[member].fused : members[member].unfused;
+                          return conventions.antialiased ? limit.compensated : limit.usual;
+                        });
                       });
 }
 
@@ -165,13 +168,7 @@ TEST_CASE("cpu stages: every vector target projects needles through lenses as th
     for_each_target(targets, whole(camera, compensated), scene,
                     [&](const std::string&, const Projected& scalar, const Projected& found) {
                       REQUIRE(scalar.shapes.size() > 500);
-                      std::size_t alone = 0;
-                      const Apart worst = worst_of(scalar, found, alone);
-                      for (std::size_t k = 0; k < worst.size(); ++k) {
-                        CAPTURE(members[k].name);
-                        CHECK(worst[k] <= through_lens[k]);
-                      }
-                      CHECK(alone <= 2);
+                      check_splats(scalar, found, 2, [](std::size_t member) { return through_lens[member]; });
                     });
   }
 }

@@ -66,17 +66,10 @@ Frame draw(const Way& way, const Scene& scene) {
   R outside(make<B>(way));
   const auto uploaded = outside.backend().upload(scene);
   if (!way.made_inside) outside.render(uploaded, camera, settings);
-  Frame frame;
-  {
-    const ScopedEnvironment scope(way.environment);
-    if (way.made_inside) {
-      R inside(make<B>(way));
-      inside.render(uploaded, camera, settings, frame);
-    } else {
-      outside.render(uploaded, camera, settings, frame);
-    }
-  }
-  return frame;
+  const ScopedEnvironment scope(way.environment);
+  if (!way.made_inside) return outside.render(uploaded, camera, settings);
+  R inside(make<B>(way));
+  return inside.render(uploaded, camera, settings);
 }
 
 /// Renders with every rasterizer, two sorts and both conservative bounds. All images of a rasterizer must be
