@@ -43,38 +43,30 @@ TEST_CASE("cuda arithmetic: alpha is kept from its least on and cut at its large
   // In units of alpha_max: 1/256 is 1/192.
   const float least = rules.log2_relative_min, alpha_min = std::exp2(least);
   CHECK(alpha_min * rules.alpha_max == doctest::Approx(double(rules.alpha_min)).epsilon(1e-6));
-  CHECK(relative_alpha<false>(least, rules) == alpha_min);
-  CHECK(relative_alpha<true>(least, rules) == alpha_min);
+  const float alphas[][2] = {{least, alpha_min}, {-1, 0.5f},     {0, 1},        {1e-6f, 1},       {3, 1},
+                             {infinity, 1},      {-infinity, 0}, {-1000.0f, 0}, {not_a_number, 0}};
+  for (const auto& [exponent, alpha] : alphas) {
+    INFO(exponent);
+    CHECK(relative_alpha<false>(exponent, rules) == alpha);
+    CHECK(relative_alpha<true>(exponent, rules) == alpha);
+  }
   CHECK(relative_alpha<false>(least - 1e-5f, rules) == 0);
   CHECK(relative_alpha<true>(below(least), rules) == 0);
-  CHECK(relative_alpha<false>(-1, rules) == 0.5f);
-  CHECK(relative_alpha<true>(-1, rules) == 0.5f);
-  for (const float large : {0.0f, 1e-6f, 3.0f, infinity}) {
-    CHECK(relative_alpha<false>(large, rules) == 1);
-    CHECK(relative_alpha<true>(large, rules) == 1);
-  }
-  for (const float nothing : {-infinity, -1000.0f, not_a_number}) {
-    CHECK(relative_alpha<false>(nothing, rules) == 0);
-    CHECK(relative_alpha<true>(nothing, rules) == 0);
-  }
 }
 
 TEST_CASE("cuda arithmetic: alpha of a square is kept up to the cutoff and cut at its largest") {
   // Opacity 1/2 and the threshold 1/256: seven halvings.
   const auto plain = [](float s) { return alpha_of_square<false>(s, 7, 0.5f, rules); };
   const auto decided = [](float s) { return alpha_of_square<true>(s, 7, 0.5f, rules); };
-  CHECK(plain(7) == rules.alpha_min);
-  CHECK(decided(7) == rules.alpha_min);
+  const float alphas[][2] = {{7, rules.alpha_min}, {0, 0.5f},     {-0.0f, 0.5f},    {-1e-6f, 0},
+                             {-infinity, 0},       {infinity, 0}, {not_a_number, 0}};
+  for (const auto& [square, alpha] : alphas) {
+    INFO(square);
+    CHECK(plain(square) == alpha);
+    CHECK(decided(square) == alpha);
+  }
   CHECK(plain(7.00001f) == 0);
   CHECK(decided(above(7)) == 0);
-  for (const float zero : {0.0f, -0.0f}) {
-    CHECK(plain(zero) == 0.5f);
-    CHECK(decided(zero) == 0.5f);
-  }
-  for (const float nothing : {-1e-6f, -infinity, infinity, not_a_number}) {
-    CHECK(plain(nothing) == 0);
-    CHECK(decided(nothing) == 0);
-  }
   CHECK(alpha_of_square<false>(0, 8, 1, rules) == rules.alpha_max);
   CHECK(alpha_of_square<true>(0, 8, 1, rules) == rules.alpha_max);
   CHECK(decided(-1) == 0);

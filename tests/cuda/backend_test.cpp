@@ -5,18 +5,10 @@
 
 #include "cuda/device.hpp"
 #include "policies/pairs.hpp"
+#include "policies/views.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
-
-namespace {
-
-/// Work that keeps a stream busy for some milliseconds.
-void keep_busy(const Cuda& cuda, DeviceBuffer<std::uint32_t>& memory) {
-  for (int i = 0; i < 200; ++i) cuda.clear(memory.data(), memory.size() * sizeof(std::uint32_t));
-}
-
-}  // namespace
 
 SWIFTGS_DEVICE_CASE("cuda: sort_pairs sorts as many pairs as end a tile or a group of tiles, or nearly") {
   Cuda cuda;
@@ -56,8 +48,7 @@ SWIFTGS_DEVICE_CASE("cuda: sort_positions sorts the positions of keys, and leave
   }
 }
 
-SWIFTGS_DEVICE_CASE(
-    "cuda: sort_pairs keeps the order of pairs with the highest keys, which are like what pads a tile") {
+SWIFTGS_DEVICE_CASE("cuda: sort_pairs keeps the order of the highest keys, which tiles are padded with") {
   Cuda cuda;
   for (const int bits : {5, 8, 13, 16}) {
     CAPTURE(bits);
@@ -74,8 +65,7 @@ SWIFTGS_DEVICE_CASE("cuda: sort_pairs refuses more pairs than it can number") {
   CHECK_THROWS_AS(cuda.sort_pairs(pairs, std::size_t(1) << 32, 31), CapacityError);
 }
 
-SWIFTGS_DEVICE_CASE(
-    "cuda: work of a fork comes after what was asked for before it and before what follows the join") {
+SWIFTGS_DEVICE_CASE("cuda: work of a fork comes after what precedes it and before what follows the join") {
   Cuda cuda;
   DeviceBuffer<std::uint8_t> memory, copy;
   memory.reset(std::size_t(1) << 26), copy.reset(memory.size());
@@ -89,9 +79,7 @@ SWIFTGS_DEVICE_CASE(
       CHECK_THROWS_AS((void)cuda.fork(), std::logic_error);
       if (round % 2) fork.join();  // else the destructor does
     }
-    check_cuda(
-        cudaMemcpyAsync(copy.data(), memory.data(), memory.size(), cudaMemcpyDeviceToDevice, cuda.stream()),
-        "cudaMemcpyAsync");
+    copy_on_device(memory.data(), copy.data(), memory.size(), cuda.stream());
     cuda.download(Span<const std::uint8_t>{copy.data() + last, 1}, &seen);
     CHECK(seen == round);
   }
@@ -130,7 +118,7 @@ SWIFTGS_DEVICE_CASE("cuda: the clock is read without waiting and may be asked be
   Cuda cuda;
   DeviceBuffer<std::uint32_t> memory = to_device(std::vector<std::uint32_t>(50'000'000));
   const auto from = cuda.now();
-  keep_busy(cuda, memory);
+  for (int i = 0; i < 200; ++i) cuda.clear(memory.data(), memory.size() * sizeof(std::uint32_t));
   const auto to = cuda.now();
   const std::optional<double> early = cuda.milliseconds(from, to);
   // That it was asked too early is no error of the calls that follow.
@@ -141,25 +129,6 @@ SWIFTGS_DEVICE_CASE("cuda: the clock is read without waiting and may be asked be
   CHECK(*ms > 0.1);
   CHECK(*ms < 60'000);
   if (early) CHECK(*early == *ms);
-}
-
-SWIFTGS_DEVICE_CASE("cuda: a kernel may be started while a measurement is under way") {
-  Cuda cuda;
-  DeviceBuffer<std::uint32_t> memory = to_device(std::vector<std::uint32_t>(50'000'000));
-  const SplatsOn<Cuda> splats(cuda, random_splats(2000, 200, 100, 9));
-  StandardSort::Scratch<Cuda> scratch;
-  TileLists<Cuda> lists;
-  const auto build = [&] {
-    StandardSort sort;
-    build_again<Ellipse>(cuda, sort, splats.job(200, 100), scratch, lists);
-  };
-  build();
-  for (int i = 0; i < 20; ++i) {
-    const auto from = cuda.now();
-    keep_busy(cuda, memory);
-    cuda.milliseconds(from, cuda.now());
-    CHECK_NOTHROW(build());
-  }
 }
 
 SWIFTGS_DEVICE_CASE("cuda: a point in time can be read until 255 later ones have been taken") {
@@ -200,8 +169,7 @@ SWIFTGS_DEVICE_CASE("cuda: later stages go by totals that are zero where a frame
   const DeviceBuffer<FrameCounts> counts = to_device(std::vector<FrameCounts>{{100, 2000}});
   DeviceBuffer<FrameTotals> totals;
   totals.reset(1);
-  DeviceBuffer<FrameReport> report;
-  report.reset(1);
+  Report<Cuda> report;
   const auto settled = [&](const Limits& limits) {
     cuda.settle({counts.data()}, limits, totals.data());
     return to_host(cuda, std::as_const(totals).span())[0];
@@ -210,7 +178,7 @@ SWIFTGS_DEVICE_CASE("cuda: later stages go by totals that are zero where a frame
     const FrameTotals found = settled({.capacity = enough, .report = report.data()});
     CHECK(found.splats == 100);
     CHECK(found.intersections == 2000);
-    CHECK(to_host(cuda, std::as_const(report).span())[0].overflowed == 0);
+    CHECK(report.get(cuda).overflowed == 0);
   }
   for (const Limits& none : {Limits{.capacity = {99, 2000}}, Limits{.capacity = {100, 1999}},
                              Limits{.capacity = {}, .draw = false}}) {
@@ -219,7 +187,7 @@ SWIFTGS_DEVICE_CASE("cuda: later stages go by totals that are zero where a frame
     const FrameTotals found = settled(limits);
     CHECK(found.splats == 0);
     CHECK(found.intersections == 0);
-    const FrameReport told = to_host(cuda, std::as_const(report).span())[0];
+    const FrameReport told = report.get(cuda);
     CHECK(told.overflowed == 1);
     CHECK(told.visible == 100);
     CHECK(told.intersections == 2000);

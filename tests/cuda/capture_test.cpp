@@ -76,8 +76,7 @@ SWIFTGS_DEVICE_CASE("cuda capture: no function of the backend that cannot be cap
   CHECK(cudaPeekAtLastError() == cudaSuccess);
 }
 
-SWIFTGS_DEVICE_CASE(
-    "cuda capture: what a host would wait for, and what began before, is refused by the stages") {
+SWIFTGS_DEVICE_CASE("cuda capture: stages refuse what a host would wait for and what began before") {
   const Stream stream;
   Cuda cuda(stream.get());
   const DeviceScene scene = cuda.upload(random_scene(3000, 1, 2));
@@ -107,8 +106,8 @@ SWIFTGS_DEVICE_CASE(
         host_lists(serial, build_lists<StandardSort, Ellipse>(serial, set.job(200, 150))));
 }
 
-SWIFTGS_DEVICE_CASES("cuda capture: a renderer refuses frames and draws as before afterwards", Sort,
-                     StandardSort, EarlySort, AdaptiveSort) {
+SWIFTGS_DEVICE_CASES("cuda capture: a renderer refuses frames and draws on", Sort, StandardSort, EarlySort,
+                     AdaptiveSort) {
   const Stream stream;
   Usual<Cuda, Sort> renderer{Cuda(stream.get())};
   const Camera camera = forward_camera(150, 90), larger = forward_camera(400, 300);
@@ -158,8 +157,7 @@ SWIFTGS_DEVICE_CASE("cuda capture: contributions refuse views and add up as befo
   CHECK(contributions.sums() == expected);
 }
 
-SWIFTGS_DEVICE_CASE(
-    "cuda capture: the default stream is not used while a stream that waits for it is captured") {
+SWIFTGS_DEVICE_CASE("cuda capture: the default stream is not used while one that waits for it is captured") {
   const Stream waiting(cudaStreamDefault);
   Usual<Cuda> renderer;
   const DeviceScene scene = renderer.backend().upload(random_scene(500, 0, 5));

@@ -55,6 +55,11 @@ inline std::size_t free_memory() {
   return free;
 }
 
+/// Copies within a device, in the order of a stream.
+inline void copy_on_device(const void* from, void* to, std::size_t bytes, cudaStream_t stream) {
+  check_cuda(cudaMemcpyAsync(to, from, bytes, cudaMemcpyDeviceToDevice, stream), "cudaMemcpyAsync");
+}
+
 template <>
 struct CopyToBackend<Cuda> {
   template <class T>

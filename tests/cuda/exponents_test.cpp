@@ -141,9 +141,7 @@ TEST_CASE("cuda arithmetic: alphas of the factor as it is stored are those of do
   CHECK(wrong == 0);
 }
 
-TEST_CASE(
-    "cuda arithmetic: the factor representation refuses splats of no opacity and terms that are not "
-    "numbers") {
+TEST_CASE("cuda arithmetic: the factor representation refuses no opacity and terms that are not numbers") {
   const float4 factor = FactorExponent::prepare(make_splat(4, 4, 3, 3, 0, 0.9));
   REQUIRE(FactorExponent::alpha(factor, 1, 0, rules) > 0.5f);
   float4 broken = factor;

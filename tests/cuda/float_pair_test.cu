@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -21,9 +22,11 @@ using namespace swiftgs::test;
 
 namespace {
 
+constexpr const char* functions[] = {"two_sum", "two_product",  "fast_two_sum", "difference",
+                                     "product", "multiply_add", "inverse",      "of_double"};
 /// All that pairs compute of three.
 struct Computed {
-  FloatPair two_sum, two_product, fast_two_sum, difference, product, sum, inverse, of_double;
+  FloatPair of[std::size(functions)];
 };
 struct ComputeAll {
   const FloatPair* in;
@@ -33,14 +36,8 @@ struct ComputeAll {
     const FloatPair a = in[3 * i], b = in[3 * i + 1], c = in[3 * i + 2];
     const float large = std::fmax(std::fabs(a.high), std::fabs(c.high));
     const float small = std::fmin(std::fabs(a.high), std::fabs(c.high));
-    out[i] = {two_sum(a.high, c.high),
-              two_product(a.high, b.high),
-              fast_two_sum(large, small),
-              a.high - c,
-              a * b,
-              multiply_add(a, b, c),
-              inverse(a),
-              FloatPair::from(double(a) + double(c))};
+    out[i] = {{two_sum(a.high, c.high), two_product(a.high, b.high), fast_two_sum(large, small), a.high - c,
+               a * b, multiply_add(a, b, c), inverse(a), FloatPair::from(double(a) + double(c))}};
   }
 };
 
@@ -98,15 +95,12 @@ SWIFTGS_DEVICE_CASE("cuda pairs: a device has the host's bits") {
   computed.reset(count);
   cuda.for_each(count, ComputeAll{given.data(), computed.data()});
   const std::vector<Computed> found = to_host(cuda, std::as_const(computed).span());
-  std::size_t different[8] = {};
-  for (std::size_t i = 0; i < count; ++i) {
-    const Computed &a = found[i], &b = expected[i];
-    different[0] += !same(a.two_sum, b.two_sum), different[1] += !same(a.two_product, b.two_product);
-    different[2] += !same(a.fast_two_sum, b.fast_two_sum), different[3] += !same(a.difference, b.difference);
-    different[4] += !same(a.product, b.product), different[5] += !same(a.sum, b.sum);
-    different[6] += !same(a.inverse, b.inverse), different[7] += !same(a.of_double, b.of_double);
+  for (std::size_t k = 0; k < std::size(functions); ++k) {
+    CAPTURE(functions[k]);
+    std::size_t different = 0;
+    for (std::size_t i = 0; i < count; ++i) different += !same(found[i].of[k], expected[i].of[k]);
+    CHECK(different == 0);
   }
-  for (const std::size_t of_function : different) CHECK(of_function == 0);
 }
 
 SWIFTGS_DEVICE_CASE("cuda pairs: a device places Gaussians as the host does in both forms") {

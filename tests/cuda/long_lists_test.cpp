@@ -122,29 +122,24 @@ struct Wanted {
   Outputs further{};
   bool along_ray = false;
 };
-const std::vector<Wanted>& wanted_planes() {
-  static const Outputs picks{.first_depth = true, .median_depth = true, .id = true, .median_id = true};
-  static const std::vector<Wanted> all = [] {
-    Outputs row, rows;
-    row.normal = true;
-    rows.squared_depth = rows.normal = true, rows.features = 7;
-    const auto with_picks = [&](Outputs of) {
-      of.first_depth = of.median_depth = of.id = of.median_id = true;
-      return of;
-    };
-    Outputs rays = with_picks(rows);
-    rays.features = 4;  // 16 attributes: they are summed at once
-    return std::vector<Wanted>{{"colour"},
-                               {"depth", true, true},
-                               {"picks", false, true, picks},
-                               {"a row", false, true, row},
-                               {"rows", true, true, rows},
-                               {"picks and a row", true, false, with_picks(row)},
-                               {"picks and rows", true, true, with_picks(rows)},
-                               {"picks along the ray", false, true, picks, true},
-                               {"all along the ray", true, true, rays, true}};
-  }();
-  return all;
+std::vector<Wanted> wanted_planes() {
+  const auto with_picks = [](Outputs of) {
+    of.first_depth = of.median_depth = of.id = of.median_id = true;
+    return of;
+  };
+  const Outputs picks = with_picks({}), row{.normal = true},
+                rows{.squared_depth = true, .normal = true, .features = 7};
+  Outputs rays = with_picks(rows);
+  rays.features = 4;  // 16 attributes: they are summed at once
+  return {{"colour"},
+          {"depth", true, true},
+          {"picks", false, true, picks},
+          {"a row", false, true, row},
+          {"rows", true, true, rows},
+          {"picks and a row", true, false, with_picks(row)},
+          {"picks and rows", true, true, with_picks(rows)},
+          {"picks along the ray", false, true, picks, true},
+          {"all along the ray", true, true, rays, true}};
 }
 
 /// Such an image before white.
@@ -199,9 +194,7 @@ void check_squares_of_all(const Scene& scene, int side, int size, const Conventi
 
 }  // namespace
 
-SWIFTGS_DEVICE_CASE(
-    "cuda long lists: warp blocks that thread blocks share have the bits of warp blocks that a warp "
-    "traverses") {
+SWIFTGS_DEVICE_CASE("cuda long lists: thread blocks that share warp blocks draw the bits of one warp") {
   // The whole image has more long warp blocks than there is room for, so warps traverse the rest of them
   // alone.
   const int side = 1024;
@@ -210,9 +203,7 @@ SWIFTGS_DEVICE_CASE(
   check_squares_of_all(scene, side, 256, faint());
 }
 
-SWIFTGS_DEVICE_CASE(
-    "cuda long lists: warp blocks that clusters share have the bits of warp blocks that thread blocks "
-    "share") {
+SWIFTGS_DEVICE_CASE("cuda long lists: clusters that share warp blocks draw the bits of thread blocks") {
   // The whole image has more warp blocks than clusters have room for. Blocks take the rest.
   const int side = 384;
   Scene scene = layers(228'000, 0.0001, 0.002);
@@ -237,8 +228,7 @@ SWIFTGS_DEVICE_CASE("cuda long lists: lists that end with a segment have the sam
   }
 }
 
-SWIFTGS_DEVICE_CASE(
-    "cuda long lists: every sort and all conservative bounds give the same bits, run after run") {
+SWIFTGS_DEVICE_CASE("cuda long lists: sorts, conservative bounds and runs change no bit") {
   const Camera camera = square_camera(96);
   RenderSettings settings;
   settings.conventions = faint();
@@ -337,7 +327,7 @@ SWIFTGS_DEVICE_CASE("cuda long lists: frames are those of hosts, and their count
 }
 
 SWIFTGS_DEVICE_CASE(
-    "cuda long lists: warp blocks that show next to nothing behind their first segment are shared too") {
+    "cuda long lists: warp blocks that show little behind their first segment are shared too") {
   // More warp blocks than would be taken up at the end of their first segment.
   const int side = 96;
   const Camera camera = square_camera(side);
@@ -445,8 +435,7 @@ SWIFTGS_DEVICE_CASE("cuda long lists: a graph that runs again and again has the 
       const Statistics statistics = rendered.statistics();
       CHECK(statistics.raster.segments > 100);
 
-      DeviceBuffer<FrameReport> report;
-      report.reset(1);
+      Report<Cuda> report;
       const PlacedViews reserved(cuda, asked);
       recorded.reserve(uploaded.view(), reserved.span(), {statistics.visible, statistics.intersections});
       const Graph graph(stream, [&] { recorded.record(uploaded.view(), report.data()); });
@@ -457,14 +446,13 @@ SWIFTGS_DEVICE_CASE("cuda long lists: a graph that runs again and again has the 
         recorded.set_views(drawn.span());
         graph.run();
         CHECK(differing(drawn.finish(cuda), expected) == 0);
-        CHECK(to_host(cuda, std::as_const(report).span())[0].overflowed == 0);
+        CHECK(report.get(cuda).overflowed == 0);
       }
     }
   });
 }
 
-SWIFTGS_DEVICE_CASE(
-    "cuda long lists: thread blocks that share warp blocks work no longer than the frame is rasterized") {
+SWIFTGS_DEVICE_CASE("cuda long lists: thread blocks that share warp blocks end with the frame") {
   const int side = 384;
   const Scene scene = layers(228'000, 0.0001, 0.002);
   for_each_segmented([&](auto&& renderer) {
@@ -482,8 +470,7 @@ SWIFTGS_DEVICE_CASE(
   });
 }
 
-SWIFTGS_DEVICE_CASE(
-    "cuda long lists: frames stop sharing after eight without long warp blocks, and the bits stay") {
+SWIFTGS_DEVICE_CASE("cuda long lists: frames stop sharing after eight short ones, and the bits stay") {
   const int side = 64;
   const Scene long_lists = with_features(layers(30'000, 0.0003, 0.006), 7),
               short_lists = with_features(layers(500, 0.004, 0.01), 7);

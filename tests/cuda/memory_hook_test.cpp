@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// When the device memory of `Cuda` is taken from a pool that works in the order of its stream, and given
-// back.
+// Device memory of `Cuda` from a pool that works in the order of its stream.
 #include <cstddef>
 #include <deque>
 #include <vector>
 
-#include "cuda/graph.hpp"
+#include "cuda/device.hpp"
 #include "cuda/stream_pool.hpp"
 #include "policies/hooked.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
 
-SWIFTGS_DEVICE_CASES("cuda memory hook: growth and destruction keep the order of the stream", Sort,
-                     StandardSort, EarlySort, AdaptiveSort) {
+SWIFTGS_DEVICE_CASES("cuda memory hook: growing and going keep the stream's order", Sort, StandardSort,
+                     EarlySort, AdaptiveSort) {
   const Scene scene = random_scene(40000, 3, 1);
   const Stream stream;
   Usual<Cuda, Sort> plain;
@@ -67,27 +66,4 @@ SWIFTGS_DEVICE_CASE("cuda memory hook: a scene is taken from it and released wit
   CHECK(differing(images.finish(renderer.backend()), expected) == 0);
   renderer.trim();
   CHECK(pool.in_use() == 0);
-}
-
-SWIFTGS_DEVICE_CASE("cuda record: a graph is captured and launched with memory of a pool") {
-  const Stream stream;
-  StreamPool pool(stream.get());
-  Usual<Cuda> renderer(Cuda(stream.get(), pool.hook())), other;
-  const DeviceScene scene = other.backend().upload(random_scene(20000, 1, 6));
-  const PlacedViews reserved(other.backend(), asked_of(0, 2, 1.25));
-  Report<Cuda> report;
-  renderer.reserve(scene.view(), reserved.span(), {40000, 3'400'000});
-  renderer.record(scene.view(), report.data());
-  stream.wait();
-  const std::size_t calls = pool.calls();
-  const Graph graph(stream, [&] { renderer.record(scene.view(), report.data()); });
-  for (const int frame : {0, 7, 24}) {
-    PlacedViews drawn(other.backend(), asked_of(frame, 2, 1.25));
-    renderer.set_views(drawn.span());
-    graph.run();
-    const auto wanted = draw_together(other, scene.view(), asked_of(frame, 2, 1.25));
-    CHECK(differing(drawn.finish(renderer.backend()), wanted) == 0);
-    CHECK(report.get(renderer.backend()).overflowed == 0);
-  }
-  CHECK(pool.calls() == calls);
 }

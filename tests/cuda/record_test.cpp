@@ -138,8 +138,7 @@ SWIFTGS_DEVICE_CASE("cuda record: a graph looks for the chunks that other camera
   }
 }
 
-SWIFTGS_DEVICE_CASE(
-    "cuda record: a graph that runs many times with other cameras has the bits of rendered frames") {
+SWIFTGS_DEVICE_CASE("cuda record: a thousand replays with other cameras have the bits of rendered frames") {
   CHECK(wrong_in_replays<Usual<Cuda>>(1000, 2) == 0);
   CHECK(wrong_in_replays<Usual<Cuda>>(300, 1) == 0);
 }
@@ -188,8 +187,7 @@ SWIFTGS_DEVICE_CASE("cuda record: every sort with every bounds can be captured")
   });
 }
 
-SWIFTGS_DEVICE_CASE(
-    "cuda record: every rasterizer can be captured and replays formats and planes and places that change") {
+SWIFTGS_DEVICE_CASE("cuda record: every rasterizer replays formats, planes and places that change") {
   for_each_raster([&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
     Recording<Renderer<Cuda, EarlySort, Raster, Ellipse>> r(random_scene(2000, 1, 10));
@@ -201,8 +199,7 @@ SWIFTGS_DEVICE_CASE(
   });
 }
 
-SWIFTGS_DEVICE_CASE(
-    "cuda record: views that are set between launches without a wait are drawn by the next one alone") {
+SWIFTGS_DEVICE_CASE("cuda record: views set between launches without a wait are drawn by the next one") {
   for (const std::size_t views : {1, 2}) {
     CAPTURE(views);
     Recording<> r;
@@ -289,9 +286,7 @@ SWIFTGS_DEVICE_CASE("cuda record: a graph sorts before the event is recorded tha
   };
   *report = {};
   check_cuda(cudaLaunchHostFunc(drawer.get(), wait, &may_draw), "cudaLaunchHostFunc");
-  check_cuda(cudaMemcpyAsync(depth.data(), uncovered.data(), pixels * sizeof(float), cudaMemcpyDeviceToDevice,
-                             drawer.get()),
-             "cudaMemcpyAsync");
+  copy_on_device(uncovered.data(), depth.data(), pixels * sizeof(float), drawer.get());
   check_cuda(cudaEventRecord(drawn.get(), drawer.get()), "cudaEventRecord");
   graph.run();
   const volatile std::uint64_t& visible = report->visible;
@@ -419,9 +414,8 @@ SWIFTGS_DEVICE_CASE("cuda record: a graph draws the poses that its own work writ
     poses.reset(3);
     const Graph graph(r.stream, [&] {
       for (std::size_t i = 0; i < 3; ++i)
-        check_cuda(cudaMemcpyAsync(&r.renderer.recorded_scenes()[i].world_from_scene, poses.data() + i,
-                                   sizeof(Similarity), cudaMemcpyDeviceToDevice, r.stream.get()),
-                   "cudaMemcpyAsync");
+        copy_on_device(poses.data() + i, &r.renderer.recorded_scenes()[i].world_from_scene,
+                       sizeof(Similarity), r.stream.get());
       r.renderer.record(r.report.data());
     });
     const auto run = [&](const std::vector<PlacedScene>& placed) {
