@@ -237,19 +237,3 @@ SWIFTGS_DEVICE_CASE("cuda: a backend that was moved works where it went") {
   CHECK(first.stream() == nullptr);
   CHECK(scans(first));
 }
-
-SWIFTGS_DEVICE_CASE("cuda: an adaptive sort decides after some frames and without waiting for them") {
-  Cuda cuda;
-  const SplatsOn<Cuda> splats(cuda, random_splats(20'000, 640, 480, 10));
-  AdaptiveSort sort(3);
-  AdaptiveSort::Scratch<Cuda> scratch;
-  TileLists<Cuda> lists;
-  int frames = 0;
-  for (; !sort.calibration() && frames < 200; ++frames) {
-    build_again<Ellipse>(cuda, sort, splats.job(640, 480), scratch, lists);
-    if (frames >= 100) check_cuda(cudaStreamSynchronize(cuda.stream()), "cudaStreamSynchronize");
-  }
-  REQUIRE(sort.calibration());
-  CHECK(sort.calibration()->standard_ms > 0);
-  CHECK(sort.calibration()->early_ms > 0);
-}
