@@ -4,9 +4,8 @@
 /// @file
 /// OpenGL without a window, and a box that it draws with depth.
 
-#include <cstring>
 #include <stdexcept>
-#include <string>
+#include <utility>
 #include <vector>
 
 #define GL_GLEXT_PROTOTYPES
@@ -15,6 +14,7 @@
 #define EGL_NO_X11
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
+#include <glm/ext/matrix_transform.hpp>
 
 #include "support/among_splats.hpp"
 
@@ -82,30 +82,23 @@ class Context {
 class Canvas {
  public:
   Canvas() {
-    const char* const vertices = R"(#version 330 core
+    const char* const cube = R"(#version 330 core
       uniform mat4 matrix;
-      flat out vec3 colour;
       void main() {
-        const int corners[6] = int[](0, 1, 2, 2, 1, 3);
-        int face = gl_VertexID / 6, axis = face / 2, corner = corners[gl_VertexID % 6];
-        vec3 at;
-        at[axis] = face % 2 * 2 - 1;
-        at[(axis + 1) % 3] = corner % 2 * 2 - 1;
-        at[(axis + 2) % 3] = corner / 2 * 2 - 1;
-        colour = vec3(0.9, 0.55, 0.15) * (0.4 + 0.1 * face);
-        gl_Position = matrix * vec4(vec3(0.02, -1.16, 0.02) + vec3(0.55, 0.2, 0.2) * at, 1);
+        int axis = gl_VertexID / 12, corner = int[](0, 1, 2, 2, 1, 3)[gl_VertexID % 6];
+        vec3 at = 2 * vec3(corner % 2, corner / 2, gl_VertexID / 6 % 2) - 1;
+        gl_Position = matrix * vec4(axis == 0 ? at : axis == 1 ? at.yzx : at.zxy, 1);
       })";
-    const char* const colours = R"(#version 330 core
-      flat in vec3 colour;
+    const char* const orange = R"(#version 330 core
       out vec4 pixel;
-      void main() { pixel = vec4(colour, 1); })";
+      void main() { pixel = vec4(0.9, 0.55, 0.15, 1); })";
     const char* const everywhere = R"(#version 330 core
       void main() { gl_Position = vec4(gl_VertexID % 2 * 4 - 1, gl_VertexID / 2 * 4 - 1, 0, 1); })";
     const char* const texels = R"(#version 330 core
       uniform sampler2D image;
       out vec4 pixel;
       void main() { pixel = texelFetch(image, ivec2(gl_FragCoord.xy), 0); })";
-    box_ = link(vertices, colours), image_ = link(everywhere, texels);
+    box_ = link(cube, orange), image_ = link(everywhere, texels);
     GLuint vertex_array = 0, framebuffer = 0, attachments[2] = {};
     glGenVertexArrays(1, &vertex_array), glBindVertexArray(vertex_array);
     glGenFramebuffers(1, &framebuffer), glBindFramebuffer(GL_FRAMEBUFFER, framebuffer);
@@ -128,7 +121,9 @@ class Canvas {
     glEnable(GL_DEPTH_TEST), glDisable(GL_BLEND);
     glClear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
     glUseProgram(box_);
-    glUniformMatrix4fv(glGetUniformLocation(box_, "matrix"), 1, GL_FALSE, &matrix[0][0]);
+    const glm::mat4 box =
+        glm::scale(glm::translate(matrix, glm::vec3(0.02, -1.16, 0.02)), glm::vec3(0.55, 0.2, 0.2));
+    glUniformMatrix4fv(glGetUniformLocation(box_, "matrix"), 1, GL_FALSE, &box[0][0]);
     glDrawArrays(GL_TRIANGLES, 0, 36);
   }
   /// Draws a texture with premultiplied colours over what is there.
@@ -153,13 +148,12 @@ class Canvas {
  private:
   static GLuint link(const char* vertices, const char* colours) {
     const GLuint program = glCreateProgram();
-    const auto add = [&](GLenum kind, const char* source) {
-      const GLuint shader = glCreateShader(kind);
+    for (const auto& [kind, source] :
+         {std::pair{GL_VERTEX_SHADER, vertices}, std::pair{GL_FRAGMENT_SHADER, colours}}) {
+      const GLuint shader = glCreateShader(GLenum(kind));
       glShaderSource(shader, 1, &source, nullptr);
-      glCompileShader(shader);
-      glAttachShader(program, shader);
-    };
-    add(GL_VERTEX_SHADER, vertices), add(GL_FRAGMENT_SHADER, colours);
+      glCompileShader(shader), glAttachShader(program, shader);
+    }
     glLinkProgram(program);
     GLint linked = 0;
     glGetProgramiv(program, GL_LINK_STATUS, &linked);

@@ -81,27 +81,6 @@ GLuint make_texture(GLenum storage, const void* texels = nullptr, GLenum type = 
 
 }  // namespace
 
-TEST_CASE("gl: the host composes splats before and behind the box that these tests draw") {
-  const Context context;
-  if (!context.current) return skip("no EGL device with OpenGL 3.3");
-  const Canvas canvas;
-  HostFrames on_host;
-  for (const int k : {0, 4}) {
-    const Seen seen(k, ClipSpace::opengl);
-    canvas.draw_box(seen.matrix);
-    const Bytes box = Canvas::colours();
-    const std::vector<float> depth = Canvas::depths();
-    const Bytes drawn = on_host.draw(seen.host, PixelFormat::rgba_8, box, depth);
-    on_host.check(drawn, seen.host, PixelFormat::rgba_8, box, depth);
-    // The same by premultiplied splats over the box. Each rounds once more.
-    const Bytes splats = on_host.draw(seen.host, PixelFormat::rgba_8, {}, depth);
-    const GLuint texture = make_texture(GL_RGBA8, splats.data());
-    canvas.draw_over(texture);
-    CHECK(HostFrames::decibels(Canvas::colours(), drawn) >= 45);
-    glDeleteTextures(1, &texture);
-  }
-}
-
 TEST_CASE("gl: a machine without a device of CUDA says which call failed") {
   if (Cuda::usable()) return skip("there is a CUDA device");
   const Context context;

@@ -91,12 +91,11 @@ inline Uuid uuid_of(const vk::raii::PhysicalDevice& device) {
       .deviceUUID;
 }
 
-/// A device with a queue, of which memory and semaphores are exported where `exports`.
+/// A device that exports memory and semaphores, with a queue.
 struct Gpu {
-  Gpu(const vk::raii::PhysicalDevice& of, bool exports) : physical(of), exported(exports) {
-    std::vector<const char*> extensions;
-    if (exports)
-      extensions = {VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME, VK_KHR_EXTERNAL_SEMAPHORE_FD_EXTENSION_NAME};
+  explicit Gpu(const vk::raii::PhysicalDevice& of) : physical(of) {
+    const std::vector<const char*> extensions = {VK_KHR_EXTERNAL_MEMORY_FD_EXTENSION_NAME,
+                                                 VK_KHR_EXTERNAL_SEMAPHORE_FD_EXTENSION_NAME};
     const float priority = 1;
     const vk::DeviceQueueCreateInfo queues({}, 0, 1, &priority);
     vk::PhysicalDeviceVulkan12Features timelines;
@@ -146,7 +145,6 @@ struct Gpu {
   }
 
   vk::raii::PhysicalDevice physical;
-  bool exported;
   vk::raii::Device device{nullptr};
   vk::raii::Queue queue{nullptr};
   vk::raii::CommandPool pool{nullptr};
@@ -181,8 +179,7 @@ struct HostCopy {
 
 constexpr std::size_t colour_bytes = 4 * pixels, depth_bytes = sizeof(float) * pixels;
 
-/// Draws the box and copies its colours, BGRA, and its depths behind them to a buffer, which is exported
-/// where the device exports.
+/// Draws the box and copies its colours, BGRA, and its depths behind them to a buffer that is exported.
 class Canvas {
  public:
   explicit Canvas(const Gpu& gpu)
@@ -199,10 +196,8 @@ class Canvas {
     const vk::ExternalMemoryBufferCreateInfo exporting(opaque_fd);
     const auto use = vk::BufferUsageFlagBits::eTransferDst | vk::BufferUsageFlagBits::eTransferSrc;
     vk::BufferCreateInfo info({}, colour_bytes + depth_bytes, use);
-    if (gpu.exported) info.pNext = &exporting;
-    planes = {gpu.device, info};
-    memory = gpu.allocate(planes, vk::MemoryPropertyFlagBits::eDeviceLocal,
-                          gpu.exported ? Gpu::Export::dedicated : Gpu::Export::no);
+    planes = {gpu.device, info.setPNext(&exporting)};
+    memory = gpu.allocate(planes, vk::MemoryPropertyFlagBits::eDeviceLocal, Gpu::Export::dedicated);
   }
 
   void draw_box(const vk::raii::CommandBuffer& commands, const glm::mat4& matrix) const {

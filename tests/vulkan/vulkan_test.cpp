@@ -46,7 +46,7 @@ struct Shared {
   Shared() {
     const bool usable = Cuda::usable();
     for (const vk::raii::PhysicalDevice& physical : instance.devices())
-      if (usable && !gpu && number_of(physical) == 0) gpu.emplace(physical, true);
+      if (usable && !gpu && number_of(physical) == 0) gpu.emplace(physical);
     if (!gpu)
       skip(usable ? "no Vulkan that draws on CUDA's first device"
                   : "no CUDA device that the kernels of this build run on");
@@ -171,33 +171,7 @@ std::vector<float> floats_of(const Bytes& bytes) {
   return out;
 }
 
-void check_frame(const HostCopy& box, const Bytes& drawn, const Seen& seen) {
-  HostFrames().check(drawn, seen.host, PixelFormat::bgra_8, box.content(0, colour_bytes),
-                     floats_of(box.content(colour_bytes, depth_bytes)));
-}
-
 }  // namespace
-
-TEST_CASE("vulkan: the host composes splats before and behind the box that these tests draw") {
-  const Instance instance;
-  const auto found = instance.devices();
-  if (found.empty()) return skip("no Vulkan device");
-  const Gpu gpu(found.at(0), false);
-  const Canvas canvas(gpu);
-  const HostCopy box(gpu, colour_bytes + depth_bytes);
-  const Seen seen(1, ClipSpace::vulkan);
-  const auto commands = gpu.make_commands();
-  commands.begin({});
-  canvas.draw_box(commands, seen.matrix);
-  commands.copyBuffer(*canvas.planes, *box.buffer, vk::BufferCopy(0, 0, box.bytes));
-  order(commands, {});
-  commands.end();
-  gpu.queue.submit(vk::SubmitInfo({}, {}, *commands));
-  gpu.queue.waitIdle();
-  const Bytes drawn = HostFrames().draw(seen.host, PixelFormat::bgra_8, box.content(0, colour_bytes),
-                                        floats_of(box.content(colour_bytes, depth_bytes)));
-  check_frame(box, drawn, seen);
-}
 
 TEST_CASE("vulkan: a UUID that no device of CUDA has is refused with those that there are") {
   std::array<std::uint8_t, 16> uuid;
@@ -213,13 +187,16 @@ TEST_CASE("vulkan: splats are drawn before and behind a box that Vulkan submits 
   const Shared shared;
   if (!shared.gpu) return;
   Together together(*shared.gpu);
+  HostFrames on_host;
   for (int k = 0; k < 6; ++k) {
     CAPTURE(k);
     const Seen seen(k, ClipSpace::vulkan);
     together.draw(k, seen);
     together.wait();
     CHECK(together.fitted());
-    check_frame(together.box, together.drawn.content(0, colour_bytes), seen);
+    on_host.check(together.drawn.content(0, colour_bytes), seen.host, PixelFormat::bgra_8,
+                  together.box.content(0, colour_bytes),
+                  floats_of(together.box.content(colour_bytes, depth_bytes)));
   }
 }
 
