@@ -45,8 +45,9 @@ TEST_CASE("cuda arithmetic: alpha is kept from its least on and cut at its large
   CHECK(alpha_min * rules.alpha_max == doctest::Approx(double(rules.alpha_min)).epsilon(1e-6));
   const float alphas[][2] = {{least, alpha_min}, {-1, 0.5f},     {0, 1},        {1e-6f, 1},       {3, 1},
                              {infinity, 1},      {-infinity, 0}, {-1000.0f, 0}, {not_a_number, 0}};
-  for (const auto& [exponent, alpha] : alphas) {
-    INFO(exponent);
+  for (const auto& pair : alphas) {
+    const float exponent = pair[0], alpha = pair[1];
+    CAPTURE(exponent);
     CHECK(relative_alpha<false>(exponent, rules) == alpha);
     CHECK(relative_alpha<true>(exponent, rules) == alpha);
   }
@@ -60,8 +61,9 @@ TEST_CASE("cuda arithmetic: alpha of a square is kept up to the cutoff and cut a
   const auto decided = [](float s) { return alpha_of_square<true>(s, 7, 0.5f, rules); };
   const float alphas[][2] = {{7, rules.alpha_min}, {0, 0.5f},     {-0.0f, 0.5f},    {-1e-6f, 0},
                              {-infinity, 0},       {infinity, 0}, {not_a_number, 0}};
-  for (const auto& [square, alpha] : alphas) {
-    INFO(square);
+  for (const auto& pair : alphas) {
+    const float square = pair[0], alpha = pair[1];
+    CAPTURE(square);
     CHECK(plain(square) == alpha);
     CHECK(decided(square) == alpha);
   }
