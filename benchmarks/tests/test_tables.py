@@ -2,6 +2,7 @@
 """benchmarks/update_tables.py: the tables of Markdown files are what the results give."""
 import collections
 import contextlib
+import copy
 import csv
 import dataclasses
 import functools
@@ -29,6 +30,40 @@ from tables.source import MACHINES, RESULTS, Source, backend, family  # noqa: E4
 COPIED = ("*.csv", "ulps.json", "formats.json", "python.json", "beside-gsplat*.json", "rivals.json",
           "planes*.json", "placed.json")
 ROOT = HERE.parent.parent
+ROWS = (  # (table, a line of it); synthetic_folder.py has the numbers behind them
+    ("steps gpu", "| baseline | `standard/per-pixel/opacity-box` " + 3 * "| 3.50 (1.00x) " +
+     "| 1.00x | 24.8 | 102.0 |"),
+    ("steps gpu", "| AR | `standard/axis-shared-half-split/opacity-box` " + 3 * "| 3.10 (1.13x) " +
+     "| 1.13x | 24.8 | 60.0 |"),
+    ("steps gpu", "| ES | `early/per-pixel/opacity-box` " + 3 * "| 3.30 (1.06x) " + "| 1.06x | 24.8 | 102.0 |"),
+    ("steps gpu", "| all, our terms | `adaptive/axis-shared-threshold-float-cholesky/opacity-box` " +
+     3 * "| 2.30 (1.52x) " + "| 1.52x | 24.8 | 102.0 |"),
+    ("accuracy many-cores", "| `axis-shared-half-split` " + 3 * "| 24.7500 (-0.0500) " + 3 * "| 60.0 " + "|"),
+    ("accuracy many-cores", "| `axis-shared-float-cholesky` " + 3 * "| 24.8000 (+0.0000) " + 3 * "| 102.0 " + "|"),
+    ("shares gpu", "| a GPU | garden, 1.5 M | 14.3 % | 28.6 % | 57.1 % | 21.7 % | 34.8 % | 43.5 % |"),
+    ("raster-stage gpu", "| AR + AT | `axis-shared-threshold-half-split` " + 3 * "| 1.50 (1.33x) " + "| 1.33x |"),
+    ("sort-stage gpu", "| garden, 1.5 M | three-sigma-square | 12.00 | 1.00 | 0.800 | 0.800 | -20.0 % "
+                       "| -20.0 % to -20.0 % | 2 of 2 | +0.0 % |"),
+    ("redundancy gpu", "| garden, 1.5 M, 2 views | three-sigma-square | 500,000 | 6,000,000 | 6,000,000 "
+                       "| 12.00 | 12.00 | 45.8 % |"),
+    ("bounds gpu", "| garden, 1.5 M | three-sigma-square | 6,000,000 | 0.500 | 0.800 | 1.00 | 2.30 | 102.0 |"),
+    ("pruned gpu", f"| `{OURS}` " + 2 * "| 2.30 (1.52x) " + "| 1.52x |"),
+    ("vanilla gpu", f"| `{OURS}` " + 3 * "| 2.30 (1.52x) " + "| 1.52x |"),
+    ("prune-quality gpu", "| garden | contribution | 1.5 M | 0.02 M | 90.0 % | 24.80 | 23.50 | 28.25 |"),
+    ("files gpu", "| `ceilings.json`, `harmonics-*.json`, `lenses.json`, `matrix.json`, `pruned.json`, "
+                  "`scaling-*.json`, `vanilla.json` | a GPU | 2026-11-21 | `000000000000` |"),
+    ("sort-growth gpu gaussians", "| garden | 0.1 | 2,000,000 | 1.00 | 0.800 | -20.0 % | -9.8 % |"),
+    ("balance gpu", "| garden, 1.5 M | 1,000 | 2,000 | 400 | 5.00 | 2,048 | 1,500 |"),
+    ("lenses gpu", "| pinhole | as stored | 500,000 | 0.500 | 0.800 | 1.00 | 2.30 | 1.00 |"),
+    ("lenses gpu", "| panorama | as stored | 2,000,000 | 2.00 | 0.800 | 1.00 | 3.80 | 1.65 |"),
+    ("lenses gpu", "| pinhole | in space | 500,000 | 0.250 | 0.800 | 1.00 | 2.05 | 1.00 |"),
+    ("lenses gpu", "| fisheye | in space | 1,500,000 | 0.750 | 0.800 | 1.00 | 2.55 | 1.24 |"),
+    ("harmonics gpu", "| fox, 0.2 M | bytes | 0.800 | 2.30 | 0.50 | 0.83 | 0.75 | 0.91 |"),
+    ("ceilings gpu", "a GPU:"),
+    ("ceilings gpu", "| copy in memory, read and written | 4.00 TB/s |"),
+    ("ceilings gpu", "| sort by 13 of 16 bits of the keys, 32-bit values "
+                     "| 0.1 M in 51 us; 1 M in 63 us; 10 M in 180 us |"),
+    ("ceilings gpu", "| sort by 32 bits of the keys, 32-bit values | 0.1 M in 53 us; 1 M in 82 us; 10 M in 370 us |"))
 
 
 def pages():
@@ -52,6 +87,10 @@ def without(row, member, value):
     if member in STAGES:
         return dataclasses.replace(row, ms={**row.ms, member: Duration(value, value, value)})
     return dataclasses.replace(row, **{member: value})
+
+
+def block(words):
+    return f"<!-- table: {words} -->\n<!-- end -->\n"
 
 
 def cells(text, first):
@@ -84,10 +123,31 @@ class Tables(unittest.TestCase):
             code = update_tables.main(["--results", str(results or self.results), *options, str(page)])
         return code, page.read_text(encoding="utf-8"), out.getvalue(), errors.getvalue()
 
-    def table(self, words):
-        code, text, _, error = self.update(f"<!-- table: {words} -->\n<!-- end -->\n")
+    def folder_with(self, files):
+        """A folder of results with these files alone, {MACHINE/NAME: content}."""
+        folder = pathlib.Path(tempfile.mkdtemp(dir=self.place))
+        for name, content in files.items():
+            (folder / name).parent.mkdir(exist_ok=True)
+            synthetic.write(folder / name, content)
+        return folder
+
+    def stored(self, name):
+        return json.loads((self.results / name).read_text(encoding="utf-8"))
+
+    def table(self, words, files=None):
+        """The page of a table that is made without an error, of `files` alone if they are given."""
+        code, text, _, error = self.update(block(words), results=files and self.folder_with(files))
         self.assertEqual((code, error), (0, ""))
         return text
+
+    def refused(self, words, files, message):
+        """The error that the table of `files` gives: one line, which names the last of them and holds `message`. The
+        block stays."""
+        code, text, _, error = self.update(block(words), results=self.folder_with(files))
+        self.assertEqual((code, text), (2, block(words)))
+        self.assertRegex(error, rf"\A[^\n]+/{pathlib.Path([*files][-1]).name}: [^\n]+\n\Z")
+        self.assertIn(message, error)
+        return error
 
     def test_a_block_is_written_anew_and_what_is_around_it_stays(self):
         code, text, _, _ = self.update("before\n<!-- table: paper-steps -->\nold\n<!-- end -->\nafter\n")
@@ -127,12 +187,7 @@ class Tables(unittest.TestCase):
             self.assertIn(message, error)
 
     def test_a_broken_result_file_is_one_line(self):
-        broken = self.place / "broken" / "gpu"
-        broken.mkdir(parents=True)
-        (broken / "matrix.json").write_text("{}", encoding="utf-8")
-        code, _, _, error = self.update("<!-- table: steps gpu -->\n<!-- end -->", results=broken.parent)
-        self.assertEqual(code, 2)
-        self.assertRegex(error, r"\A[^\n]+matrix.json: format None, version None; expected 'swiftgs-bench', 1\n\Z")
+        self.refused("steps gpu", {"gpu/matrix.json": {}}, "format None, version None; expected 'swiftgs-bench', 1\n")
 
     def test_every_table_of_the_pages_can_be_made_of_what_the_script_measures(self):
         for page in pages():
@@ -173,92 +228,55 @@ class Tables(unittest.TestCase):
     def test_a_row_that_a_table_divides_by_is_named_with_its_file_and_member(self):
         rows = synthetic_folder.growing("cuda", [({"enlarge": e, "intersections": 1e6 * e}, {}) for e in (0.5, 1, 2)])
         rows[-1]["intersections"] = None
-        folder = self.place / "null" / "gpu"
-        folder.mkdir(parents=True)
-        (folder / "scaling-occupancy.json").write_text(
-            json.dumps(synthetic_folder.synthetic.file_of(rows)), encoding="utf-8")
-        code, _, _, error = self.update("<!-- table: exponents gpu occupancy -->\n<!-- end -->\n", results=folder.parent)
-        self.assertEqual(code, 2)
-        self.assertRegex(error, r"\A[^\n]+/scaling-occupancy.json: intersections of cuda/[^\n]+ on view '0' of garden: "
-                                r"expected a number above 0\n\Z")
+        error = self.refused("exponents gpu occupancy", {"gpu/scaling-occupancy.json": synthetic.file_of(rows)},
+                             "intersections of cuda/")
+        self.assertRegex(error, r" on view '0' of garden: expected a number above 0\n\Z")
 
     def test_sorts_that_were_not_measured_at_the_same_places_are_not_set_side_by_side(self):
-        folder = self.place / "uneven" / "gpu"
-        folder.mkdir(parents=True)
         rows = [row for row in synthetic_folder.growing("cuda", [({"gaussians": n}, {}) for n in (1, 2)])
                 if row["gaussians"] == 1 or row["sort"] == "early"]
-        (folder / "scaling-gaussians.json").write_text(
-            json.dumps(synthetic_folder.synthetic.file_of(rows)), encoding="utf-8")
-        error = self.update("<!-- table: sort-growth gpu gaussians -->\n<!-- end -->\n", results=folder.parent)[3]
+        folder = self.folder_with({"gpu/scaling-gaussians.json": synthetic.file_of(rows)})
+        error = self.update(block("sort-growth gpu gaussians"), results=folder)[3]
         self.assertRegex(error, r"\A[^\n]+scaling-gaussians.json[^\n]*: garden: expected rows of [^\n]+\n\Z")
 
     def test_a_stage_is_shown_with_the_target_that_errs_most(self):
-        found = json.loads((self.results / "two-cores" / "ulps.json").read_text(encoding="utf-8"))
+        found = self.stored("two-cores/ulps.json")
         for row in found["rows"]:
             if row["stage"] == "`Exp2`":
                 row["ulps"] = 9.875 if row["target"] == "cpu AVX2" else 1
-        folder = self.place / "ulps" / "two-cores"
-        folder.mkdir(parents=True)
-        (folder / "ulps.json").write_text(json.dumps(found), encoding="utf-8")
-        _, text, _, error = self.update("<!-- table: ulps two-cores -->\n<!-- end -->\n", results=folder.parent)
-        self.assertEqual((error, cells(text, "`Exp2`")[2:]), ("", ["cpu AVX2", "9.88"]))
+        text = self.table("ulps two-cores", {"two-cores/ulps.json": found})
+        self.assertEqual(cells(text, "`Exp2`")[2:], ["cpu AVX2", "9.88"])
         found["rows"] = [row for row in found["rows"] if row["stage"] != "`l1`"]
-        (folder / "ulps.json").write_text(json.dumps(found), encoding="utf-8")
-        code, _, _, error = self.update("<!-- table: ulps two-cores -->\n<!-- end -->\n", results=folder.parent)
-        self.assertEqual(code, 2)
-        self.assertRegex(error, r"ulps.json: no row of `l1`; expected one of each stage\n\Z")
-
-    def test_speed_ups_are_against_the_baseline(self):
-        text = self.table("steps gpu")
-        self.assertEqual(cells(text, "baseline")[2:], ["3.50 (1.00x)"] * 3 + ["1.00x", "24.8", "102.0"])
-        self.assertEqual(cells(text, "AR")[2:], ["3.10 (1.13x)"] * 3 + ["1.13x", "24.8", "60.0"])
-        self.assertEqual(cells(text, "ES")[2:], ["3.30 (1.06x)"] * 3 + ["1.06x", "24.8", "102.0"])
-        self.assertEqual(cells(text, "all, our terms")[2:], ["2.30 (1.52x)"] * 3 + ["1.52x", "24.8", "102.0"])
+        self.refused("ulps two-cores", {"two-cores/ulps.json": found}, "no row of `l1`; expected one of each stage\n")
 
     def test_steps_have_photographs_where_any_is_known(self):
-        changed = json.loads((self.results / "gpu" / "matrix.json").read_text(encoding="utf-8"))
-        folder = self.place / "photographs"
-        (folder / "gpu").mkdir(parents=True)
+        changed = self.stored("gpu/matrix.json")
         for last, cell in ((OURS, ["-"]), ("", [])):
             for row in changed["rows"]:
                 if row["renderer"].endswith(last):
                     row["photo_psnr_db"] = None
-            synthetic.write(folder / "gpu" / "matrix.json", changed)
-            code, text, _, error = self.update("<!-- table: steps gpu -->\n<!-- end -->\n", results=folder)
-            self.assertEqual((code, error), (0, ""))
+            text = self.table("steps gpu", {"gpu/matrix.json": changed})
             self.assertEqual("photographs, mean, dB" in text, bool(cell))
             self.assertEqual(cells(text, "and our bounds")[-1 - len(cell):-1], cell)
             self.assertEqual(len({line.count("|") for line in text.splitlines() if line.startswith("|")}), 1)
 
     def test_the_headline_has_ten_renderers_on_every_machine_and_the_least_psnr(self):
-        text = self.table("headline gpu many-cores")
+        words = "headline gpu many-cores"
+        text = self.table(words)
         self.assertEqual(len([line for line in text.splitlines() if line.startswith("| `")]), 10)
         best = "`early/axis-shared-threshold-float-cholesky/ellipse`"
         self.assertEqual(cells(text, best)[1:], ["**ours**"] + 2 * ["2.30", "2.30", "102.0"])
         half = "`early/axis-shared-threshold-half-split/opacity-box`"
         self.assertEqual(cells(text, half)[1:], ["the paper's"] + 2 * ["2.80", "2.80", "60.0"])
         self.assertIn("`cpu` is a processor, 16 cores, 2 views a capture.", text.replace("\n", " "))
-        changed = json.loads((self.results / "many-cores" / "matrix.json").read_text(encoding="utf-8"))
+        files = {name: self.stored(name) for name in ("gpu/matrix.json", "many-cores/matrix.json")}
+        changed = files["many-cores/matrix.json"]
         for row in changed["rows"]:
             if row["scene"] == "fox" and row["view"] == "1":
                 row["psnr_db"] = 77.0
-        folder = self.place / "headline"
-        for machine in ("gpu", "many-cores"):
-            (folder / machine).mkdir(parents=True)
-        shutil.copy(self.results / "gpu" / "matrix.json", folder / "gpu")
-        synthetic_folder.synthetic.write(folder / "many-cores" / "matrix.json", changed)
-        text = self.update("<!-- table: headline gpu many-cores -->\n<!-- end -->\n", results=folder)[1]
-        self.assertEqual(cells(text, best)[4::3], ["102.0", "77.0"])
+        self.assertEqual(cells(self.table(words, files), best)[4::3], ["102.0", "77.0"])
         changed["rows"] = [row for row in changed["rows"] if row["scene"] != "fox"]
-        synthetic_folder.synthetic.write(folder / "many-cores" / "matrix.json", changed)
-        error = self.update("<!-- table: headline gpu many-cores -->\n<!-- end -->\n", results=folder)[3]
-        self.assertRegex(error, r"[^\n]+matrix.json: expected the captures of [^\n]+matrix.json\n\Z")
-
-    def test_loss_of_a_form_is_against_the_per_pixel_rasterizer(self):
-        text = self.table("accuracy many-cores")
-        self.assertEqual(cells(text, "`axis-shared-half-split`")[1:],
-                         ["24.7500 (-0.0500)"] * 3 + ["60.0"] * 3)
-        self.assertEqual(cells(text, "`axis-shared-float-cholesky`")[1:], ["24.8000 (+0.0000)"] * 3 + ["102.0"] * 3)
+        self.refused(words, files, "matrix.json: expected the captures of ")
 
     def test_the_square_of_a_preset_is_judged_with_and_without_its_cut(self):
         lines = [line for line in self.table("presets gpu").splitlines() if "three-sigma-square" in line]
@@ -266,72 +284,46 @@ class Tables(unittest.TestCase):
                          [["the square's part of it"] + ["101.5"] * 3, ["all that alpha keeps"] + ["102.0"] * 3])
 
     def test_errors_that_depend_on_the_sort_are_told(self):
-        same = self.table("sorts-change-nothing gpu")
-        self.assertNotIn("except", same)
+        self.assertNotIn("except", self.table("sorts-change-nothing gpu"))
         rows = synthetic_folder.matrix("cuda")
         next(row for row in rows if row["renderer"] == "cuda/early/per-pixel/ellipse")["max_abs"] = 0.004
-        other = self.place / "other" / "gpu"
-        other.mkdir(parents=True)
-        (other / "matrix.json").write_text(json.dumps(synthetic_folder.synthetic.file_of(rows)), encoding="utf-8")
-        text = self.update("<!-- table: sorts-change-nothing gpu -->\n<!-- end -->\n", results=other.parent)[1]
+        text = self.table("sorts-change-nothing gpu", {"gpu/matrix.json": synthetic.file_of(rows)})
         self.assertIn("except `per-pixel` on garden, 1.5 M.", text.replace("\n", " "))
 
-    def test_shares_and_ratios_of_stages(self):
-        shares = cells(self.table("shares gpu"), "a GPU")
-        self.assertEqual(shares[2:5], ["14.3 %", "28.6 %", "57.1 %"])
-        self.assertEqual(cells(self.table("raster-stage gpu"), "AR + AT")[2], "1.50 (1.33x)")
-        sort = cells(self.table("sort-stage gpu"), "garden, 1.5 M")
-        self.assertEqual(sort[2:], ["12.00", "1.00", "0.800", "0.800", "-20.0 %", "-20.0 % to -20.0 %", "2 of 2",
-                                    "+0.0 %"])
-
-    def test_redundancy_counts_intersections_a_visible_gaussian(self):
-        text = self.table("redundancy gpu")
-        self.assertEqual(cells(text, "garden, 1.5 M, 2 views")[1:],
-                         ["three-sigma-square", "500,000", "6,000,000", "6,000,000", "12.00", "12.00", "45.8 %"])
+    def test_rows_are_what_the_invented_numbers_give(self):
+        for words, line in ROWS:
+            with self.subTest(words=words):
+                self.assertIn(f"\n{line}\n", self.table(words))
 
     def test_bounds_stand_from_the_widest_to_the_tightest(self):
         text = self.table("bounds gpu")
         kinds = [line.split("|")[2].strip() for line in text.splitlines() if line.startswith("| garden, 1.5 M")]
         self.assertEqual(kinds, ["three-sigma-square", "opacity-box", "ellipse"])
-        self.assertEqual(cells(text, "garden, 1.5 M")[1:],
-                         ["three-sigma-square", "6,000,000", "0.500", "0.800", "1.00", "2.30", "102.0"])
-
-    def test_pruned_scenes_are_compared_as_whole_ones_are(self):
-        for table, scenes in (("pruned", 2), ("vanilla", 3)):
-            self.assertEqual(cells(self.table(f"{table} gpu"), f"`{OURS}`")[1:], scenes * ["2.30 (1.52x)"] + ["1.52x"])
-        self.assertEqual(cells(self.table("prune-quality gpu"), "garden")[1:],
-                         ["contribution", "1.5 M", "0.02 M", "90.0 %", "24.80", "23.50", "28.25"])
 
     def test_growth_is_fitted_and_its_turning_points_found(self):
         text = self.table("exponents gpu gaussians pixels occupancy")
-
-        def exponents(axis):
+        for axis, expected in (("million Gaussians", ["1.00 (1.00)", "0.00 (0.00)", "0.00 (0.00)"]),
+                               ("million pixels", ["0.00 (0.00)", "0.00 (0.00)", "1.00 (1.00)"]),
+                               ("intersections a tile", ["0.00 (0.00)", "1.00 (1.00)", "0.00 (0.00)"])):
             line = next(line for line in text.splitlines() if axis in line)
-            return [cell.strip() for cell in line.strip("| ").split(" | ")][2:5]
-
-        self.assertEqual(exponents("million Gaussians"), ["1.00 (1.00)", "0.00 (0.00)", "0.00 (0.00)"])
-        self.assertEqual(exponents("million pixels"), ["0.00 (0.00)", "0.00 (0.00)", "1.00 (1.00)"])
-        self.assertEqual(exponents("intersections a tile"), ["0.00 (0.00)", "1.00 (1.00)", "0.00 (0.00)"])
+            self.assertEqual(line.strip("| ").split(" | ")[2:5], expected)
         # Projection takes 0.5 ms a million, rasterization 1 ms.
         self.assertIn("| raster; from 2 project |", text)
 
     def test_launches_of_a_kernel_are_averaged(self):
         kernel = ("void swiftgs::kernels::raster_warps<swiftgs::kernels::CholeskyExponent, (bool)1, (bool)0>"
                   "(swiftgs::RasterJob)")
-        launches = ({"gpu__time_duration.sum": "153,000", "smsp__inst_executed.sum": "118,561,421",
-                     "dram__bytes.sum": "43,812,864", "launch__registers_per_thread": "56",
-                     "sm__warps_active.avg.pct_of_peak_sustained_active": "47.31",
-                     "smsp__issue_active.avg.pct_of_peak_sustained_active": "85.69"},
-                    {"gpu__time_duration.sum": "154,000", "smsp__inst_executed.sum": "118,561,421",
-                     "dram__bytes.sum": "43,800,000", "launch__registers_per_thread": "56",
-                     "sm__warps_active.avg.pct_of_peak_sustained_active": "47.41",
-                     "smsp__issue_active.avg.pct_of_peak_sustained_active": "86.01"})
+        metrics = {"gpu__time_duration.sum": ("153,000", "154,000"),
+                   "smsp__inst_executed.sum": ("118,561,421", "118,561,421"),
+                   "dram__bytes.sum": ("43,812,864", "43,800,000"), "launch__registers_per_thread": ("56", "56"),
+                   "sm__warps_active.avg.pct_of_peak_sustained_active": ("47.31", "47.41"),
+                   "smsp__issue_active.avg.pct_of_peak_sustained_active": ("85.69", "86.01")}
         with open(self.results / "gpu" / "kernels-made.csv", "w", encoding="utf-8", newline="") as file:
             write = csv.writer(file).writerow
             write(["ID", "Kernel Name", "Metric Name", "Metric Value"])
-            for number, metrics in enumerate(launches):
-                for name, value in metrics.items():
-                    write([number, kernel, name, value])
+            for launch in range(2):
+                for name, values in metrics.items():
+                    write([launch, kernel, name, values[launch]])
         row = cells(self.table("kernels gpu made"), "`raster_warps<CholeskyExponent, 1, 0>`")
         self.assertEqual(row[1:], ["2", "153.5", "118.56", "43.8", "56", "47", "86"])
 
@@ -352,53 +344,38 @@ class Tables(unittest.TestCase):
         self.assertEqual([line for line in some.splitlines() if line.startswith("| `")],
                          [line for line in every.splitlines() if line.startswith(("| `needles`", "| `mixtures`"))])
         self.assertIn("`ridges`, 960x540", self.table("stability gpu large ridges"))
-        error = self.update("<!-- table: stability gpu needle -->\n<!-- end -->\n")[3]
+        error = self.update(block("stability gpu needle"))[3]
         self.assertIn("/stress.json: no family 'needle'; expected 'large' or one of needles, ", error)
 
     def test_hard_frames_above_the_gate_or_without_a_number_stand_out(self):
-        folder = self.place / "hard" / "gpu"
-        folder.mkdir(parents=True)
         found = synthetic_folder.stress("cuda", ((64, 48),))
+        changes = {"per-pixel": {"strict_normalised_error": 12345.0},
+                   "axis-shared-half-split": {"strict_normalised_error": None},
+                   "axis-shared-float-split": {"failed": 1}, "axis-shared-float-cholesky": {"ambiguity": 1.0}}
         for row in found["rows"]:
             if row["family"] == "needles":
-                row.update({"per-pixel": {"strict_normalised_error": 12345.0}, "axis-shared-half-split": {"strict_normalised_error": None},
-                            "axis-shared-float-split": {"failed": 1},
-                            "axis-shared-float-cholesky": {"ambiguity": 1.0}}.get(row["raster"], {}))
-        synthetic_folder.synthetic.write(folder / "stress.json", found)
-        text = self.update("<!-- table: stability gpu -->\n<!-- end -->\n", results=folder.parent)[1]
-        self.assertEqual(cells(text, "`needles`")[1:], ["**1.2e+04** (2.0e-06)", "**failed**", "4.00† (4.0e-06)",
-                                                        "**inf** (4.0e-06)"])
+                row.update(changes.get(row["raster"], {}))
+        self.assertEqual(cells(self.table("stability gpu", {"gpu/stress.json": found}), "`needles`")[1:],
+                         ["**1.2e+04** (2.0e-06)", "**failed**", "4.00† (4.0e-06)", "**inf** (4.0e-06)"])
 
     def test_a_broken_file_of_hard_frames_is_one_line(self):
-        folder = self.place / "soft" / "gpu"
-        folder.mkdir(parents=True)
-        page = "<!-- table: stability gpu -->\n<!-- end -->\n"
         good = synthetic_folder.stress("cuda", ((64, 48),))
+        row = good["rows"][0]
         for change, message in (({"format": "swiftgs-bench"}, "expected 'swiftgs-stress', 1"),
                                 ({"rows": []}, "rows: expected an array that is not empty"),
                                 ({"rows": [{}]}, "rows[0].family: expected a string"),
-                                ({"rows": [{**good["rows"][0], "strict_normalised_error": "x"}]}, "rows[0].strict_normalised_error: expected a number"),
-                                ({"rows": [{**good["rows"][0], "backend": "cpu"}]}, "no rows of the backend 'cuda'")):
-            synthetic_folder.synthetic.write(folder / "stress.json", {**good, **change})
-            code, text, _, error = self.update(page, results=folder.parent)
-            self.assertEqual((code, text), (2, page))
-            self.assertRegex(error, r"\A[^\n]+/stress.json: [^\n]+\n\Z")
-            self.assertIn(message, error)
+                                ({"rows": [{**row, "strict_normalised_error": "x"}]},
+                                 "rows[0].strict_normalised_error: expected a number"),
+                                ({"rows": [{**row, "backend": "cpu"}]}, "no rows of the backend 'cuda'")):
+            self.refused("stability gpu", {"gpu/stress.json": {**good, **change}}, message)
 
     def test_a_broken_file_of_other_commands_is_one_line(self):
-        folder = self.place / "broken" / "many-cores"
-        folder.mkdir(parents=True)
-        for name, table, form in (("prune-fox-contribution.json", "prune-quality", "swiftgs-prune"),
-                                  ("ulps.json", "ulps", "swiftgs-ulps")):
-            page = f"<!-- table: {table} many-cores -->\n<!-- end -->\n"
-            missing = "before" if table == "prune-quality" else "rows"
+        for name, table, form, missing in (
+                ("prune-fox-contribution.json", "prune-quality", "swiftgs-prune", "before"),
+                ("ulps.json", "ulps", "swiftgs-ulps", "rows")):
             for found, message in (({"format": form, "version": 2}, f"version 2; expected '{form}', 1"),
                                    ({"format": form, "version": 1, "machine": {}}, f"{missing}: expected an ")):
-                synthetic_folder.synthetic.write(folder / name, found)
-                code, text, _, error = self.update(page, results=folder.parent)
-                self.assertEqual((code, text), (2, page))
-                self.assertRegex(error, rf"\A[^\n]+/{name}: [^\n]+\n\Z")
-                self.assertIn(message, error)
+                self.refused(f"{table} many-cores", {f"many-cores/{name}": found}, message)
 
     def test_formats_show_what_each_costs(self):
         single = self.table("formats two-cores")
@@ -410,118 +387,84 @@ class Tables(unittest.TestCase):
         self.assertEqual(cells(reads, "streamed SOG, level 0 of 3")[1], "0")
 
     def test_a_broken_file_of_formats_is_one_line(self):
-        folder = self.place / "broken" / "two-cores"
-        folder.mkdir(parents=True, exist_ok=True)
-        whole = json.loads((self.results / "two-cores" / "formats.json").read_text(encoding="utf-8"))
+        whole = self.stored("two-cores/formats.json")
         for member, broken, message in (("single", {}, "single: expected an array"),
                                         ("single", [{}], "file_format: expected a string"),
                                         ("read", [{"file_format": "a"}], "gaussians: expected a number"),
                                         ("scene", 1, "scene: expected a string")):
-            (folder / "formats.json").write_text(json.dumps({**whole, member: broken}), encoding="utf-8")
-            code, _, _, error = self.update("<!-- table: formats two-cores -->\n<!-- end -->\n", results=folder.parent)
-            self.assertEqual(code, 2)
-            self.assertRegex(error, r"\A[^\n]+/formats.json: [^\n]+\n\Z")
-            self.assertIn(message, error)
+            self.refused("formats two-cores", {"two-cores/formats.json": {**whole, member: broken}}, message)
 
     def test_what_python_adds_is_the_difference_outside_of_the_stages(self):
-        folder, one = self.place / "python" / "two-cores", {"p10": 1, "median": 2}
-        folder.mkdir(parents=True)
+        words, file, one = "python two-cores", "two-cores/python.json", {"p10": 1, "median": 2}
         row = {"scene": "fox", "gaussians": 5000, "renderer": "cpu/a/b/c", "cpp_ms": {"p10": 4, "median": 5},
-               "python_ms": {"out": {"p10": 5, "median": 8}, "new": one}, "cpp_outside_us": one, "python_outside_us": {"p10": 21, "median": 32}}
-        page = "<!-- table: python two-cores -->\n<!-- end -->\n"
-        good = {"format": "swiftgs-python", "version": 1, "machine": {"cpu": "a processor", "cores": 2}}
-        synthetic_folder.synthetic.write(folder / "python.json", {**good, "rows": [row]})
-        code, text, _, error = self.update(page, results=folder.parent)
-        self.assertEqual((code, error), (0, ""))
+               "python_ms": {"out": {"p10": 5, "median": 8}, "new": one}, "cpp_outside_us": one,
+               "python_outside_us": {"p10": 21, "median": 32}}
+        good = {"format": "swiftgs-python", "version": 1, "machine": {"cpu": "a processor", "cores": 2}, "rows": [row]}
+        text = self.table(words, {file: good})
         self.assertIn("| a processor, 2 cores | fox, 5,000 | median | 200 | 125 | 500 | - | 30 |", text)
         self.assertIn("| a processor, 2 cores | fox, 5,000 | p10 | 250 | 200 | 1,000 | - | 20 |", text)
         for broken, message in (({"python_ms": {}}, "python_ms: expected an object with out and new"),
                                 ({"cpp_ms": {"p10": 1}}, "median: expected a number"),
                                 ({"cpp_outside_us": None}, "expected an object"),
                                 ({"scene": 1}, "scene: expected a string")):
-            synthetic_folder.synthetic.write(folder / "python.json", {**good, "rows": [{**row, **broken}]})
-            code, text, _, error = self.update(page, results=folder.parent)
-            self.assertEqual((code, text), (2, page))
-            self.assertRegex(error, r"\A[^\n]+/python.json: [^\n]+\n\Z")
-            self.assertIn(message, error)
+            self.refused(words, {file: {**good, "rows": [{**row, **broken}]}}, message)
 
     def test_gsplat_is_shown_by_its_times(self):
-        folder = self.place / "gsplat" / "gpu"
-        folder.mkdir(parents=True)
+        words, file = "beside-gsplat gpu", "gpu/beside-gsplat.json"
         ms = {"swiftgs": 1, "swiftgs, matrices on the host": 0.9, "swiftgs, scene kept": 0.5, "gsplat": 2,
               "gsplat, not packed": 1.5}
         row = {"scene": "fox", "gaussians": 5000, "camera_model": "pinhole", "views": 2, "ms": ms,
                "between_db": [106.0, 99.5]}
         good = {"format": "swiftgs-beside-gsplat", "version": 1, "rows": [row]}
-        page = "<!-- table: beside-gsplat gpu -->\n<!-- end -->\n"
-        synthetic_folder.synthetic.write(folder / "beside-gsplat.json", good)
-        code, text, _, error = self.update(page, results=folder.parent)
-        self.assertEqual((code, error), (0, ""))
-        self.assertIn("| fox, 5,000 | pinhole | 2 | 1.00 | 0.900 | 2.00 | 1.50 | 0.500 | 99.5 |", text)
-        for broken, message in (({"rows": [{**row, "ms": {}}]}, "swiftgs: expected a number"),
-                                ({"rows": [{**row, "between_db": []}]}, "a list between_db that is not empty")):
-            synthetic_folder.synthetic.write(folder / "beside-gsplat.json", {**good, **broken})
-            code, text, _, error = self.update(page, results=folder.parent)
-            self.assertEqual((code, text), (2, page))
-            self.assertIn(message, error)
+        self.assertIn("| fox, 5,000 | pinhole | 2 | 1.00 | 0.900 | 2.00 | 1.50 | 0.500 | 99.5 |",
+                      self.table(words, {file: good}))
+        for broken, message in (({"ms": {}}, "swiftgs: expected a number"),
+                                ({"between_db": []}, "a list between_db that is not empty")):
+            self.refused(words, {file: {**good, "rows": [{**row, **broken}]}}, message)
 
     def test_worlds_beside_gsplat_are_shown_by_times_and_images_of_the_fastest_call(self):
-        folder = self.place / "worlds" / "gpu"
-        folder.mkdir(parents=True)
+        words, file = "beside-gsplat-worlds gpu", "gpu/beside-gsplat-worlds.json"
         ms = {"swiftgs": 4, "swiftgs, matrices on the host": 3.2, "gsplat, not packed": 16}
         row = {"worlds": 64, "gaussians": 20_000, "views": 16, "size": [128, 96], "ms": ms, "between_db": [90.2, 88.1]}
         good = {"format": "swiftgs-beside-gsplat", "version": 1, "rows": [], "worlds": [row]}
-        page = "<!-- table: beside-gsplat-worlds gpu -->\n<!-- end -->\n"
-        synthetic_folder.synthetic.write(folder / "beside-gsplat-worlds.json", good)
-        code, text, _, error = self.update(page, results=folder.parent)
-        self.assertEqual((code, error), (0, ""))
-        self.assertIn("| 64 of 20,000 | 16 of 128x96 | 4.00 | 3.20 | 16.0 | 320,000 | 64,000 | 88.1 |", text)
-        for broken, message in (({"worlds": None}, "worlds: expected an array"),
-                                ({"worlds": [{**row, "ms": {**ms, "gsplat, not packed": None}}]},
-                                 "gsplat, not packed: expected a number"),
-                                ({"worlds": [{**row, "ms": {**ms, "gsplat, not packed": 0}}]}, "expected times above 0"),
-                                ({"worlds": [{**row, "size": 128}]}, "expected times above 0 and a list size"),
-                                ({"worlds": [{**row, "between_db": None}]}, "worlds[0]: expected an object ms and a list")):
-            synthetic_folder.synthetic.write(folder / "beside-gsplat-worlds.json", {**good, **broken})
-            code, text, _, error = self.update(page, results=folder.parent)
-            self.assertEqual((code, text), (2, page))
-            self.assertIn(message, error)
+        self.assertIn("| 64 of 20,000 | 16 of 128x96 | 4.00 | 3.20 | 16.0 | 320,000 | 64,000 | 88.1 |",
+                      self.table(words, {file: good}))
+        self.refused(words, {file: {**good, "worlds": None}}, "worlds: expected an array")
+        for broken, message in (({"ms": {**ms, "gsplat, not packed": None}}, "gsplat, not packed: expected a number"),
+                                ({"ms": {**ms, "gsplat, not packed": 0}}, "expected times above 0"),
+                                ({"size": 128}, "expected times above 0 and a list size"),
+                                ({"between_db": None}, "worlds[0]: expected an object ms and a list")):
+            self.refused(words, {file: {**good, "worlds": [{**row, **broken}]}}, message)
 
     def test_rivals_count_by_their_fastest_call_and_worst_view(self):
-        folder = self.place / "rivals" / "gpu"
-        folder.mkdir(parents=True)
+        words, file = "rivals gpu", "gpu/rivals.json"
         ms = {"gsplat": 3, "gsplat, not packed": 2, "HiGS, tiles of 8": 0.5, "HiGS, tiles of 16": 0.6, "SwiftGS": 0.4}
         errors = {call: {"psnr_db": 90 - 10 * ms[call]} for call in ms}
-        row = {"scene": "fox", "gaussians": 200_000, "size": [640, 480], "ms": ms}
         worse = {call: {"psnr_db": errors[call]["psnr_db"] - 20} for call in ms}
+        row = {"scene": "fox", "gaussians": 200_000, "size": [640, 480], "ms": ms}
         good = {"format": "swiftgs-rivals", "version": 1,
                 "machine": {"gpu": "a GPU", "date": "2026-11-21", "commit": 40 * "0"},
                 "rows": [row, {**row, "errors": errors}, {**row, "errors": worse}]}
-        page = "<!-- table: rivals gpu -->\n<!-- end -->\n"
-        synthetic_folder.synthetic.write(folder / "rivals.json", good)
-        code, text, _, error = self.update(page, results=folder.parent)
-        self.assertEqual((code, error), (0, ""))
+        text = self.table(words, {file: good})
         for line in ("| gsplat | 2.00 | 50.0 |", "| HiGS | 0.500 | 65.0 |", "| **SwiftGS** | 0.400 | 66.0 |"):
             self.assertIn(line, text)
         self.assertIn("3 views of fox (0.2 M Gaussians, 640x480)", text)
         self.assertIn("the worst of 2 views", text.replace("\n", " "))
         self.assertNotIn("Faster-GS", text)
-        faster = [{**each, "ms": {**ms, "Faster-GS": 1}, **({"errors": {**each["errors"], "Faster-GS": {"psnr_db": 80}}}
-                                                            if "errors" in each else {})} for each in good["rows"]]
-        synthetic_folder.synthetic.write(folder / "rivals.json", {**good, "rows": faster})
-        self.assertIn("| Faster-GS | 1.00 | 80.0 |", self.update(page, results=folder.parent)[1])
-        figure = rivals_figure.draw(rivals_figure.found_in(Source(folder.parent)))
+        faster = copy.deepcopy(good)
+        for each in faster["rows"]:
+            each["ms"]["Faster-GS"] = 1
+            each.get("errors", {})["Faster-GS"] = {"psnr_db": 80}
+        place = self.folder_with({file: faster})
+        self.assertIn("| Faster-GS | 1.00 | 80.0 |", self.update(block(words), results=place)[1])
+        figure = rivals_figure.draw(rivals_figure.found_in(Source(place)))
         self.assertEqual(figure.count(f'fill="{rivals_figure.COLOURS["Faster-GS"]}"'), 2)  # its name and its point
         for broken, message in (({"ms": {}}, "gsplat: expected a number"), ({"errors": {}}, "expected an object"),
                                 ({"errors": []}, "expected objects ms and errors")):
-            synthetic_folder.synthetic.write(folder / "rivals.json", {**good, "rows": [{**row, **broken}]})
-            code, text, _, error = self.update(page, results=folder.parent)
-            self.assertEqual((code, text), (2, page))
-            self.assertIn(message, error)
+            self.refused(words, {file: {**good, "rows": [{**row, **broken}]}}, message)
 
     def test_frames_with_planes_are_compared_with_the_fastest_frame_of_colour(self):
-        folder = self.place / "planes-rivals" / "gpu"
-        folder.mkdir(parents=True)
+        words, file = "planes-rivals gpu", "gpu/planes-rivals.json"
         ms = {"SwiftGS": 0.42, "SwiftGS, colour alone": 0.4, "SwiftGS, depth": 0.5, "SwiftGS, id": 0.6, "gsplat": 3,
               "gsplat, not packed": 2, "gsplat, depth": 2.5, "gsplat, not packed, depth": 2.6,
               "gsplat, not packed, id": 5}
@@ -529,32 +472,18 @@ class Tables(unittest.TestCase):
         good = {"format": "swiftgs-rivals", "version": 1,
                 "machine": {"gpu": "a GPU", "date": "2026-11-21", "commit": 40 * "0"},
                 "rows": [{**row, "ms": {call: time * factor for call, time in ms.items()}} for factor in (9, 1, 0.5)]}
-        page = "<!-- table: planes-rivals gpu -->\n<!-- end -->\n"
-        synthetic_folder.synthetic.write(folder / "planes-rivals.json", good)
-        code, text, _, error = self.update(page, results=folder.parent)
-        self.assertEqual((code, error), (0, ""))
+        text = self.table(words, {file: good})
         for line in ("| SwiftGS | colour | 0.400 | - |", "| SwiftGS | alpha, expected depth | 0.500 | 1.25 |",
                      "| SwiftGS | id of the largest weight | 0.600 | 1.50 |", "| gsplat | colour | 2.00 | - |",
                      "| gsplat | alpha, expected depth | 2.50 | 1.25 |",
                      "| gsplat | id of the largest weight | 5.00 | 2.50 |"):
             self.assertIn(line, text)
         del ms["gsplat, depth"]
-        synthetic_folder.synthetic.write(folder / "planes-rivals.json", {**good, "rows": [row]})
-        code, text, _, error = self.update(page, results=folder.parent)
-        self.assertEqual((code, text), (2, page))
-        self.assertIn("gsplat, depth: expected a number", error)
+        self.refused(words, {file: {**good, "rows": [row]}}, "gsplat, depth: expected a number")
 
     def test_the_figure_of_rivals_shows_the_results(self):
         figure = ROOT / "docs/images/rivals.svg"
         self.assertEqual(figure.read_text(encoding="utf-8"), rivals_figure.draw(rivals_figure.found_in(Source())))
-
-    def test_files_of_one_run_stand_in_one_row(self):
-        self.assertEqual(cells(self.table("files gpu"), "`ceilings.json`, `harmonics-*.json`, `lenses.json`, `matrix.json`, `pruned.json`, `scaling-*.json`, `vanilla.json`")[1:],
-                         ["a GPU", "2026-11-21", "`000000000000`"])
-
-    def test_both_sorts_stand_side_by_side_along_an_axis(self):
-        self.assertEqual(cells(self.table("sort-growth gpu gaussians"), "garden")[1:],
-                         ["0.1", "2,000,000", "1.00", "0.800", "-20.0 %", "-9.8 %"])
 
     def test_a_host_is_not_called_by_its_gpu(self):
         self.assertIn("\na processor, 16 cores, ", self.table("exponents gpu threads"))
@@ -567,9 +496,8 @@ class Tables(unittest.TestCase):
                       "take. Most time is to be gained from `raster` in garden, 1.5 M: 987 of 1,000 us.", text)
 
     def test_balanced_times_are_of_the_first_views_that_have_them(self):
-        text = self.table("balance gpu")
-        self.assertEqual(cells(text, "garden, 1.5 M")[1:], ["1,000", "2,000", "400", "5.00", "2,048", "1,500"])
-        found = json.loads((self.results / "gpu" / "matrix.json").read_text(encoding="utf-8"))
+        words, file = "balance gpu", "gpu/matrix.json"
+        found = self.stored(file)
         for row in found["rows"]:
             if row["scene"] == "fox":
                 row["counted_ms"]["balanced"] = 0
@@ -577,26 +505,18 @@ class Tables(unittest.TestCase):
                 del row["counted_ms"]
             elif row["scene"] == "garden":
                 row["counted_ms"] = {"raster": 3, "balanced": 2}
-        folder = self.place / "balance" / "gpu"
-        folder.mkdir(parents=True)
-        page = "<!-- table: balance gpu -->\n<!-- end -->\n"
-        synthetic_folder.synthetic.write(folder / "matrix.json", found)
-        text = self.update(page, results=folder.parent)[1]
+        text = self.table(words, {file: found})
         self.assertEqual(cells(text, "garden, 1.5 M")[1:5], ["1,000", "3,000", "2,000", "1.50"])
         self.assertEqual(cells(text, "fox, 0.2 M")[1:5], ["1,000", "2,000", "0", "-"])
         self.assertNotIn("builtin", text)
         for row in found["rows"]:
             row.pop("counted_ms", None)
-        synthetic_folder.synthetic.write(folder / "matrix.json", found)
-        code, text, _, _ = self.update(page, results=folder.parent)
-        self.assertEqual(code, 0)
+        text = self.table(words, {file: found})
         self.assertIn("No row of `matrix.json` has a balanced time", text)
         self.assertNotIn("|", text)
         found["rows"][-1]["counted_ms"] = {"raster": 3, "balanced": -1}
-        synthetic_folder.synthetic.write(folder / "matrix.json", found)
-        code, _, _, error = self.update(page, results=folder.parent)
-        self.assertEqual(code, 2)
-        self.assertIn(f"rows[{len(found['rows']) - 1}].counted_ms.balanced: expected a number that is not", error)
+        self.refused(words, {file: found}, f"rows[{len(found['rows']) - 1}].counted_ms.balanced: "
+                                           "expected a number that is not")
 
     def test_a_sort_stands_beside_its_memory_and_beside_cub(self):
         rows = [line for line in self.table("gaps gpu").splitlines() if line.startswith("| garden, 1.5 M | sort |")]
@@ -607,42 +527,19 @@ class Tables(unittest.TestCase):
     def test_lenses_stand_beside_the_pinhole_in_the_same_order(self):
         text = self.table("lenses gpu")
         self.assertIn("garden, 1.5 M, milliseconds, means over 4 views:", text)
-        self.assertIn("| pinhole | as stored | 500,000 | 0.500 | 0.800 | 1.00 | 2.30 | 1.00 |", text)
-        self.assertIn("| panorama | as stored | 2,000,000 | 2.00 | 0.800 | 1.00 | 3.80 | 1.65 |", text)
-        self.assertIn("| pinhole | in space | 500,000 | 0.250 | 0.800 | 1.00 | 2.05 | 1.00 |", text)
-        self.assertIn("| fisheye | in space | 1,500,000 | 0.750 | 0.800 | 1.00 | 2.55 | 1.24 |", text)
         self.assertEqual(sum(line.startswith("| ") for line in text.splitlines()), 10)
 
     def test_lenses_that_were_not_measured_are_one_line(self):
-        folder = self.place / "glass" / "gpu"
-        folder.mkdir(parents=True)
-        page, rows = "<!-- table: lenses gpu -->\n<!-- end -->\n", [
-            synthetic_folder.row("cuda", synthetic_folder.BEST, f"garden-{lens}", view="0") for lens in ("pinhole", "opencv")]
-        for found, message in ((rows, "no row of early/axis-shared-threshold-float-cholesky/ellipse on garden-fisheye "),
-                               (rows[1:], "first scene 'garden-opencv'; expected one that ends in '-pinhole'")):
-            synthetic.write(folder / "lenses.json", synthetic.file_of(found))
-            code, text, _, error = self.update(page, results=folder.parent)
-            self.assertEqual((code, text), (2, page))
-            self.assertRegex(error, r"\A[^\n]+/lenses.json: [^\n]+\n\Z")
-            self.assertIn(message, error)
-
-    def test_forms_of_harmonics_stand_beside_floats(self):
-        self.assertEqual(cells(self.table("harmonics gpu"), "fox, 0.2 M")[1:],
-                         ["bytes", "0.800", "2.30", "0.50", "0.83", "0.75", "0.91"])
-
-    def test_ceilings_are_shown_as_measured(self):
-        text = self.table("ceilings gpu")
-        self.assertIn("\na GPU:\n", text)
-        self.assertEqual(cells(text, "copy in memory, read and written")[1], "4.00 TB/s")
-        self.assertEqual(cells(text, "sort by 13 of 16 bits of the keys, 32-bit values")[1],
-                         "0.1 M in 51 us; 1 M in 63 us; 10 M in 180 us")
-        self.assertTrue(any(line.startswith("| sort by 32 bits of the keys") for line in text.splitlines()))
+        rows = [synthetic_folder.row("cuda", synthetic_folder.BEST, f"garden-{lens}", view="0")
+                for lens in ("pinhole", "opencv")]
+        for found, message in (
+                (rows, "no row of early/axis-shared-threshold-float-cholesky/ellipse on garden-fisheye "),
+                (rows[1:], "first scene 'garden-opencv'; expected one that ends in '-pinhole'")):
+            self.refused("lenses gpu", {"gpu/lenses.json": synthetic.file_of(found)}, message)
 
     def test_a_broken_file_of_ceilings_and_one_of_another_device_are_one_line(self):
-        folder = self.place / "low" / "gpu"
-        folder.mkdir(parents=True)
-        shutil.copy(self.results / "gpu" / "matrix.json", folder)
         good = synthetic_folder.ceilings()
+        matrix = (self.results / "gpu" / "matrix.json").read_text(encoding="utf-8")
         row, of_row = good["sorts"][0], "sorts[0]: expected key_bits, sorted_bits, growing pairs, and as many us"
         for change, message in (({"version": 2}, "version 2; expected 'swiftgs-ceilings', 1"),
                                 ({"copy_bytes_per_s": 0}, "copy_bytes_per_s: expected a number above 0"),
@@ -655,13 +552,9 @@ class Tables(unittest.TestCase):
                                 ({"sorts": [{**row, "pairs": [], "us": []}]}, of_row),
                                 ({"sorts": good["sorts"][:2]}, "expected one with key_bits 64 and sorted_bits 45"),
                                 ({"machine": {"gpu": "b"}}, "measured on b; expected a GPU, as matrix.json")):
-            synthetic.write(folder / "ceilings.json", {**good, **change})
             for name in ("gaps", "largest-gap"):
-                page = f"<!-- table: {name} gpu -->\n<!-- end -->\n"
-                code, text, _, error = self.update(page, results=folder.parent)
-                self.assertEqual((code, text), (2, page))
-                self.assertRegex(error, r"\A[^\n]+/ceilings.json: [^\n]+\n\Z")
-                self.assertIn(message, error)
+                self.refused(f"{name} gpu", {"gpu/matrix.json": matrix, "gpu/ceilings.json": {**good, **change}},
+                             message)
 
 
 class Kept(unittest.TestCase):

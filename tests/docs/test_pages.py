@@ -126,44 +126,37 @@ class Checks(unittest.TestCase):
         page.write_text(text, encoding="utf-8")
         return check(self.root, page)
 
-    def test_a_number_that_nothing_checks_is_found(self):
-        for text in ("It has 95 dB.", "It has 95 or more, at\n95 dB.", "| half | 58 to 78 dB |", "95.5dB", "10 decibels",
-                     "worse by three to twelve decibels", "- tens of dB\n"):
-            self.assertTrue(self.wrong(text), text)
+    def test_all_that_is_wrong_is_found_and_nothing_else(self):
+        tested = "<!-- tested: tests/some_test.cpp -->"
+        block = "<!-- table: steps gpu -->\n\n| 95 dB |\n\n<!-- end -->\n"
+        quote = "Text.\n\n<!-- lines of tests/some_test.cpp -->\n```cpp\n{}\n```\n"
+        words = 30 * "word "
+        for check, text, count in (
+                (untested, "It has 95 dB.", 1), (untested, "It has 95 or more, at\n95 dB.", 1),
+                (untested, "| half | 58 to 78 dB |", 2), (untested, "95.5dB", 1), (untested, "10 decibels", 1),
+                (untested, "worse by three to twelve decibels", 2), (untested, "- tens of dB\n", 1),
+                (untested, f"At least\n95 dB. {tested}\n\nNo number of dB.", 0),
+                (untested, f"1.5 to 95 dB {tested}", 0), (untested, f"5 dB {tested}", 1),
+                (untested, f"95 dB\n\nNext. {tested}", 2), (untested, block, 0),
+                (untested, f"At 95 dB\n{block}and 94 dB", 2),
+                (misquoted, quote.format("CHECK(floor >= 95);\n\n  CHECK(x > 1.5);"), 0),
+                (misquoted, quote.format("CHECK(x > 1.5);"), 0), (misquoted, quote.format("CHECK(floor >= 9);"), 1),
+                (misquoted, quote.format("CHECK(x > 1.5);\nCHECK(floor >= 95);"), 1),
+                (long_lines, f"| {words} |", 0), (long_lines, f"```\n{words}\n```", 0), (long_lines, 130 * "w", 0),
+                (long_lines, f"<!-- table: a -->\n{words}\n<!-- end -->", 0),
+                (long_lines, f"```\n{words}\n```\n{words}", 1)):
+            with self.subTest(check=check.__name__, text=text):
+                self.assertEqual(len(self.wrong(text, check)), count)
+
+    def test_what_is_wrong_is_named_with_its_place(self):
         self.assertEqual(self.wrong("First.\n\nAt most\n95 dB."),
                          ["page.md:3: '95 dB'; expected a generated table or <!-- tested: FILE -->"])
-        self.assertEqual(len(self.wrong("58 to 78 dB")), 2)
-
-    def test_a_number_in_a_named_test_passes(self):
-        tested = "<!-- tested: tests/some_test.cpp -->"
-        self.assertEqual(self.wrong(f"At least\n95 dB. {tested}\n\nNo number of dB."), [])
-        self.assertEqual(self.wrong(f"1.5 to 95 dB {tested}"), [])
-        self.assertEqual(self.wrong(f"94 dB {tested}"), ["page.md:1: '94 dB' is not in tests/some_test.cpp"])
-        self.assertEqual(len(self.wrong(f"5 dB {tested}")), 1)
-        self.assertEqual(len(self.wrong(f"95 dB\n\nNext. {tested}")), 2)
-
-    def test_a_test_that_is_not_there_is_named(self):
+        self.assertEqual(self.wrong("94 dB <!-- tested: tests/some_test.cpp -->"),
+                         ["page.md:1: '94 dB' is not in tests/some_test.cpp"])
         for name in ("tests/other_test.cpp", "page.md", "tests"):
             self.assertIn(f"'{name}' is no test", self.wrong(f"95 dB <!-- tested: {name} -->")[0])
-
-    def test_generated_tables_are_left_out_and_what_is_around_them_is_not(self):
-        block = "<!-- table: steps gpu -->\n\n| 95 dB |\n\n<!-- end -->\n"
-        self.assertEqual(self.wrong(block), [])
-        self.assertEqual(len(self.wrong(f"At 95 dB\n{block}and 94 dB")), 2)
-
-    def test_lines_that_a_file_does_not_have_in_this_order_are_found(self):
-        quote = "Text.\n\n<!-- lines of tests/some_test.cpp -->\n```cpp\n{}\n```\n"
-        for lines in ("CHECK(floor >= 95);\n\n  CHECK(x > 1.5);", "CHECK(x > 1.5);"):
-            self.assertEqual(self.wrong(quote.format(lines), misquoted), [])
-        for lines in ("CHECK(floor >= 9);", "CHECK(x > 1.5);\nCHECK(floor >= 95);"):
-            self.assertEqual(len(self.wrong(quote.format(lines), misquoted)), 1)
-
-    def test_long_lines_of_prose_are_found(self):
-        words = 30 * "word "
-        self.assertEqual(self.wrong(f"short\n{words}", long_lines), ["page.md:2: 150 columns; expected 120 at most"])
-        for text in (f"| {words} |", f"```\n{words}\n```", f"<!-- table: a -->\n{words}\n<!-- end -->", 130 * "w"):
-            self.assertEqual(self.wrong(text, long_lines), [], text)
-        self.assertEqual(len(self.wrong(f"```\n{words}\n```\n{words}", long_lines)), 1)
+        self.assertEqual(self.wrong(f"short\n{30 * 'word '}", long_lines),
+                         ["page.md:2: 150 columns; expected 120 at most"])
 
 
 if __name__ == "__main__":
