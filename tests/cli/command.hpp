@@ -15,6 +15,15 @@ namespace swiftgs::test {
 
 inline std::ptrdiff_t lines_in(const std::string& text) { return std::count(text.begin(), text.end(), '\n'); }
 
+/// Checks that `text` holds all `parts`.
+inline void check_holds(const std::string& text, std::initializer_list<std::string> parts) {
+  CAPTURE(text);
+  for (const std::string& part : parts) {
+    CAPTURE(part);
+    CHECK(contains(text, part));
+  }
+}
+
 /// What a command said and how it ended.
 struct Outcome {
   int code = -1;  ///< -1 if it was killed
@@ -67,11 +76,8 @@ inline std::string refusal(const TemporaryFolder& place, const std::string& argu
 /// The same of a line that holds all `parts`.
 inline void fails(const TemporaryFolder& place, const std::string& arguments,
                   std::initializer_list<std::string> parts) {
-  const std::string told = refusal(place, arguments);
-  for (const std::string& part : parts) {
-    CAPTURE(told);
-    CHECK(contains(told, part));
-  }
+  CAPTURE(arguments);
+  check_holds(refusal(place, arguments), parts);
 }
 
 }  // namespace swiftgs::test

@@ -45,9 +45,8 @@ void fails(const Place& place, const std::string& arguments, const std::string& 
 
 TEST_CASE("cli convert: a scene without edits is written as it is") {
   const Place place;
-  const std::string text = run(place, "convert a.ply b.ply").out;
-  CHECK(contains(text, "\nread              300          0      3 "));
-  CHECK(contains(text, "\nwritten           300          0      3 "));
+  check_holds(run(place, "convert a.ply b.ply").out,
+              {"\nread              300          0      3 ", "\nwritten           300          0      3 "});
   const Scene b = load_scene(place / "b.ply");
   CHECK(b.means == place.a.means);
   CHECK(b.sh_rest == place.a.sh_rest);
@@ -95,15 +94,11 @@ TEST_CASE("cli convert: edits are those of the library") {
 
 TEST_CASE("cli convert: the text and the results tell what was read, left out and written") {
   const Place place;
-  const std::string text =
-      run(place, "convert a.ply b.ply --degree 1 --crop half-space:1,0,0,0 --json b.json").out;
+  check_holds(run(place, "convert a.ply b.ply --degree 1 --crop half-space:1,0,0,0 --json b.json").out,
+              {"\nedited ", " --crop half-space:1,0,0,0\n"});
   const json result = json_in(place / "b.json");
   CHECK(members_of(result) == std::set<std::string>{"format", "version", "machine", "command", "notes",
                                                     "inputs", "steps", "output"});
-  CHECK(members_of(result["output"]) == std::set<std::string>{"file", "file_format", "bytes", "stored",
-                                                              "gaussians", "sh_degree", "antialiased",
-                                                              "seconds"});
-  CHECK(result["format"] == "swiftgs-convert");
   const std::size_t left = load_scene(place / "b.ply").size();
   CHECK(left > 0);
   CHECK(left < 300);
@@ -117,8 +112,6 @@ TEST_CASE("cli convert: the text and the results tell what was read, left out an
   CHECK(result["output"]["gaussians"] == left);
   CHECK(result["output"]["sh_degree"] == 1);
   CHECK(result["output"]["bytes"] == std::filesystem::file_size(place / "b.ply"));
-  CHECK(contains(text, "\nedited "));
-  CHECK(contains(text, " --crop half-space:1,0,0,0\n"));
 }
 
 TEST_CASE("cli convert: what a format leaves out is told of the file that is written") {
@@ -127,10 +120,9 @@ TEST_CASE("cli convert: what a format leaves out is told of the file that is wri
   scene.antialiased = true;
   write_scene(place / "b.ply", scene);
   const Outcome outcome = run_noting(place, "convert b.ply b.splat --json b.json");
-  const std::string& text = outcome.out;
   CHECK(contains(outcome.err, "swiftgs: b.splat: "));
-  CHECK(contains(text, "\nread              300          0      3 "));
-  CHECK(contains(text, "\nwritten           300          0      0 "));
+  check_holds(outcome.out,
+              {"\nread              300          0      3 ", "\nwritten           300          0      0 "});
   const json result = json_in(place / "b.json");
   check_members(result["inputs"][0], R"({"sh_degree": 3, "antialiased": true})");
   check_members(result["output"], R"({"sh_degree": 0, "antialiased": false})");
@@ -152,15 +144,12 @@ TEST_CASE("cli convert: --level chooses the level of detail of a streamed SOG") 
   fails(place, "lod-meta.json b.ply --level 2", "expected level 2 of detail, found 2 levels, 0 to 1");
 }
 
-TEST_CASE(
-    "cli convert: only scenes that are alike antialiased are joined, unless an option says what they are") {
+TEST_CASE("cli convert: antialiased scenes and others are joined only where an option says what they are") {
   const Place place;
   Scene other = place.a;
   other.antialiased = true;
   write_scene(place / "other.ply", other);
-  fails(place, "a.ply other.ply b.ply",
-        "other.ply: expected a scene that is not antialiased as a.ply, found one that is antialiased; "
-        "--antialiased yes or no decides");
+  fails(place, "a.ply other.ply b.ply", "other.ply: expected a scene that is not antialiased as a.ply");
   for (const std::string said : {"yes", "no"}) {
     run(place, "convert a.ply other.ply b.ply --antialiased " + said);
     const Scene joined = load_scene(place / "b.ply");

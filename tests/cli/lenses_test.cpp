@@ -8,12 +8,11 @@
 #include <nlohmann/json.hpp>
 
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/io/image.hpp>
 #include <swiftgs/io/scene_file.hpp>
 
 #include "cli/cameras.hpp"
-#include "cli/command.hpp"
 #include "cli/json_in.hpp"
+#include "cli/pictures.hpp"
 
 using nlohmann::json;
 using swiftgs::Image;
@@ -23,8 +22,7 @@ namespace {
 
 /// The front view of the built-in scene, before white.
 Image front(const TemporaryFolder& place, const std::string& options) {
-  run(place, "render builtin:2000 --format pfm --background 1,1,1 " + options);
-  return swiftgs::read_image(place / "renders/front.pfm");
+  return drawn(place, "builtin:2000 --background 1,1,1 " + options);
 }
 
 /// Part of the pixels that are not white.
@@ -66,8 +64,7 @@ TEST_CASE("cli lenses: an orthographic view shows the middle of the scene at its
   write_scene(place / "one.ply", one);
   place.write("cameras.json", cameras_json({"a"}));
   const auto pixels = [&](const std::string& lens) {
-    run(place, "render one.ply --cameras cameras.json --format pfm --background 1,1,1 --lens " + lens);
-    return swiftgs::read_image(place / "renders/a.pfm").pixels;
+    return drawn(place, "one.ply --cameras cameras.json --background 1,1,1 --lens " + lens).pixels;
   };
   const std::vector<float> perspective = pixels("perspective"), orthographic = pixels("orthographic");
   CHECK(*std::min_element(perspective.begin(), perspective.end()) < 0.9f);
@@ -92,13 +89,12 @@ TEST_CASE("cli lenses: a panorama is twice as wide as high and shows what is beh
 
 TEST_CASE("cli lenses: unknown names are refused with what is expected") {
   const TemporaryFolder place;
-  const auto refuses = [&](const std::string& options, const std::string& told) {
-    CHECK(refusal(place, "render builtin:50 " + options) == "swiftgs: " + told + "\n");
-  };
-  refuses("--lens round", "--lens 'round': expected perspective, fisheye, orthographic or equirectangular");
-  refuses("--panorama --lens fisheye", "--panorama: expected no --lens fisheye beside it");
-  refuses("--depth-by y", "--depth-by 'y': expected z or distance");
-  refuses("--depth-at edge", "--depth-at 'edge': expected centre or ray");
+  const std::string render = "render builtin:50 ";
+  fails(place, render + "--lens round",
+        {"swiftgs: --lens 'round': expected perspective, fisheye, orthographic or equirectangular\n"});
+  fails(place, render + "--panorama --lens fisheye", {"swiftgs: --panorama: expected no --lens fisheye"});
+  fails(place, render + "--depth-by y", {"swiftgs: --depth-by 'y': expected z or distance\n"});
+  fails(place, render + "--depth-at edge", {"swiftgs: --depth-at 'edge': expected centre or ray\n"});
 }
 
 TEST_CASE("cli lenses: info tells those of a capture's cameras") {
@@ -110,7 +106,6 @@ TEST_CASE("cli lenses: info tells those of a capture's cameras") {
   CHECK(json::parse(run(place, "info builtin:10 --json -").out)["lenses"].is_null());
 
   place.write("garden/cameras.json", "[{\"id\": 0}]");
-  const std::string text = run(place, "info garden").out;
-  CHECK(contains(text, "Gaussians       100\n"));
-  CHECK(contains(text, "note            garden/cameras.json"));
+  check_holds(run(place, "info garden").out,
+              {"Gaussians       100\n", "note            garden/cameras.json"});
 }

@@ -15,6 +15,7 @@
 
 using nlohmann::json;
 using namespace swiftgs::test;
+namespace fs = std::filesystem;
 
 namespace {
 
@@ -47,9 +48,9 @@ void draw(const TemporaryFolder& place, const std::vector<std::string>& files) {
   for (std::size_t i = 0; i < files.size(); ++i) {
     run(place, "render builtin:200 --cameras cameras.json --out drawn --views " + std::to_string(i) +
                    " --json drawn.json");
-    const std::filesystem::path file = place / files[i];
-    std::filesystem::create_directories(file.parent_path());
-    std::filesystem::copy_file(place / std::string(json_in(place / "drawn.json")["rows"][0]["image"]), file);
+    const fs::path file = place / files[i];
+    fs::create_directories(file.parent_path());
+    fs::copy_file(place / std::string(json_in(place / "drawn.json")["rows"][0]["image"]), file);
   }
 }
 
@@ -65,14 +66,14 @@ TEST_CASE("cli photographs: images in sub-folders are compared by their path") {
   CHECK(compared(place, "--views all --photos images/right/") == "none own ");
   CHECK(compared(place, "--views left/0001 --photos ./images/left/.") == "own ");
   // The other camera has the name, too, though it is not asked for.
-  CHECK(contains(refusal(place, check + " --views right/0001 --photos images/left"),
-                 "images/left: expected a photograph with the path of a view, such as right/0001.png"));
+  fails(place, check + " --views right/0001 --photos images/left",
+        {"images/left: expected a photograph with the path of a view, such as right/0001.png"});
 
-  std::filesystem::create_directories(place / "flat");
-  std::filesystem::copy_file(place / "images/left/0001.png", place / "flat/0001.png");
-  CHECK(contains(refusal(place, check + " --views all --photos flat"),
-                 "flat: expected a photograph with the path of a view, such as left/0001.png"));
-  std::filesystem::remove(place / "images/right/0001.png");
+  fs::create_directories(place / "flat");
+  fs::copy_file(place / "images/left/0001.png", place / "flat/0001.png");
+  fails(place, check + " --views all --photos flat",
+        {"flat: expected a photograph", "such as left/0001.png"});
+  fs::remove(place / "images/right/0001.png");
   CHECK(compared(place, "--views all --photos images") == "own none ");
 }
 
@@ -82,7 +83,7 @@ TEST_CASE("cli photographs: views without one are counted where others have one"
   draw(place, {"photos/left/0001.png", "photos/right/0001.png"});
   CHECK(run(place, check + " --views all --photos photos").err.empty());
   const std::string note = "photos: 1 of 2 views have no photograph, such as right/0001.png.";
-  std::filesystem::remove(place / "photos/right/0001.png");
+  fs::remove(place / "photos/right/0001.png");
   CHECK(contains(run_noting(place, check + " --views all --photos photos").err, "swiftgs: " + note + "\n"));
   CHECK(json_in(place / "r.json")["notes"] == json::array({note}));
   // A capture is measured twice, and the note said once.
@@ -99,11 +100,11 @@ TEST_CASE("cli photographs: linked folders are looked into") {
   const TemporaryFolder place;
   write_cameras(place, {"left/0001.png", "right/0001.png"});
   draw(place, {"data/0001.png", "photos/right/0001.png"});
-  std::filesystem::create_directory_symlink(place / "data", place / "photos/left");
+  fs::create_directory_symlink(place / "data", place / "photos/left");
   // Links without an end, to the folder itself and to one above it.
-  std::filesystem::create_directory_symlink(".", place / "photos/here");
-  std::filesystem::create_directory_symlink("../..", place / "photos/right/above");
-  std::filesystem::create_symlink("nowhere", place / "photos/left/broken.png");
+  fs::create_directory_symlink(".", place / "photos/here");
+  fs::create_directory_symlink("../..", place / "photos/right/above");
+  fs::create_symlink("nowhere", place / "photos/left/broken.png");
   CHECK(compared(place, "--views all --photos photos") == "own own ");
 }
 
@@ -113,12 +114,12 @@ TEST_CASE("cli photographs: folders that lead to the images may be others") {
   write_cameras(place, {"./images/a.jpg", "images/cam\\\\b.jpg"});
   draw(place, {"photos/a.png", "photos/cam/b.png"});
   CHECK(compared(place, "--views all --photos photos") == "own own ");
-  std::filesystem::rename(place / "photos", place / "images");
+  fs::rename(place / "photos", place / "images");
   CHECK(compared(place, "--views all --photos images") == "own own ");
   CHECK(compared(place, "--views all --photos images/cam") == "none own ");
   // By a name that no other image and no other file has.
-  std::filesystem::create_directories(place / "images/jpeg");
-  std::filesystem::rename(place / "images/a.png", place / "images/jpeg/a.png");
+  fs::create_directories(place / "images/jpeg");
+  fs::rename(place / "images/a.png", place / "images/jpeg/a.png");
   CHECK(compared(place, "--views all --photos images") == "own own ");
 }
 
@@ -127,10 +128,10 @@ TEST_CASE("cli photographs: names with dots keep them") {
   // INRIA's cameras.json has names without extension.
   write_cameras(place, {"frame.0001", "frame.0002.JPG"});
   run(place, "render builtin:200 --cameras cameras.json --out photos");
-  CHECK(std::filesystem::exists(place / "photos/frame.0001.png"));
-  CHECK(std::filesystem::exists(place / "photos/frame.0002.png"));
+  CHECK(fs::exists(place / "photos/frame.0001.png"));
+  CHECK(fs::exists(place / "photos/frame.0002.png"));
   CHECK(compared(place, "--views all --photos photos") == "own own ");
-  std::filesystem::remove(place / "photos/frame.0001.png");
+  fs::remove(place / "photos/frame.0001.png");
   CHECK(compared(place, "--views all --photos photos") == "none own ");
 }
 
@@ -138,10 +139,10 @@ TEST_CASE("cli photographs: several photographs of one image are refused unless 
   const TemporaryFolder place;
   write_cameras(place, {"a", "b.png"});
   draw(place, {"photos/a.png", "photos/b.png"});
-  std::filesystem::copy_file(place / "photos/a.png", place / "photos/b.jpg");
+  fs::copy_file(place / "photos/a.png", place / "photos/b.jpg");
   place.write("photos/a.txt", "of another kind");
   CHECK(compared(place, "--views all --photos photos") == "own own ");
-  std::filesystem::copy_file(place / "photos/a.png", place / "photos/a.jpg");
-  CHECK(refusal(place, check + " --views all --photos photos") ==
-        "swiftgs: photos: expected one photograph of a, found a.jpg and a.png\n");
+  fs::copy_file(place / "photos/a.png", place / "photos/a.jpg");
+  fails(place, check + " --views all --photos photos",
+        {"swiftgs: photos: expected one photograph of a, found a.jpg and a.png\n"});
 }

@@ -62,8 +62,7 @@ TEST_CASE("cli: a video that cannot be made is refused in one line") {
   const std::string render = "render builtin:100 --views 1-2 --scale 0.05 --video ";
   const Outcome without = run_after(place, "export PATH=/nowhere", render + "flight.mp4");
   CHECK(without.code == 1);
-  CHECK(without.err ==
-        "swiftgs: --video flight.mp4: the program ffmpeg is not installed, expected it to make the video\n");
+  CHECK(without.err.starts_with("swiftgs: --video flight.mp4: the program ffmpeg is not installed, "));
   fails(place, "render builtin:100 --cameras p.json --video p.json", {"--video p.json", "--cameras"});
   place.write("sizes.json", R"([{"id": 0, "img_name": "a", "width": 64, "height": 36, "position": [0, 0, 0],
     "rotation": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "fx": 40, "fy": 40},
