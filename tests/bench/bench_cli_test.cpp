@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <filesystem>
 #include <initializer_list>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -26,12 +27,12 @@ void fails(const std::string& arguments, std::initializer_list<std::string> word
 
 const std::string one = " --renderers 'serial/early/per-pixel/ellipse'";
 
-/// The results of a quick measurement. `said` becomes what it prints.
-Json measured(const TemporaryFolder& place, const std::string& arguments, std::string* said = nullptr) {
-  const std::string quick = " --scales 0.1 --min-frames 2 --max-frames 4 --json r.json";
+/// The results of a quick measurement, which prints into `stdout.txt`.
+Json measured(const TemporaryFolder& place, const std::string& arguments,
+              const std::string& max_frames = "4") {
+  const std::string quick = " --scales 0.1 --min-frames 2 --json r.json --max-frames " + max_frames;
   const Outcome outcome = swiftgs::test::swiftgs(place, "bench " + arguments + quick);
   REQUIRE_MESSAGE(outcome.code == 0, outcome.err);
-  if (said) *said = outcome.out;
   return json_in(place / "r.json");
 }
 
@@ -39,14 +40,11 @@ Json measured(const TemporaryFolder& place, const std::string& arguments, std::s
 
 TEST_CASE("bench: every combination has a row and every row what the schema says") {
   const TemporaryFolder place;
-  std::string said;
   const Json results =
       measured(place,
                "builtin:500 --renderers 'serial/*/per-pixel/ellipse,serial/early/per-pixel/three*' "
-               "--views 0,2 --conventions gsplat,inria --gaussians 300,900",
-               &said);
-  CHECK(contains(said, "| `serial/standard/per-pixel/ellipse` | 2 |"));
-  check_members(results, R"({"format": "swiftgs-bench", "version": 1})");
+               "--views 0,2 --conventions gsplat,inria --gaussians 300,900");
+  check_holds(content_of(place / "stdout.txt"), {"| `serial/standard/per-pixel/ellipse` | 2 |"});
   CHECK(
       results.at("command").get<std::string>().starts_with("swiftgs bench builtin:500 --renderers 'serial/"));
   for (const char* member :
@@ -84,11 +82,9 @@ TEST_CASE("bench: every combination has a row and every row what the schema says
 
 TEST_CASE("bench: a batch changes nothing of a row but its times") {
   const TemporaryFolder place;
-  const std::string bench = "bench builtin:500 --views 0,2,5" + one;
-  const std::string timing = " --scales 0.1 --min-frames 2 --max-frames 2 --json ";
-  REQUIRE(swiftgs::test::swiftgs(place, bench + timing + "one.json").code == 0);
-  REQUIRE(swiftgs::test::swiftgs(place, bench + " --batch 4" + timing + "four.json").code == 0);
-  const Json single = json_in(place / "one.json").at("rows"), four = json_in(place / "four.json").at("rows");
+  const std::string bench = "builtin:500 --views 0,2,5" + one;
+  const Json single = measured(place, bench, "2").at("rows"),
+             four = measured(place, bench + " --batch 4", "2").at("rows");
   REQUIRE(four.size() == 3);
   for (std::size_t i = 0; i < 3; ++i) {
     CHECK(four[i].at("batch") == 4);
@@ -123,11 +119,14 @@ TEST_CASE("bench: sorts and conservative bounds have equal errors and share thei
   }
 }
 
-TEST_CASE("bench: images show the planes of the first view") {
+TEST_CASE("bench: planes are drawn and named in the rows, and images show those of the first view") {
   const TemporaryFolder place;
-  const std::string command =
-      "builtin:500 --renderers serial/early/per-pixel/ellipse --views 0,2 --images im";
-  const Json rows = measured(place, command + " --planes alpha,depth,normal,id").at("rows");
+  const std::string command = "builtin:500 --views 0,2 --images im" + one;
+  const Json plain = measured(place, command).at("rows"),
+             rows = measured(place, command + " --planes alpha,depth,normal,id").at("rows");
+  CHECK(plain[0].at("plane_images").empty());
+  CHECK(rows[0].at("planes") == "alpha,depth,normal,id");
+  CHECK(rows[0].at("bytes").at("raster").get<double>() > plain[0].at("bytes").at("raster").get<double>());
   CHECK(rows[1].at("plane_images").empty());
   const Json& shown = rows[0].at("plane_images");
   REQUIRE(shown.size() == 4);
@@ -140,43 +139,24 @@ TEST_CASE("bench: images show the planes of the first view") {
   }
   // The frame itself is shown without its alpha.
   CHECK(swiftgs::read_image(place / rows[0].at("image").get<std::string>()).channels == 3);
-  CHECK(measured(place, command).at("rows")[0].at("plane_images").empty());
 }
 
-TEST_CASE("bench: rows say how harmonics are kept") {
+TEST_CASE("bench: rows say how they were measured, and errors are of the views that are asked for") {
   const TemporaryFolder place;
-  const auto kept = [&](const std::string& asked) {
-    return measured(place, "builtin:50 --views 0" + one + asked).at("rows")[0].at("harmonics");
-  };
-  CHECK(kept(" --harmonics float") == "floats");
-  CHECK(kept(" --harmonics half") == "halves");
-}
-
-TEST_CASE("bench: errors are left out of the views that are not asked for") {
-  const TemporaryFolder place;
-  const Json rows = measured(place, "builtin:500 --views 0,2 --errors 1" + one).at("rows");
-  REQUIRE(rows.size() == 2);
-  CHECK(rows[0].at("psnr_db").is_number());
-  check_members(rows[1], R"({"psnr_db": null, "max_abs": null})");
-}
-
-TEST_CASE("bench: threads and enlarged Gaussians are in the rows") {
-  const TemporaryFolder place;
-  const Json rows =
-      measured(place, "builtin:500 --views 0 --errors none --threads 1 --enlarge 1,4" + one).at("rows");
-  REQUIRE(rows.size() == 2);
-  CHECK(rows[0].at("threads") == 1);
-  CHECK(rows[1].at("enlarge") == 4);
-  CHECK(rows[1].at("intersections") > rows[0].at("intersections"));
-}
-
-TEST_CASE("bench: planes are drawn and named in the rows") {
-  const TemporaryFolder place;
-  const std::string bench = "builtin:500 --views 0 --errors none" + one;
-  const Json plain = measured(place, bench).at("rows"),
-             planes = measured(place, bench + " --planes normal,id").at("rows");
-  CHECK(planes[0].at("planes") == "normal,id");
-  CHECK(planes[0].at("bytes").at("raster").get<double>() > plain[0].at("bytes").at("raster").get<double>());
+  const std::string bench = "builtin:500 --views 0,2 --errors 1 --threads 1 --enlarge 1,4" + one;
+  for (const std::string kept : {"float", "half"}) {
+    const Json rows = measured(place, bench + " --harmonics " + kept).at("rows");
+    REQUIRE(rows.size() == 4);
+    for (const Json& row : rows) {
+      check_members(row,
+                    R"({"threads": 1, "harmonics": ")" + (kept == "half" ? "halves" : kept + "s") + "\"}");
+      CHECK(row.at("psnr_db").is_number() == (row.at("view") == "front"));
+      CHECK(row.at("max_abs").is_number() == (row.at("view") == "front"));
+    }
+    CHECK(rows[2].at("enlarge") == 4);
+    CHECK(rows[2].at("view") == rows[0].at("view"));
+    CHECK(rows[2].at("intersections") > rows[0].at("intersections"));
+  }
 }
 
 TEST_CASE("bench: with --profile every view is drawn by every renderer and nothing is written") {
@@ -185,20 +165,17 @@ TEST_CASE("bench: with --profile every view is drawn by every renderer and nothi
                               "bench builtin:500 --profile --renderers 'serial/*/per-pixel/ellipse' "
                               "--views 0,2 --scales 0.1 --conventions gsplat,inria");
   CHECK(lines_in(outcome.out) == 3 * 2 * 2);
-  for (const char* line :
-       {"serial/early/per-pixel/ellipse: builtin, 500 Gaussians, view front, 128x72, gsplat\n",
-        "serial/adaptive/per-pixel/ellipse: builtin, 500 Gaussians, view orbit-01, 128x72, inria\n"})
-    CHECK(outcome.out.find(line) != std::string::npos);
-  CHECK(outcome.out.find('|') == std::string::npos);
-  for (const auto& file : std::filesystem::directory_iterator(place.path()))
-    CHECK(file.path().extension() == ".txt");
+  check_holds(outcome.out,
+              {"serial/early/per-pixel/ellipse: builtin, 500 Gaussians, view front, 128x72, gsplat\n",
+               "serial/adaptive/per-pixel/ellipse: builtin, 500 Gaussians, view orbit-01, 128x72, inria\n"});
+  CHECK(!contains(outcome.out, "|"));
+  CHECK(files_in(place.path()) == std::set<std::string>{"stderr.txt", "stdout.txt"});
 }
 
 TEST_CASE("bench: options that say how to measure are refused beside --profile") {
-  for (const char* option : {"--errors all", "--precision 0.1", "--min-frames 2", "--max-frames 9",
-                             "--json r.json", "--images im"})
-    fails("builtin:500 --profile " + std::string(option),
-          {std::string(option).substr(0, std::string(option).find(' ')).c_str(), "--profile"});
+  for (const std::string option : {"--errors all", "--precision 0.1", "--min-frames 2", "--max-frames 9",
+                                   "--json r.json", "--images im"})
+    fails("builtin:500 --profile " + option, {option.substr(0, option.find(' ')), "--profile"});
 }
 
 TEST_CASE("bench: what cannot be measured is one line that says why") {
@@ -206,10 +183,11 @@ TEST_CASE("bench: what cannot be measured is one line that says why") {
   fails(".", {"expected a capture"});
   fails("builtin:500 --renderers 'serial/*,gpu/*'", {"gpu/*", "swiftgs list"});
   fails("builtin:500 --views 99", {"--views", "99"});
-  fails("builtin:500 --scales 0", {"--scale"});
+  fails("builtin:500 --scales 0,1", {"--scales '0,1': expected finite"});
   fails("builtin:500 --scales 1,,2", {"--scales", "1,,2"});
   fails("builtin:500 --gaussians few", {"--gaussians", "few"});
-  fails("builtin:500 --enlarge -1 --renderers 'serial/early/per-pixel/ellipse'", {"--enlarge"});
+  for (const std::string factor : {"0", "-1"})
+    fails("builtin:500 --enlarge=" + factor, {"--enlarge " + factor + ": expected factors"});
   fails("builtin:500 --threads 100000", {"--threads"});
   fails("builtin:500 --conventions paper", {"paper", "gsplat"});
   fails("builtin:500 --errors some", {"--errors"});
