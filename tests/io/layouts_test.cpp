@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 /// @file
 /// Files as public programs lay them out, put together here; each test names program and version.
-#include <cstring>
-
 #include "compressed_ply_text.hpp"
 #include "far_scene.hpp"
 #include "ply_text.hpp"
@@ -49,7 +47,7 @@ std::vector<Extra> sharp_extras() {
 TEST_CASE("layouts: the 3D filter of Mip-Splatting grows scales and dims opacities") {
   auto gaussian = plain_gaussian();
   gaussian.push_back({"float", "filter_3D", 0.25});
-  for (const std::string format : {"binary_little_endian", "binary_big_endian", "ascii"}) {
+  for (const char* format : ply_formats) {
     const SceneFile file = read(ply(gaussian, {.format = format}));
     double kept = 1;
     for (int axis = 0; axis < 3; ++axis) {
@@ -73,7 +71,7 @@ TEST_CASE("layouts: the 3D filter of Mip-Splatting grows scales and dims opaciti
 
 // Apple's ml-sharp, save_ply at 1390830, version 1.5.0.
 TEST_CASE("layouts: the camera of SHARP's photograph is read") {
-  for (const std::string format : {"binary_little_endian", "binary_big_endian", "ascii"}) {
+  for (const char* format : ply_formats) {
     const SceneFile file = read(with_extras(sharp_extras(), format));
     check_plain(file);
     REQUIRE(file.camera);
@@ -81,8 +79,7 @@ TEST_CASE("layouts: the camera of SHARP's photograph is read") {
     CHECK(std::vector{camera.width, camera.height} == std::vector{48, 32});
     CHECK(std::vector{camera.fx, camera.cx, camera.cy} == std::vector<double>{40, 24, 16});
     CHECK(camera.rotation == dmat3(1.0));
-    CHECK(file.notes ==
-          std::vector<std::string>{"The file holds the camera of its photograph, of 48x32 pixels."});
+    CHECK(file.notes == Strings{"The file holds the camera of its photograph, of 48x32 pixels."});
   }
   // A quarter turn about z and a step: the matrix is stored by rows.
   std::vector<Extra> turned = sharp_extras();
@@ -130,8 +127,7 @@ TEST_CASE("layouts: a camera that is none is noted and refuses nothing") {
     const SceneFile file = read(with_extras(extras, "binary_little_endian"));
     CHECK(file.scene.sh0[0].x > 0.3f);
     CHECK(!file.camera);
-    CHECK(contains(all_notes(file.notes),
-                   "Elements other than Gaussians were not read: extrinsic, intrinsic, "));
+    CHECK(contains(all_notes(file.notes), "were not read: extrinsic, intrinsic, "));
   }
 }
 
@@ -145,8 +141,7 @@ TEST_CASE("layouts: names with the prefix of CloudCompare are those of Gaussians
                     {{"uchar", "red", 1}, {"uchar", "green", 2}, {"uchar", "blue", 3}, {"float", "nx", 0}});
     const SceneFile file = read(ply(gaussian));
     check_plain(file);
-    CHECK(file.notes ==
-          std::vector<std::string>{"Properties that a scene does not have were not read: red, green, blue."});
+    CHECK(file.notes == Strings{"Properties that a scene does not have were not read: red, green, blue."});
   }
   auto both = plain_gaussian();
   both.push_back({"float", "scalar_opacity", 9});  // the plain name counts
@@ -201,7 +196,7 @@ TEST_CASE("layouts: a point cloud is called one") {
 
 // Metashape and RealityCapture keep projected coordinates in double; Open3D 0.19 writes all properties so.
 TEST_CASE("layouts: positions that float cannot hold are relative to an origin") {
-  for (const std::string format : {"binary_little_endian", "binary_big_endian", "ascii"})
+  for (const std::string format : ply_formats)
     for (const std::string type : {"double", "int", "uint"}) {
       CAPTURE(format);
       CAPTURE(type);
@@ -215,9 +210,8 @@ TEST_CASE("layouts: positions that float cannot hold are relative to an origin")
       CHECK(file.scene.origin + dvec3(file.scene.means[0]) == dvec3(far, far, -3));
       CHECK(glm::length(file.scene.means[0]) < 1);
       const std::string origin = type == "double" ? "5403209.75,5403209.75,-3" : "134217740,134217740,-3";
-      CHECK(all_notes(file.notes) ==
-            "Positions are too far from zero for float: the scene has them relative to the origin " + origin +
-                ".\n");
+      REQUIRE(file.notes.size() == 1);
+      CHECK(contains(file.notes[0], "relative to the origin " + origin + "."));
     }
   auto near = plain_gaussian();
   for (PlyValue& value : near) value.type = "double";
@@ -243,9 +237,8 @@ TEST_CASE("layouts: positions beyond float are dropped beside an origin as witho
   for (const char* axis : {"x", "y", "z"}) property(gaussian, axis) = {"double", axis, 1e7 + 0.25};
   for (const double bad : {1e300, -1e39, double(NAN), double(-INFINITY)}) {
     CAPTURE(bad);
-    std::string content = ply(gaussian, {.repeat = 3});
-    std::memcpy(content.data() + content.size() - (11 * 4 + 3 * 8), &bad, sizeof bad);  // x of the last
-    const SceneFile file = read(content);
+    const std::string content = ply(gaussian, {.repeat = 3});
+    const SceneFile file = read(with(content, content.size() - (11 * 4 + 3 * 8), bad));  // x of the last
     CHECK(file.dropped_nonfinite == 1);
     REQUIRE(file.scene.size() == 2);
     CHECK(file.scene.origin + dvec3(file.scene.means[1]) == dvec3(1e7 + 0.25));
@@ -255,13 +248,10 @@ TEST_CASE("layouts: positions beyond float are dropped beside an origin as witho
 TEST_CASE("layouts: Gaussians that are dropped take no others' positions along") {
   auto gaussian = plain_gaussian();
   property(gaussian, "y") = {"double", "y", 5403209.75};
-  std::string content = ply(gaussian, {.repeat = 3});
+  const std::string content = ply(gaussian, {.repeat = 3});
   const std::size_t row = 14 * 4 + 4, last = content.size() - row;
   const double other = 5403211.25;
-  std::memcpy(content.data() + last + 4, &other, sizeof other);
-  const float infinite = INFINITY;
-  std::memcpy(content.data() + last - row, &infinite, sizeof infinite);  // x of the second
-  const SceneFile file = read(content);
+  const SceneFile file = read(with(with(content, last + 4, other), last - row, INFINITY));  // x of the second
   CHECK(file.dropped_nonfinite == 1);
   REQUIRE(file.scene.size() == 2);
   CHECK(file.scene.origin.y + double(file.scene.means[0].y) == 5403209.75);

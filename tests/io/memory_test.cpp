@@ -131,15 +131,13 @@ TEST_CASE("memory: a .splat takes no more than its factor") {
 TEST_CASE("memory: a .ksplat whose sections differ in degree takes no more than its factor") {
   constexpr std::uint32_t count = 100'000;
   std::string file(4096 + 2 * 1024, '\0');
-  const auto set = [&](std::size_t at, auto value) { std::memcpy(file.data() + at, &value, sizeof(value)); };
   file[1] = 1;
-  set(4, std::uint32_t(2)), set(8, std::uint32_t(2)), set(16, count + 1), set(20, std::uint16_t(2));
+  set(file, 4, 2u), set(file, 8, 2u), set(file, 16, count + 1), set(file, 20, std::uint16_t(2));
   for (const auto& [section, gaussians] : {std::pair{4096u, 1u}, {5120u, count}}) {
-    set(section, gaussians), set(section + 4, gaussians);
-    set(section + 8, gaussians), set(section + 12, std::uint32_t(1)), set(section + 20, std::uint16_t(12));
-    set(section + 32, std::uint32_t(1));
+    for (const std::size_t at : {0, 4, 8}) set(file, section + at, gaussians);
+    set(file, section + 12, 1u), set(file, section + 20, std::uint16_t(12)), set(file, section + 32, 1u);
   }
-  set(4096 + 40, std::uint16_t(3));
+  set(file, 4096 + 40, std::uint16_t(3));
   file += std::string(12 + 24 + 45, '\0') + std::string(12 + 24 * std::size_t(count), '\0');
   CHECK(read(file).scene.size() == count + 1);
   check_memory(file, "a.ksplat", ksplat_memory);

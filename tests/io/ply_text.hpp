@@ -20,6 +20,8 @@ struct PlyValue {
   double value;
 };
 
+inline constexpr const char* ply_formats[] = {"binary_little_endian", "binary_big_endian", "ascii"};
+
 /// The properties of a Gaussian without SH, all floats.
 inline std::vector<PlyValue> plain_gaussian() {
   return {{"float", "x", 1},         {"float", "y", 2},         {"float", "z", -3},

@@ -9,34 +9,12 @@ using namespace swiftgs;
 using namespace swiftgs::test;
 using namespace swiftgs::io;
 
-TEST_CASE("progress: every writer and reader goes from 0 to 1 and never back") {
-  const TemporaryFolder folder;
-  for (const int degree : {0, 3})
-    for (const auto& [name, spz_version] : {std::pair{"a.ply", 4},
-                                            {"a.compressed.ply", 4},
-                                            {"a.spz", 4},
-                                            {"a.spz", 3},
-                                            {"a.sog", 4},
-                                            {"a.splat", 4}}) {
-      CAPTURE(name);
-      Listener writing, reading;
-      write_scene(folder / name, some_scene(3000, degree),
-                  {.spz_version = spz_version, .progress = writing.progress()});
-      writing.check_whole();
-      read_scene(folder / name, {.progress = reading.progress()});
-      reading.check_whole();
-    }
-}
-
 // The palette of a SOG is found by squares of distances.
 TEST_CASE("progress: harmonics so small that their squares are no floats do not turn it back") {
-  const TemporaryFolder folder;
   for (const float factor : {1e-22f, 0.5e-22f, 0.25e-22f, 0.125e-22f}) {
     Scene scene = some_scene(1000, 1);
     for (float& value : scene.sh_rest) value *= factor;
-    Listener writing;
-    write_scene(folder / "a.sog", scene, {.progress = writing.progress()});
-    writing.check_whole();
+    write_and_read(scene, ".sog");  // checks the progress of both
   }
 }
 

@@ -69,22 +69,11 @@ TEST_CASE("scene file: formats without a beginning of their own go by the ending
 
 TEST_CASE("scene file: what cannot be opened is an error with its path and reason") {
   const TemporaryFolder folder;
-  const auto message = [](const std::filesystem::path& path) {
-    try {
-      read_scene(path);
-    } catch (const std::system_error& error) {
-      return std::string(error.what());
-    }
-    return std::string();
-  };
-  CHECK(message(folder / "missing.ply") == (folder / "missing.ply").string() + ": No such file or directory");
-  CHECK_THROWS_WITH_AS(
-      read_scene(folder / ""),
-      ((folder / "").string() + ": expected a capture, a folder with one .spz, .ply or .sog in it, or else "
-                                "one .ksplat, .splat, .glb or .gltf, found none")
-          .c_str(),
-      std::invalid_argument);
-  CHECK(message("/dev/null") == "/dev/null: expected a regular file");
+  const std::string missing = (folder / "missing.ply").string() + ": No such file or directory",
+                    empty = folder.path().string() + "/: expected a capture, a folder with one .spz, .ply";
+  CHECK_THROWS_WITH_AS(read_scene(folder / "missing.ply"), missing.c_str(), std::system_error);
+  CHECK_THROWS_WITH_AS(read_scene(folder / ""), doctest::Contains(empty.c_str()), std::invalid_argument);
+  CHECK_THROWS_WITH_AS(read_scene("/dev/null"), "/dev/null: expected a regular file", std::system_error);
 }
 
 TEST_CASE("mapped file: bytes that are let go of leave the memory and can be read again") {

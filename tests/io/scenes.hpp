@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <random>
@@ -50,6 +51,19 @@ inline Scene some_scene(std::size_t count, int sh_degree) {
   return scene;
 }
 
+/// By what `b` differs from `a`, whichever of its two signs it has: w, x, y and z.
+inline std::array<double, 4> rotation_errors(const Quaternion& a, const Quaternion& b) {
+  const double product = double(a.w) * b.w + double(a.x) * b.x + double(a.y) * b.y + double(a.z) * b.z;
+  const double sign = product < 0 ? -1 : 1;
+  return {a.w - sign * b.w, a.x - sign * b.x, a.y - sign * b.y, a.z - sign * b.z};
+}
+
+/// Which of w, x, y and z is the largest.
+inline std::size_t largest_of(const Quaternion& q) {
+  const std::array<float, 4> sizes{std::abs(q.w), std::abs(q.x), std::abs(q.y), std::abs(q.z)};
+  return std::size_t(std::max_element(sizes.begin(), sizes.end()) - sizes.begin());
+}
+
 /// The largest differences between two scenes of the same Gaussians in one order.
 struct Difference {
   double means = 0, sh0 = 0, band_1 = 0, sh_rest = 0, opacities = 0;
@@ -77,13 +91,8 @@ inline Difference difference(const Scene& a, const Scene& b) {
     take(most.opacities, a.opacities[i], b.opacities[i]);
     for (std::size_t k = 0; k < rest; ++k)
       take(k < 9 ? most.band_1 : most.sh_rest, a.sh_rest[i * rest + k], b.sh_rest[i * rest + k]);
-    const Quaternion &p = a.rotations[i], &q = b.rotations[i];
-    const double sign =
-        double(p.w) * q.w + double(p.x) * q.x + double(p.y) * q.y + double(p.z) * q.z < 0 ? -1 : 1;
-    take(most.rotations,
-         std::hypot(std::hypot(p.w - sign * q.w, p.x - sign * q.x),
-                    std::hypot(p.y - sign * q.y, p.z - sign * q.z)),
-         0);
+    const auto [w, x, y, z] = rotation_errors(a.rotations[i], b.rotations[i]);
+    take(most.rotations, std::hypot(std::hypot(w, x), std::hypot(y, z)), 0);
   }
   most.sh_rest = std::max(most.sh_rest, most.band_1);
   return most;
@@ -107,29 +116,6 @@ inline void check_whole(const SceneFile& file, const std::string& format, std::s
   CHECK(file.notes.empty());
 }
 
-/// A scene that was written, and what was read of it.
-struct Written : WrittenScene {
-  std::string content{};
-  SceneFile file{};
-
-  const Scene& scene() const { return file.scene; }
-};
-
-/// Writes `scene`, reads the file, and checks that it holds what the writer reports.
-inline Written write_and_read(const Scene& scene, const std::string& ending,
-                              const SceneWriteOptions& options = {}) {
-  const TemporaryFolder folder;
-  const std::filesystem::path path = folder / ("a" + ending);
-  Written written{write_scene(path, scene, options), content_of(path), {}};
-  written.file = read_scene(path, {.spz_frame = options.spz_frame});
-  check_whole(written.file, written.format, written.gaussians);
-  CHECK(written.bytes == written.content.size());
-  CHECK(written.gaussians == written.scene().size());
-  CHECK(written.sh_degree == written.scene().sh_degree);
-  CHECK(written.antialiased == written.scene().antialiased);
-  return written;
-}
-
 /// What a `Progress` was told.
 struct Listener {
   std::vector<double> told{};
@@ -145,6 +131,32 @@ struct Listener {
     CHECK(std::is_sorted(told.begin(), told.end()));
   }
 };
+
+/// A scene that was written, and what was read of it.
+struct Written : WrittenScene {
+  std::string content{};
+  SceneFile file{};
+
+  const Scene& scene() const { return file.scene; }
+};
+
+/// Writes `scene`, reads the file, and checks that it holds what the writer reports, and that the progress of
+/// both goes from 0 to 1 unless there is nothing to write.
+inline Written write_and_read(const Scene& scene, const std::string& ending, SceneWriteOptions options = {}) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder / ("a" + ending);
+  Listener writing, reading;
+  options.progress = writing.progress();
+  Written written{write_scene(path, scene, options), content_of(path), {}};
+  written.file = read_scene(path, {.spz_frame = options.spz_frame, .progress = reading.progress()});
+  if (scene.size() > 0) writing.check_whole(), reading.check_whole();
+  check_whole(written.file, written.format, written.gaussians);
+  CHECK(written.bytes == written.content.size());
+  CHECK(written.gaussians == written.scene().size());
+  CHECK(written.sh_degree == written.scene().sh_degree);
+  CHECK(written.antialiased == written.scene().antialiased);
+  return written;
+}
 
 /// R diag(s^2) R^T of Gaussian `i`.
 inline dmat3 covariance(const Scene& scene, std::size_t i) {

@@ -52,15 +52,12 @@ TEST_CASE("sog: an image or a description that ends early is refused wherever it
 TEST_CASE("sog: archives that are damaged or hold something else are refused") {
   const SogParts parts = parts_of(2);
   std::string damaged = sog_bundle(parts);
-  CHECK(contains(complaint_about(std::string("PK\3\4 meta.json")),
-                 "a file: byte 0: expected a whole ZIP archive"));
+  CHECK(contains(complaint_about(std::string("PK\3\4 meta.json")), "byte 0: expected a whole ZIP archive"));
   damaged[damaged.find("VP8L") + 20] ^= 1;
   CHECK(contains(complaint_about(damaged), "checksum"));
   Files files = sog_files(parts);
   files.erase("quats.webp");
   CHECK(contains(complaint_about(files), "a file: byte 0: expected a ZIP archive with 'quats.webp' in it"));
-  files = {{"scan/meta.json", "{}"}};
-  CHECK(contains(complaint_about(files), "a ZIP archive with 'meta.json' in it"));
 }
 
 TEST_CASE("sog: an archive that unpacks to much more than it takes is refused") {
@@ -73,8 +70,7 @@ TEST_CASE("sog: an archive that unpacks to much more than it takes is refused") 
 TEST_CASE("sog: a count that the files cannot hold is refused before memory is taken") {
   for (const int version : {1, 2}) {
     const char* count = version == 1 ? "/means/shape/0" : "/count";
-    CHECK(
-        contains(with(parts_of(version), count, 2'000'000'000), "files that can hold 2000000000 Gaussians"));
+    CHECK(contains(with(parts_of(version), count, 2'000'000'000), "can hold 2000000000 Gaussians"));
     CHECK(contains(with(parts_of(version), count, 10'000), "about as many pixels"));
     for (const json& none : {json(0), json(1e300), json(-5), json(4.5), json("5")})
       CHECK(with(parts_of(version), count, none) != "");

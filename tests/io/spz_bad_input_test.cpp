@@ -55,8 +55,7 @@ TEST_CASE("spz: versions that do not exist are refused") {
 }
 
 TEST_CASE("spz: gzip around something else is refused") {
-  CHECK(
-      contains(complaint_about(gzip("a text that is not a scene at all")), "a gzip file of something else"));
+  CHECK(contains(complaint_about(gzip("a text that is not a scene at all")), "gzip file of something else"));
   CHECK(contains(complaint_about(gzip("sho")), "header"));
   std::string damaged = gzip_spz(parts_of(3));
   damaged[damaged.size() - 6] ^= 1;  // in the checksum

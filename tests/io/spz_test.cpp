@@ -50,12 +50,10 @@ TEST_CASE("spz: every version and degree is decoded within its quantisation") {
       // leave.
       const double xyz_error = version < 3 ? 0.011 : 0.0011, w_error = version < 3 ? 0.12 : 0.0011;
       for (std::size_t i = 0; i < scene.size(); ++i) {
-        const Quaternion a = scene.rotations[i], b = file.scene.rotations[i];
-        const double dot = a.w * b.w + a.x * b.x + a.y * b.y + a.z * b.z, sign = dot < 0 ? -1 : 1;
-        CHECK(std::abs(a.w - sign * b.w) < w_error);
-        CHECK(std::abs(a.x - sign * b.x) < xyz_error);
-        CHECK(std::abs(a.y - sign * b.y) < xyz_error);
-        CHECK(std::abs(a.z - sign * b.z) < xyz_error);
+        const Quaternion& b = file.scene.rotations[i];
+        const auto [w, x, y, z] = rotation_errors(scene.rotations[i], b);
+        CHECK(std::abs(w) < w_error);
+        for (const double error : {x, y, z}) CHECK(std::abs(error) < xyz_error);
         CHECK(b.w * b.w + b.x * b.x + b.y * b.y + b.z * b.z == doctest::Approx(1).epsilon(1e-6));
       }
     }

@@ -119,8 +119,7 @@ TEST_CASE("spz: values that the format cannot hold are clamped and counted") {
   for (const int version : {3, 4}) {
     const Written written =
         write_and_read(scene, ".spz", {.spz_version = version, .spz_frame = SpzFrame::raw});
-    CHECK(written.notes ==
-          std::vector<std::string>{"SH coefficients of band 0 are clamped to -3.33 to 3.33: 2.",
+    CHECK(written.notes == Strings{"SH coefficients of band 0 are clamped to -3.33 to 3.33: 2.",
                                    "Scales are clamped to exp(-10) to exp(5.94): 2.",
                                    "SH coefficients above band 0 are clamped to -1 to 0.99: 3."});
     const Scene& found = written.scene();

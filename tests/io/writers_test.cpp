@@ -56,7 +56,7 @@ Frame noise() {
   return frame;
 }
 
-const std::vector<std::string> scene_endings = {".ply", ".compressed.ply", ".spz", ".sog", ".splat"};
+const Strings scene_endings = {".ply", ".compressed.ply", ".spz", ".sog", ".splat"};
 
 using Writer = std::function<void(const fs::path&)>;
 
@@ -195,9 +195,9 @@ TEST_CASE("writers: every format leaves out or changes the same numbers and coun
   scene.opacities[20] = 1.5f, scene.opacities[21] = -0.25f, scene.opacities[22] = 1, scene.opacities[23] = 0;
   scene.scales[30] = vec3(-1, 2, -0.5f);
   scene.rotations[40] = {0, 0, 0, 0};
-  const std::vector<std::string> notes = {"Gaussians with a NaN or an infinity are left out: 5.",
-                                          "Opacities are clamped to 0 to 1: 2.",
-                                          "Scales below 0 are written without their sign, of Gaussians: 1."};
+  const Strings notes = {"Gaussians with a NaN or an infinity are left out: 5.",
+                         "Opacities are clamped to 0 to 1: 2.",
+                         "Scales below 0 are written without their sign, of Gaussians: 1."};
   for (const std::string& ending : scene_endings) {
     CAPTURE(ending);
     const Written written = write_and_read(scene, ending);
@@ -242,9 +242,8 @@ TEST_CASE("writers: a scene with an origin keeps its places in a PLY and its sha
     CHECK(file.scene.size() == scene.size());
     CHECK(written.bytes == std::filesystem::file_size(folder / ("a" + ending)));
     if (ending == ".ply") {
-      CHECK(notes ==
-            "Positions are written as doubles, those in the world: the scene's origin is "
-            "10000000,-6378137,4000000.\n");
+      CHECK(contains(notes, "written as doubles, those in the world: the scene's origin is 10000000,"));
+      CHECK(written.notes.size() == 1);
       CHECK(file.scene.origin == far);
       CHECK(file.scene.means == scene.means);
       CHECK(file.scene.opacities.size() == scene.opacities.size());
