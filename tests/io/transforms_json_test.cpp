@@ -2,7 +2,6 @@
 #include "transforms_json.hpp"
 
 #include <cmath>
-#include <system_error>
 
 #include <nlohmann/json.hpp>
 
@@ -63,12 +62,13 @@ std::string complaint_about(const json& file) {
   return complaint([&] { parse(file); });
 }
 
+void check_near(const dvec3& found, const dvec3& expected) {
+  for (int i = 0; i < 3; ++i) CHECK(found[i] == doctest::Approx(expected[i]).epsilon(1e-12));
+}
+
 void check_pose(const Camera& found, const Camera& expected) {
-  for (int i = 0; i < 3; ++i) {
-    CHECK(found.translation[i] == doctest::Approx(expected.translation[i]).epsilon(1e-12));
-    for (int j = 0; j < 3; ++j)
-      CHECK(found.rotation[i][j] == doctest::Approx(expected.rotation[i][j]).epsilon(1e-12));
-  }
+  check_near(found.translation, expected.translation);
+  for (int i = 0; i < 3; ++i) check_near(found.rotation[i], expected.rotation[i]);
 }
 
 /// nerfstudio's: the rows of a turn and a move, and a scale.
@@ -83,26 +83,14 @@ std::vector<Camera> parse_in_model(const json& file, const json& dataparser) {
 /// What messages expect in place of a lens that is not read.
 const std::string models =
     "transforms.json: byte 0: expected one of the camera models SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, "
-    "RADIAL, OPENCV, FULL_OPENCV, "
-    "OPENCV_FISHEYE, SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE, THIN_PRISM_FISHEYE, EQUIRECTANGULAR, ORTHOPHOTO, "
-    "found ";
+    "RADIAL, OPENCV, FULL_OPENCV, OPENCV_FISHEYE, SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE, THIN_PRISM_FISHEYE, "
+    "EQUIRECTANGULAR, ORTHOPHOTO, found ";
 
 const json six = {{"k1", -0.11}, {"k2", 0.07}, {"k3", 0.023}, {"k4", -0.017}, {"p1", 0.013}, {"p2", -0.021}};
 
 const Distortion of_six{.radial = {-0.11, 0.07, 0.023, -0.017}, .tangential = {0.013, -0.021}};
 
 }  // namespace
-
-TEST_CASE("transforms.json: a camera looks along its negative z axis with y up") {
-  json file = some_file();
-  file["frames"][0]["transform_matrix"] = {{1, 0, 0, 5}, {0, 1, 0, 6}, {0, 0, 1, 7}, {0, 0, 0, 1}};
-  const Camera camera = parse(file).at(0);
-  CHECK(camera.rotation * dvec3(5, 6, 6) + camera.translation == dvec3(0, 0, 1));
-  CHECK(camera.rotation * dvec3(5, 7, 7) + camera.translation == dvec3(0, -1, 0));
-  CHECK(camera.rotation * dvec3(6, 6, 7) + camera.translation == dvec3(1, 0, 0));
-  file["frames"][0]["transform_matrix"].erase(3);
-  CHECK(parse(file).at(0).translation == camera.translation);
-}
 
 TEST_CASE("transforms.json: content decides and cameras keep the order and the names of the file") {
   const TemporaryFolder folder;
@@ -113,6 +101,9 @@ TEST_CASE("transforms.json: content decides and cameras keep the order and the n
   CHECK(cameras[1].height == 480);
   CHECK(cameras[1].fy == 510.5);
   check_pose(cameras[1], camera_looking);
+  json three_rows = some_file();
+  three_rows["frames"][0]["transform_matrix"].erase(3);
+  check_pose(parse(three_rows).at(0), camera_looking);
   CHECK(load_cameras(folder.write("none.json", R"({"frames": []})")).empty());
 }
 
@@ -145,8 +136,7 @@ TEST_CASE("transforms.json: angles of view stand for focal lengths and centres f
   file.erase("camera_angle_x");
   CHECK(parse(file).at(0).fx == doctest::Approx(240));
   file.erase("camera_angle_y");
-  CHECK(contains(complaint_about(file),
-                 "in 'fl_x', 'fl_y', 'x_fov', 'y_fov', 'camera_angle_x' or 'camera_angle_y'"));
+  CHECK(contains(complaint_about(file), "in 'fl_x', 'fl_y', 'x_fov', 'y_fov', 'camera_angle_x' or "));
 }
 
 // What each of a lens's coefficients does is held by the tests of COLMAP's models.
@@ -243,11 +233,10 @@ TEST_CASE("transforms.json: an equirectangular image shows the whole sphere") {
   };
   check(parse(file).at(0));
   CHECK(parse_file(file).notes.empty());
-  for (const char* key : {"fl_x", "fl_y", "cx", "cy"}) {
+  for (const std::string key : {"fl_x", "fl_y", "cx", "cy"}) {
     const CameraFile other = parse_file(with(file, {{key, 1000}}));
     check(other.cameras.at(0));
-    CHECK(other.notes ==
-          std::vector{std::string("Keys that may change the picture were not read: ") + key + "."});
+    CHECK(other.notes == Strings{"Keys that may change the picture were not read: " + key + "."});
     file.erase(key);
   }
   check(parse(file).at(0));
@@ -268,8 +257,7 @@ TEST_CASE("transforms.json: an orthophoto has parallel rays and lengths in pixel
   CHECK(parse_in_model(file, {{"transform", turn}, {"scale", 2}}).at(0).fx == 500);
   for (const char* key : {"fl_x", "fl_y"}) file.erase(key);
   file["camera_angle_x"] = 1;
-  CHECK(contains(complaint_about(file),
-                 "expected a focal length above 0 in 'fl_x' or 'fl_y' of an orthographic lens"));
+  CHECK(contains(complaint_about(file), "in 'fl_x' or 'fl_y' of an orthographic lens"));
   file["fl_y"] = 100;
   CHECK(parse(file).at(0).fx == 100);
   file["p1"] = 0.1;
@@ -282,10 +270,12 @@ TEST_CASE("transforms.json: coefficients of 0 are a pinhole's") {
   for (const char* key :
        {"k1", "k2", "k3", "k4", "k5", "k6", "p1", "p2", "sx1", "sy1", "k", "omega", "alpha"})
     zero[key] = 0.0;
+  zero["beta"] = 1;  // of EUCM, which says nothing where alpha is 0
   for (const char* model : {"PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL", "RADIAL", "OPENCV", "FULL_OPENCV",
                             "FOV", "DIVISION", "EUCM"}) {
     zero["camera_model"] = model;
     CHECK(parse(zero).at(0).lens.is_pinhole());
+    CHECK(parse_file(zero).notes.empty());
     CHECK(parse(with(some_file(), {{"camera_model", model}})).at(1).lens.is_pinhole());
   }
 }
@@ -311,8 +301,7 @@ TEST_CASE("transforms.json: lenses that are not read are refused by name") {
   CHECK(contains(complaint_about(file), "expected distortion coefficients of at most 1e6"));
   for (const json& list : {json{0.1, 0}, json(0.1), json{0.1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}}) {
     file["frames"][1] = frame("a"), file["frames"][1]["distortion_params"] = list;
-    CHECK(contains(complaint_about(file),
-                   "expected the six numbers k1, k2, k3, k4, p1 and p2 in 'distortion_params'"));
+    CHECK(contains(complaint_about(file), "six numbers k1, k2, k3, k4, p1 and p2 in 'distortion_params'"));
   }
   file["frames"][1]["distortion_params"] = {0.1, 0, 0, 0, 0, "0"};
   CHECK(contains(complaint_about(file), "expected a number in 'distortion_params'"));
@@ -362,17 +351,15 @@ TEST_CASE("transforms.json: cameras follow the model that nerfstudio trained") {
   const dvec3 in_model = 0.5 * dvec3(10.4, 20.3, 31.5);  // 2 / 4 of the turned one
   const json dataparser = {{"transform", turn}, {"scale", 2}};
   const Camera plain = parse(file).at(0), moved = parse_in_model(file, dataparser).at(0);
-  const dvec3 before = plain.rotation * in_file + plain.translation;
-  const dvec3 after = moved.rotation * in_model + moved.translation;
-  for (int i = 0; i < 3; ++i) CHECK(after[i] == doctest::Approx(0.5 * before[i]).epsilon(1e-12));
+  check_near(moved.rotation * in_model + moved.translation,
+             0.5 * (plain.rotation * in_file + plain.translation));
   CHECK(plain.translation == parse(some_file()).at(0).translation);
   CHECK_NOTHROW(validate(moved));
 
   // Without what was applied, the file's world is where the model's starts.
   const Camera turned = parse_in_model(some_file(), dataparser).at(0);
-  const dvec3 from = plain.rotation * point + plain.translation;
-  const dvec3 to = turned.rotation * (2.0 * dvec3(10.4, 20.3, 31.5)) + turned.translation;
-  for (int i = 0; i < 3; ++i) CHECK(to[i] == doctest::Approx(2 * from[i]).epsilon(1e-12));
+  check_near(turned.rotation * (2.0 * dvec3(10.4, 20.3, 31.5)) + turned.translation,
+             2.0 * (plain.rotation * point + plain.translation));
 
   const TemporaryFolder folder;
   const auto path = folder.write("transforms.json", file.dump());
@@ -440,14 +427,11 @@ TEST_CASE("transforms.json: the frame that is wrong is placed") {
                {"transform_matrix", R"([[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 1, 1]])"_json,
                 "a last row of 0, 0, 0, 1 in 'transform_matrix'"}};
   for (const auto& [key, value, expected] : cases) CHECK(second_with(key, value) == place + expected);
-  const std::string skewed = second_with("transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1.01, 0}});
-  CHECK(contains(skewed, "expected a camera that can be rendered with"));
-  CHECK(contains(skewed, "orthonormal rows"));
+  CHECK(contains(second_with("transform_matrix", {{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1.01, 0}}),
+                 "orthonormal rows"));
   json changed = file;
   changed["frames"][1].erase("transform_matrix");
-  const std::string message = complaint_about(changed);
-  CHECK(contains(message, "expected a frame with 'transform_matrix'"));
-  CHECK(contains(message, std::to_string(changed.dump().rfind("{\"file_path\""))));
+  CHECK(complaint_about(changed) == place + "a frame with 'transform_matrix'");
   changed["frames"][1] = 7;
   CHECK(contains(complaint_about(changed), "expected a frame (a JSON object)"));
   for (const double width : {0.0, -640.0, 65537.0, 640.5, 1e300})
