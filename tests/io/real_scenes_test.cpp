@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <cmath>
 #include <filesystem>
 #include <string>
 
 #include <doctest/doctest.h>
 
 #include <swiftgs/io/cameras.hpp>
-#include <swiftgs/io/image.hpp>
 #include <swiftgs/io/scene_file.hpp>
 
 #include "scenes/captures.hpp"
@@ -35,28 +33,6 @@ void check_scene(const std::string& name, const std::string& cameras_path, std::
   }
 }
 
-void check_photographs(const std::string& name, const std::string& cameras_path, std::size_t expected) {
-  const std::filesystem::path folder = test::capture_or_skip(name, "photos");
-  if (folder.empty()) return;
-  const auto cameras = load_cameras(folder / cameras_path);
-  std::size_t matched = 0;
-  for (const auto& entry : std::filesystem::directory_iterator(folder / "photos"))
-    for (const Camera& camera : cameras) {
-      if (std::filesystem::path(camera.name).stem() != entry.path().stem()) continue;
-      const Image image = read_image(entry.path());
-      CHECK(image.width == camera.width);
-      CHECK(image.height == camera.height);
-      CHECK(image.channels == 3);
-      double mean = 0;
-      for (const float value : image.pixels) mean += value;
-      mean /= double(image.pixels.size());
-      CHECK(mean > 0.1);
-      CHECK(mean < 0.9);
-      ++matched;
-    }
-  CHECK(matched == expected);
-}
-
 }  // namespace
 
 TEST_CASE("real scenes: garden is read with its cameras") {
@@ -67,16 +43,4 @@ TEST_CASE("real scenes: herz is read with its cameras") { check_scene("herz", ""
 
 TEST_CASE("real scenes: fox is read with its cameras") {
   check_scene("fox", "sparse/0", 175'799, 50, 1067, 1897);
-}
-
-TEST_CASE("real scenes: photographs of garden have the size of their cameras") {
-  check_photographs("garden", "cameras.json", 12);
-}
-
-TEST_CASE("real scenes: photographs of herz have the size of their cameras") {
-  check_photographs("herz", "sparse/0", 4);
-}
-
-TEST_CASE("real scenes: photographs of fox have the size of their cameras") {
-  check_photographs("fox", "sparse/0", 7);
 }

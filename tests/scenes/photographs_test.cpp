@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <map>
 #include <string>
-#include <vector>
 
 #include <doctest/doctest.h>
 
@@ -50,6 +49,8 @@ void check_photographs(const std::string& name, std::size_t views, double expect
   for (std::size_t i = 0; i < capture.cameras.size(); i += 8) {
     const Camera& camera = capture.cameras[i];
     const Image photograph = read_image(files.at(std::filesystem::path(camera.name).stem().string()));
+    CHECK(photograph.width == camera.width);
+    CHECK(photograph.height == camera.height);
     const double psnr_db = psnr_against(photograph, camera, *renderer);
     sum += psnr_db, ++matched;
     if (i > 0) continue;
