@@ -5,7 +5,8 @@
 #include <limits>
 #include <random>
 #include <stdexcept>
-#include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include <Eigen/Dense>
@@ -213,16 +214,7 @@ TEST_CASE("camera matrices: matrices of any library are the same") {
   const auto of = [](const auto& view, const auto& projection) {
     const HostCamera host = camera_from(view, projection, width, height, ClipSpace::opengl);
     const Camera& c = host.camera;
-    return std::array{c.translation.x,
-                      c.translation.y,
-                      c.translation.z,
-                      c.rotation[1][0],
-                      c.rotation[0][1],
-                      c.fx,
-                      c.fy,
-                      c.cx,
-                      c.cy,
-                      host.stored_depth.r};
+    return std::tuple(c.translation, c.rotation, c.fx, c.fy, c.cx, c.cy, host.stored_depth.r);
   };
   const auto wanted = of(m.view, m.projection);
   using RowMajor = Eigen::Matrix<double, 4, 4, Eigen::RowMajor>;
@@ -239,13 +231,9 @@ TEST_CASE("camera matrices: matrices of any library are the same") {
   CHECK(of([&](int row, int column) { return view(row, column); }, projection) == wanted);
   // As of XMFLOAT4X4 and osg::Matrix, for vectors that are rows.
   const auto row_vectors = [&](int row, int column) { return view(column, row); };
-  std::string refusal;
-  try {
-    of(row_vectors, projection);
-  } catch (const std::invalid_argument& error) {
-    refusal = error.what();
-  }
-  CHECK(refusal.find("osg::Matrix, is passed as a pointer to its numbers") != std::string::npos);
+  CHECK_THROWS_WITH_AS(of(row_vectors, projection),
+                       doctest::Contains("osg::Matrix, is passed as a pointer to its numbers"),
+                       std::invalid_argument);
   CHECK_THROWS_WITH_AS(of(plain, std::vector<double>(12)),
                        "camera_from: projection has 12 numbers, expected 16", std::invalid_argument);
 }
@@ -253,46 +241,34 @@ TEST_CASE("camera matrices: matrices of any library are the same") {
 TEST_CASE("camera matrices: what is no camera is refused by name") {
   const CameraMatrices good = matrices(look_at(dvec3(0, 0, 4), dvec3(0), dvec3(0, 1, 0), 0.9, width, height),
                                        0.1, 50, ClipSpace::opengl);
-  const auto refusal = [&](const auto& change) -> std::string {
+  CHECK_NOTHROW(camera_from(good.view, good.projection, width, height, ClipSpace::opengl));
+  const auto refused = [&](const char* text, const auto& change) {
     CameraMatrices m = good;
     change(m.view, m.projection);
-    try {
-      camera_from(m.view, m.projection, width, height, ClipSpace::opengl);
-    } catch (const std::invalid_argument& error) {
-      return error.what();
-    }
-    return "none";
-  };
-  const auto refused = [&](const std::string& text, const auto& change) {
-    CHECK_MESSAGE(refusal(change).find(text) == 0, refusal(change));
+    CHECK_THROWS_WITH_AS(camera_from(m.view, m.projection, width, height, ClipSpace::opengl),
+                         doctest::Contains(text), std::invalid_argument);
   };
   using M = dmat4&;
-  CHECK(refusal([](M, M) {}) == "none");
-  refused(
-      "camera_from: projection: row 3 is (0, 0, 0, 1), expected (0, 0, -1, 0) or (0, 0, 1, 0): the "
-      "projection is orthographic",
-      [](M, M p) { p = glm::ortho(-1.0, 1.0, -1.0, 1.0, 0.1, 10.0); });
+  refused("camera_from: projection: row 3 is (0, 0, 0, 1), expected (0, 0, -1, 0) or (0, 0, 1, 0): ",
+          [](M, M p) { p = glm::ortho(-1.0, 1.0, -1.0, 1.0, 0.1, 10.0); });
+  refused("the projection is orthographic", [](M, M p) { p = glm::ortho(-1.0, 1.0, -1.0, 1.0, 0.1, 10.0); });
   refused("camera_from: projection: row 3 is (0, 0, -0.2004", [](M, M p) { p = glm::transpose(p); });
   refused("camera_from: projection: row 0 is (1.1", [](M, M p) { p[1][0] = 0.01; });
-  CHECK(refusal([](M, M p) { p[1][0] = 0.01; }).find("0 in column 1: the projection is sheared") > 0);
-  refused("camera_from: projection: row 1 is (0.3, 2.07016, 0, 0), expected 0 in column 0: the projection is",
+  refused("0 in column 1: the projection is sheared", [](M, M p) { p[1][0] = 0.01; });
+  refused("projection: row 1 is (0.3, 2.07016, 0, 0), expected 0 in column 0: the projection is",
           [](M, M p) { p[0][1] = 0.3; });
-  refused(
-      "camera_from: projection: row 0 is (1.16446, 0, 0, 0.5), expected 0 in column 3: the projection moves",
-      [](M, M p) { p[3][0] = 0.5; });
+  refused("projection: row 0 is (1.16446, 0, 0, 0.5), expected 0 in column 3: the projection moves",
+          [](M, M p) { p[3][0] = 0.5; });
   refused("camera_from: projection: row 2 is (0.1, 0, ", [](M, M p) { p[0][2] = 0.1; });
   refused("camera_from: projection: row 2 is (0, 0, ", [](M, M p) { p[3][2] = 0; });
   refused("camera_from: projection: row 1 is (0, nan, ", [](M, M p) { p[1][1] = std::nan(""); });
   refused("camera: expected focal lengths", [](M, M p) { p[1][1] = 0; });
-  refused(
-      "camera_from: view: row 3 is (0, 0, -4, 1), expected (0, 0, 0, 1); numbers are read column by column",
-      [](M v, M) { v = glm::transpose(v); });
+  refused("view: row 3 is (0, 0, -4, 1), expected (0, 0, 0, 1); numbers are read column by column",
+          [](M v, M) { v = glm::transpose(v); });
   refused("camera_from: view: row 0 is (2, 0, 0) of length 2, expected length 1: the view is scaled",
           [](M v, M) { v[0][0] = 2; });
-  refused(
-      "camera_from: view: row 0 is (1, 0, 0) and row 1 is (0.6, 0.8, 0) of product 0.6, expected rows at "
-      "right angles: the view is sheared",
-      [](M v, M) { v[0][1] = 0.6, v[1][1] = 0.8; });
+  refused("view: row 0 is (1, 0, 0) and row 1 is (0.6, 0.8, 0) of product 0.6, expected rows at right angles",
+          [](M v, M) { v[0][1] = 0.6, v[1][1] = 0.8; });
   refused("camera_from: view: the determinant of its rotation is -1, expected 1: the view is mirrored",
           [](M v, M) { v[0][0] = -1; });
   refused("camera_from: view: row 1 is (0, 1, 0, inf)", [](M v, M) { v[3][1] = infinity; });
@@ -317,10 +293,9 @@ TEST_CASE("camera matrices: cameras without matrices are refused") {
   CHECK_THROWS_WITH_AS(made(0, 5),
                        "matrices: depths at 0 and 1 are 0 and 5, expected two numbers above 0 that differ",
                        std::invalid_argument);
-  CHECK_THROWS_AS(made(2, 2), std::invalid_argument);
-  CHECK_THROWS_AS(made(infinity, infinity), std::invalid_argument);
-  CHECK_THROWS_AS(made(std::nan(""), 2), std::invalid_argument);
-  CHECK_THROWS_AS(made(-1, 2), std::invalid_argument);
+  for (const auto& [at_0, at_1] :
+       {std::pair{2.0, 2.0}, {infinity, infinity}, {std::nan(""), 2.0}, {-1.0, 2.0}})
+    CHECK_THROWS_AS(made(at_0, at_1), std::invalid_argument);
   camera.lens.distortion.radial[0] = 0.1;
   CHECK_THROWS_WITH_AS(made(1, 2), "matrices: the camera's lens is distorted, expected a pinhole",
                        std::invalid_argument);

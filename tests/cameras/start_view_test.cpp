@@ -46,6 +46,11 @@ dvec3 seen(const Camera& camera, const dvec3& point) {
   return {camera.fx * p.x / p.z + camera.cx, camera.fy * p.y / p.z + camera.cy, p.z};
 }
 
+/// A view from the front, and one whose axes all differ.
+const OrbitView front{look_at(dvec3(0, 0, -4), dvec3(0), dvec3(0, -1, 0), 0.8, 64, 36)};
+const OrbitView tilted{look_at(dvec3(0, 0, -4), dvec3(1, 0.5, 0), dvec3(0.2, -1, 0), 0.8, 640, 360),
+                       dvec3(0.3, -0.2, 0.5), dvec3(0, -2, 0)};
+
 double distance(const Camera& camera, const dvec3& point) { return glm::length(camera.centre() - point); }
 
 /// Angle between `up` and the way from `target` to the camera.
@@ -62,10 +67,8 @@ TEST_CASE("bounds: strays do not move them") {
   CHECK(glm::length(clean.low - dvec3(4, -4, -2)) < 0.1);
   CHECK(glm::length(clean.high - dvec3(6, 0, 4)) < 0.1);
   CHECK(clean.radius == doctest::Approx(2.2).epsilon(0.15));
-  for (int i = 0; i < 13; ++i) {  // one in a hundred
-    const std::size_t at = std::size_t(i) * 97;
-    scene.means[at] = vec3(1e30f, i % 2 ? -1e20f : 1e6f, 1e4f);
-  }
+  for (std::size_t i = 0; i < 13; ++i)  // one in a hundred
+    scene.means[i * 97] = vec3(1e30f, i % 2 ? -1e20f : 1e6f, 1e4f);
   const SceneBounds stray = robust_bounds(scene);
   CHECK(glm::length(stray.low - clean.low) < 0.7);
   CHECK(glm::length(stray.high - clean.high) < 0.7);
@@ -126,7 +129,7 @@ TEST_CASE("default view: most of a scene is seen in an image of any shape") {
     const OrbitView view = default_view(scene, width, height);
     CHECK(view.camera.width == width);
     CHECK(view.camera.height == height);
-    CHECK(glm::length(view.target - robust_bounds(scene).centre) == 0);
+    CHECK(view.target == robust_bounds(scene).centre);
     std::size_t inside = 0;
     for (const vec3& mean : scene.means) {
       const dvec3 at = seen(view.camera, dvec3(mean));
@@ -171,8 +174,7 @@ TEST_CASE("default view: up is where it is told and -y unless much speaks for an
 }
 
 TEST_CASE("orbit: the target stays in its pixel and the camera where it was told") {
-  OrbitView view{look_at(dvec3(0, 0, -4), dvec3(1, 0.5, 0), dvec3(0.2, -1, 0), 0.8, 640, 360),
-                 dvec3(0.3, -0.2, 0.5), dvec3(0, -2, 0)};
+  OrbitView view = tilted;
   view.camera.cx += 31;
   const dvec3 before = seen(view.camera, view.target);
   const double far = distance(view.camera, view.target), high = angle_to_up(view.camera, view);
@@ -196,17 +198,13 @@ TEST_CASE("orbit: the target stays in its pixel and the camera where it was told
         CHECK(axis.y == doctest::Approx(stood.y));
       }
   // From the front, a positive turn brings the camera to the right of what it saw.
-  const Camera quarter =
-      orbit({look_at(dvec3(0, 0, -4), dvec3(0), dvec3(0, -1, 0), 0.8, 64, 36)}, std::numbers::pi / 2);
-  CHECK(glm::length(quarter.centre() - dvec3(4, 0, 0)) < 1e-12);
-  const Camera above = orbit({look_at(dvec3(0, 0, -4), dvec3(0), dvec3(0, -1, 0), 0.8, 64, 36)}, 0, 0.5);
-  CHECK(above.centre().y < 0);
+  CHECK(glm::length(orbit(front, std::numbers::pi / 2).centre() - dvec3(4, 0, 0)) < 1e-12);
+  CHECK(orbit(front, 0, 0.5).centre().y < 0);
   CHECK(glm::length(orbit(view, 0).translation - view.camera.translation) < 1e-12);
 }
 
 TEST_CASE("orbit: an orthographic camera shows the target in its pixel and as large as a pinhole would") {
-  OrbitView view{look_at(dvec3(0, 0, -4), dvec3(1, 0.5, 0), dvec3(0.2, -1, 0), 0.8, 640, 360),
-                 dvec3(0.3, -0.2, 0.5), dvec3(0, -2, 0)};
+  OrbitView view = tilted;
   view.camera.lens.model = LensModel::orthographic;
   view.camera.fx = 70, view.camera.fy = 80;
   const auto at = [](const Camera& camera, const dvec3& point) {
@@ -226,7 +224,7 @@ TEST_CASE("orbit: an orthographic camera shows the target in its pixel and as la
 }
 
 TEST_CASE("orbit: a camera never goes over the top") {
-  OrbitView view{look_at(dvec3(0, 0, -4), dvec3(0), dvec3(0, -1, 0), 0.8, 64, 36)};
+  OrbitView view = front;
   const double degree = std::numbers::pi / 180;
   for (const double rise : {1.6, 100.0}) {
     CHECK(angle_to_up(orbit(view, 0.3, rise), view) == doctest::Approx(degree));
@@ -241,7 +239,7 @@ TEST_CASE("orbit: a camera never goes over the top") {
 }
 
 TEST_CASE("orbit: what is no movement is refused") {
-  OrbitView view{look_at(dvec3(0, 0, -4), dvec3(0), dvec3(0, -1, 0), 0.8, 64, 36)};
+  OrbitView view = front;
   CHECK_THROWS_AS(orbit(view, NAN), std::invalid_argument);
   CHECK_THROWS_AS(orbit(view, 0, double(infinity)), std::invalid_argument);
   CHECK_THROWS_AS(orbit(view, 0, 0, 0), std::invalid_argument);

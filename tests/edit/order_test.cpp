@@ -45,14 +45,7 @@ double median_diagonal(const Scene& scene) {
 }
 }  // namespace
 
-TEST_CASE("edit: spatial order follows Morton's curve, x first") {
-  Scene scene = random_scene(8, 0, 1);
-  // The corners of a cube, in reverse.
-  for (std::uint32_t i = 0; i < 8; ++i)
-    scene.means[7 - i] = vec3(float(i >> 2 & 1), float(i >> 1 & 1), float(i & 1));
-  CHECK(spatial_order(scene) == Indices{7, 6, 5, 4, 3, 2, 1, 0});
-}
-
+// Morton's curve.
 TEST_CASE("edit: spatial order compares all bits of cells from the highest on and x before y before z") {
   // Cells are whole numbers here. Half of them differ from another in one bit alone.
   constexpr std::uint32_t last = (1u << 21) - 1;
