@@ -6,7 +6,6 @@
 /// towards large ones. Set SWIFTGS_FUZZ_PRINT to print the scene of an input that is run again.
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
