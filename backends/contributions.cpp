@@ -13,6 +13,7 @@
 #endif
 #if defined(SWIFTGS_HAS_CUDA)
 #include <swiftgs/cuda.hpp>
+#include <swiftgs/message.hpp>
 #endif
 
 namespace swiftgs {
@@ -51,7 +52,7 @@ const ContributionsEntry& contribution_backend(std::string_view backend) {
 #if !defined(SWIFTGS_HAS_CUDA)
   if (backend == "cuda") throw std::invalid_argument("backend 'cuda': the library was built without CUDA");
 #endif
-  throw std::invalid_argument("backend '" + std::string(backend) + "' is not known; expected " + names);
+  detail::refuse("backend '", backend, "' is not known; expected ", names);
 }
 
 }  // namespace swiftgs

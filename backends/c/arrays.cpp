@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -25,9 +24,7 @@ swiftgs_gaussians read_gaussians(const swiftgs_gaussians* given) {
   require_choice(from.memory, 2, "swiftgs_gaussians: memory");
   constexpr std::uint32_t known =
       SWIFTGS_LOG_SCALES | SWIFTGS_LOGIT_OPACITIES | SWIFTGS_ANY_ROTATIONS | SWIFTGS_PLAIN_COLOURS;
-  if (from.raw & ~known)
-    throw std::invalid_argument("swiftgs_gaussians: raw is " + std::to_string(from.raw) +
-                                ", expected a sum of 1, 2, 4 and 8");
+  if (from.raw & ~known) refuse("swiftgs_gaussians: raw is ", from.raw, ", expected a sum of 1, 2, 4 and 8");
   if (from.memory == SWIFTGS_DEVICE) require_device("swiftgs_gaussians: arrays on a device");
   return from;
 }
@@ -88,9 +85,8 @@ void require_where_drawn(const std::string& call, const swiftgs_renderer& render
                          const swiftgs_gaussians& from) {
   if (lie_where_drawn(renderer, from)) return;
   const bool on_device = from.memory == SWIFTGS_DEVICE;
-  throw std::invalid_argument(call + ": the arrays lie on " + (on_device ? "a device" : "the host") +
-                              ", expected them on " + (on_device ? "the host" : "the device") + ", where '" +
-                              renderer.name + "' draws");
+  refuse(call, ": the arrays lie on ", on_device ? "a device" : "the host", ", expected them on ",
+         on_device ? "the host" : "the device", ", where '", renderer.name, "' draws");
 }
 
 }  // namespace

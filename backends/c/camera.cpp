@@ -5,8 +5,6 @@
 #include <iterator>
 #include <memory>
 #include <numbers>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
 #include <swiftgs/builtin_scene.hpp>
@@ -42,9 +40,7 @@ const CameraFile& file_of(const swiftgs_cameras* cameras) {
 
 template <class T>
 const T& at(const std::vector<T>& list, std::size_t index, const char* what) {
-  if (index >= list.size())
-    throw std::invalid_argument(std::string(what) + ": number " + std::to_string(index) +
-                                ", expected less than " + std::to_string(list.size()));
+  if (index >= list.size()) refuse(what, ": number ", index, ", expected less than ", list.size());
   return list[index];
 }
 
@@ -92,10 +88,9 @@ void write_camera(swiftgs_camera* given, const Camera& camera) {
   check_struct(given, a_camera);
   // An older program would take it for a pinhole and draw another image.
   if (given->size < sizeof(to) && !camera.lens.is_pinhole())
-    throw std::invalid_argument(std::string(a_camera) + ": size is " + std::to_string(given->size) +
-                                ", expected " + std::to_string(sizeof(to)) +
-                                " for a camera with a lens that is no pinhole: the program is older than the "
-                                "library");
+    refuse(a_camera, ": size is ", given->size, ", expected ", sizeof(to),
+           " for a camera with a lens that is no pinhole: the program is older than the "
+           "library");
   write_struct(given, to, a_camera);
 }
 
@@ -154,8 +149,8 @@ swiftgs_status swiftgs_camera_look_at(const swiftgs_look_at* from, swiftgs_camer
     const swiftgs_look_at look = read_struct(from, "swiftgs_look_at");
     require_zero(look.reserved, "swiftgs_look_at");
     if (!(look.vertical_fov > 0 && look.vertical_fov < std::numbers::pi))
-      throw std::invalid_argument("swiftgs_look_at: vertical_fov is " + std::to_string(look.vertical_fov) +
-                                  ", expected more than 0 and less than pi");
+      refuse("swiftgs_look_at: vertical_fov is ", look.vertical_fov,
+             ", expected more than 0 and less than pi");
     const swiftgs::Camera made =
         swiftgs::look_at(to_vector(look.eye), to_vector(look.target), to_vector(look.up), look.vertical_fov,
                          look.width, look.height);

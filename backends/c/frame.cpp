@@ -3,8 +3,6 @@
 // Frames: drawn at once, or recorded.
 #include <cstddef>
 #include <cstdint>
-#include <stdexcept>
-#include <string>
 
 #include "error.hpp"
 #include "renderer.hpp"
@@ -23,8 +21,7 @@ swiftgs_frame read_frame(const swiftgs_frame* given) {
   const swiftgs_frame frame = read_struct(given, "swiftgs_frame");
   constexpr std::uint32_t known = SWIFTGS_MEASURE_COUNTS | SWIFTGS_MEASURE_TIMES;
   if (frame.measure & ~known)
-    throw std::invalid_argument("swiftgs_frame: measure is " + std::to_string(frame.measure) +
-                                ", expected a sum of 1 and 2");
+    refuse("swiftgs_frame: measure is ", frame.measure, ", expected a sum of 1 and 2");
   return frame;
 }
 

@@ -2,8 +2,6 @@
 #include <cstddef>
 #include <cstring>
 #include <memory>
-#include <stdexcept>
-#include <string>
 #include <string_view>
 #include <vector>
 
@@ -31,7 +29,7 @@ Writer writer_of(std::string_view path) {
   if (io::has_ending(path, ".png")) return &write_png;
   if (io::has_ending(path, ".pfm")) return &write_pfm;
   if (io::has_ending(path, ".exr")) return &write_exr;
-  throw std::invalid_argument(std::string(path) + ": expected a name that ends in .png, .pfm or .exr");
+  refuse(path, ": expected a name that ends in .png, .pfm or .exr");
 }
 
 /// The rows of a plane, one behind the other.

@@ -6,8 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <iterator>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
 #include <swiftgs/any_renderer.hpp>
@@ -35,8 +33,7 @@ Clip to_clip(const swiftgs_placement& from) {
 /// Zeros of `from` are the defaults. A float opacity of 2^-29 or more comes back with its bits.
 Placement to_placement(const swiftgs_placement& from) {
   if (!(from.transparency >= 0 && from.transparency <= 1))
-    throw std::invalid_argument("swiftgs_placement: transparency is " + std::to_string(from.transparency) +
-                                ", expected 0 to 1");
+    refuse("swiftgs_placement: transparency is ", from.transparency, ", expected 0 to 1");
   Placement to;
   to.scene = std::size_t(from.scene);
   Similarity& pose = to.world_from_scene;
@@ -69,8 +66,7 @@ swiftgs_recorded_scenes to_struct(Span<PlacedScene> scenes) {
 
 void require_count(const char* call, std::size_t count, std::size_t scenes) {
   if (count != scenes)
-    throw std::invalid_argument(std::string(call) + ": count is " + std::to_string(count) + ", expected " +
-                                std::to_string(scenes) + ", the placed scenes of the frame");
+    refuse(call, ": count is ", count, ", expected ", scenes, ", the placed scenes of the frame");
 }
 
 }  // namespace

@@ -4,8 +4,6 @@
 #include <cstddef>
 #include <memory>
 #include <mutex>
-#include <stdexcept>
-#include <string>
 
 #include <swiftgs/any_renderer.hpp>
 
@@ -57,9 +55,7 @@ swiftgs_status swiftgs_renderers_count(size_t* count) {
 swiftgs_status swiftgs_renderers_get(size_t index, swiftgs_renderer_entry* entry) {
   return guarded([&] {
     const auto& all = swiftgs::renderers();
-    if (index >= all.size())
-      throw std::invalid_argument("renderers: number " + std::to_string(index) + ", expected less than " +
-                                  std::to_string(all.size()));
+    if (index >= all.size()) refuse("renderers: number ", index, ", expected less than ", all.size());
     write_entry(entry, all[index]);
   });
 }
@@ -118,9 +114,8 @@ swiftgs_status swiftgs_renderer_share_scene(swiftgs_renderer* renderer, const sw
     const std::scoped_lock turns(renderer->turn, other->turn);
     if (renderer->host_frames && other->host_frames) order_streams(other->stream, renderer->stream);
     if (!renderer->renderer->share_scene(*other->renderer))
-      throw std::invalid_argument("share_scene: renderer '" + other->name +
-                                  "' has no scene or another backend, expected a scene of that of '" +
-                                  renderer->name + "'");
+      refuse("share_scene: renderer '", other->name,
+             "' has no scene or another backend, expected a scene of that of '", renderer->name, "'");
   });
 }
 

@@ -7,7 +7,6 @@
 #include <limits>
 #include <memory>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <utility>
 #include <vector>
@@ -113,9 +112,8 @@ swiftgs_gaussians arrays_of(const Scene& scene, std::size_t size) {
   for (int axis = 0; axis < 3; ++axis) arrays.origin[axis] = scene.origin[axis];
   if (size < offsetof(swiftgs_gaussians, origin)) arrays.feature_channels = 0;
   if (size < sizeof arrays && scene.origin != dvec3(0.0))
-    throw std::invalid_argument(
-        "swiftgs_gaussians: size is " + std::to_string(size) +
-        ", expected room for the origin of a scene far from zero: the program is older than origins");
+    refuse("swiftgs_gaussians: size is ", size,
+           ", expected room for the origin of a scene far from zero: the program is older than origins");
   return arrays;
 }
 
@@ -161,7 +159,7 @@ swiftgs_status swiftgs_scene_builtin(uint64_t count, swiftgs_scene** scene) {
   return guarded([&] {
     require_pointer(scene, "scene");
     if (count > std::numeric_limits<std::uint32_t>::max())
-      throw std::invalid_argument("scene: " + std::to_string(count) + " Gaussians, expected fewer than 2^32");
+      refuse("scene: ", count, " Gaussians, expected fewer than 2^32");
     *scene = own(swiftgs::make_builtin_scene(std::size_t(count)));
   });
 }

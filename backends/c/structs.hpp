@@ -5,8 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <stdexcept>
-#include <string>
 #include <type_traits>
 
 #include <swiftgs/c/camera.h>
@@ -57,9 +55,7 @@ std::uint32_t size_of(const T* given, const char* what) {
   require_pointer(given, what);
   std::uint32_t size = 0;
   std::memcpy(&size, given, sizeof(size));  // the caller's struct may be smaller than T
-  if (size < first_size<T>)
-    throw std::invalid_argument(std::string(what) + ": size is " + std::to_string(size) + ", expected " +
-                                std::to_string(sizeof(T)) + ", the struct's size");
+  if (size < first_size<T>) refuse(what, ": size is ", size, ", expected ", sizeof(T), ", the struct's size");
   return size;
 }
 }  // namespace detail
@@ -72,10 +68,8 @@ T read_struct(const T* given, const char* what, T defaults = {}) {
   const auto* const bytes = reinterpret_cast<const unsigned char*>(given);
   for (std::size_t i = sizeof(T); i < size; ++i)
     if (bytes[i] != 0)
-      throw std::invalid_argument(std::string(what) + ": byte " + std::to_string(i) + " is " +
-                                  std::to_string(bytes[i]) +
-                                  ", expected 0: the program is newer than the library, whose struct has " +
-                                  std::to_string(sizeof(T)) + " bytes");
+      refuse(what, ": byte ", i, " is ", bytes[i],
+             ", expected 0: the program is newer than the library, whose struct has ", sizeof(T), " bytes");
   std::memcpy(&defaults, given, std::min<std::size_t>(size, sizeof(T)));
   defaults.size = sizeof(T);
   return defaults;
@@ -113,9 +107,7 @@ void for_each_struct(const T* first, std::uint64_t count, const char* what, cons
     std::uint32_t found = 0;
     std::memcpy(&found, bytes, sizeof(found));
     if (found != size)
-      throw std::invalid_argument(std::string(what) + ": size of number " + std::to_string(i) + " is " +
-                                  std::to_string(found) + ", expected that of the first, " +
-                                  std::to_string(size));
+      refuse(what, ": size of number ", i, " is ", found, ", expected that of the first, ", size);
     f(read_struct(reinterpret_cast<const T*>(bytes), what));
   }
 }

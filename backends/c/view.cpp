@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "view.hpp"
 
-#include <string>
 #include <vector>
 
 #include <swiftgs/c/view.h>
@@ -92,8 +91,7 @@ View to_view(const swiftgs_view& from) {
 
 void read_views(const swiftgs_frame& frame, std::vector<View>& views) {
   if (frame.count < 1 || frame.count > max_views)
-    throw std::invalid_argument("swiftgs_frame: count is " + std::to_string(frame.count) +
-                                ", expected 1 to " + std::to_string(max_views) + " views");
+    refuse("swiftgs_frame: count is ", frame.count, ", expected 1 to ", max_views, " views");
   require_pointer(frame.views, "swiftgs_frame: views");
   views.clear();
   for_each_struct(frame.views, frame.count, "swiftgs_view",

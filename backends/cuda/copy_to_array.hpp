@@ -2,13 +2,13 @@
 #pragma once
 
 #include <cstddef>
-#include <stdexcept>
 #include <string>
 
 #include <cuda_runtime_api.h>
 
 #include <swiftgs/cuda/check.hpp>
 #include <swiftgs/frame.hpp>
+#include <swiftgs/message.hpp>
 
 namespace swiftgs {
 
@@ -34,7 +34,7 @@ inline const char* name_of(PixelFormat format) {
 /// colours.
 inline void copy_to_array(const FrameView& frame, cudaArray_t array, PixelFormat format, cudaStream_t stream,
                           const std::string& image) {
-  if (!frame.colour.data) throw std::invalid_argument(image + ": the frame has no colours, expected some");
+  if (!frame.colour.data) detail::refuse(image, ": the frame has no colours, expected some");
   cudaExtent extent{};
   check_cuda(cudaArrayGetInfo(nullptr, &extent, nullptr, array), "cudaArrayGetInfo");
   const std::size_t width = std::size_t(frame.width), height = std::size_t(frame.height);
@@ -42,8 +42,8 @@ inline void copy_to_array(const FrameView& frame, cudaArray_t array, PixelFormat
     const auto shape = [](std::size_t columns, std::size_t rows, PixelFormat of) {
       return std::to_string(columns) + " x " + std::to_string(rows) + " pixels of " + name_of(of);
     };
-    throw std::invalid_argument(image + ": " + shape(extent.width, extent.height, format) +
-                                ", expected those of the frame, " + shape(width, height, frame.format));
+    detail::refuse(image, ": ", shape(extent.width, extent.height, format), ", expected those of the frame, ",
+                   shape(width, height, frame.format));
   }
   const bool upward = frame.colour.pitch < 0;
   check_cuda(

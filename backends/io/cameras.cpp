@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
-#include <stdexcept>
 #include <string>
 
 #include <nlohmann/json.hpp>
 
 #include <swiftgs/io/cameras.hpp>
+#include <swiftgs/message.hpp>
 
 #include "camera_parsing.hpp"
 #include "capture_parts.hpp"
@@ -82,10 +82,9 @@ CameraFile read_cameras(const std::filesystem::path& path) {
   const bool is_folder = std::filesystem::is_directory(path);
   const std::filesystem::path found = is_folder ? io::cameras_in(path) : path;
   if (found.empty())
-    throw std::invalid_argument(
-        path.string() +
-        ": expected cameras.json, transforms.json, or a COLMAP model (cameras.bin and "
-        "images.bin, or .txt), here or in sparse/0 or sparse");
+    detail::refuse(path.string(),
+                   ": expected cameras.json, transforms.json, or a COLMAP model (cameras.bin and "
+                   "images.bin, or .txt), here or in sparse/0 or sparse");
   if (std::filesystem::is_directory(found)) return io::read_model(found);
   CameraFile file = io::read_json(found);
   if (is_folder) io::note_other_splits(found, file.notes);

@@ -4,13 +4,13 @@
 #include <cstdint>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <system_error>
 #include <vector>
 
 #include <swiftgs/io/capture.hpp>
+#include <swiftgs/message.hpp>
 
 #include "capture_parts.hpp"
 #include "name_ending.hpp"
@@ -90,10 +90,10 @@ fs::path scene_in(const fs::path& folder) {
   for (const std::string_view file : transforms_files)
     if (found == "none" && fs::exists(folder / file))
       found = std::string(file) + ", which holds cameras alone";
-  throw std::invalid_argument(folder.string() +
-                              ": expected a capture, a folder with one .spz, .ply or .sog in it, or else one "
-                              ".ksplat, .splat, .glb or .gltf, found " +
-                              found);
+  detail::refuse(folder.string(),
+                 ": expected a capture, a folder with one .spz, .ply or .sog in it, or else one "
+                 ".ksplat, .splat, .glb or .gltf, found ",
+                 found);
 }
 
 std::string name_of_scene(const fs::path& scene) {

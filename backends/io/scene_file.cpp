@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <stdexcept>
 #include <string_view>
 
 #include <swiftgs/io/capture.hpp>
 #include <swiftgs/io/scene_file.hpp>
+#include <swiftgs/message.hpp>
 
 #include "bytes.hpp"
 #include "foreign_file.hpp"
@@ -75,10 +75,9 @@ SceneFile read(const Source& source, const SceneReadOptions& options) {
   for (const Reader& reader : readers)
     if (reader.reads(text, source.name)) {
       if (!options.part.is_whole() && !reader.reads_parts)
-        throw std::invalid_argument(
-            source.name +
-            ": a part of it was asked for, expected a PLY, SPZ or .splat file, which can be "
-            "read in parts; 'swiftgs convert' writes one");
+        detail::refuse(source.name,
+                       ": a part of it was asked for, expected a PLY, SPZ or .splat file, which can be "
+                       "read in parts; 'swiftgs convert' writes one");
       SceneFile file = reader.read(source, options);
       file.bytes += source.bytes.size();
       if (const dvec3& origin = file.scene.origin; origin != dvec3(0.0))

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include <swiftgs/io/scene_file.hpp>
+#include <swiftgs/message.hpp>
 
 #include "name_ending.hpp"
 #include "scene_building.hpp"
@@ -38,8 +38,8 @@ const Writer& writer_for(const std::filesystem::path& path, const std::string& e
     if (has_ending(name, writer.ending)) return writer;
     endings += (endings.empty() ? "" : ", ") + std::string(writer.ending);
   }
-  throw std::invalid_argument((ending.empty() ? path.string() : ending) +
-                              ": expected a scene's name that ends in one of " + endings);
+  detail::refuse(ending.empty() ? path.string() : ending, ": expected a scene's name that ends in one of ",
+                 endings);
 }
 
 }  // namespace

@@ -5,11 +5,11 @@
 #include <charconv>
 #include <cmath>
 #include <functional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <swiftgs/edit/order.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/version.hpp>
 
 #include "output_file.hpp"
@@ -106,8 +106,8 @@ std::size_t clamp_harmonics(std::vector<float>& values) {
 void expect_count(const std::filesystem::path& path, std::size_t count) {
   constexpr std::size_t most = most_webp_pixels_a_side / 4 * 4 * (most_webp_pixels_a_side / 4 * 4);
   if (count == 0 || count > most)
-    throw std::invalid_argument(path.string() + ": expected 1 to " + std::to_string(most) +
-                                " Gaussians of finite numbers for a SOG, found " + std::to_string(count));
+    detail::refuse(path.string(), ": expected 1 to ", most, " Gaussians of finite numbers for a SOG, found ",
+                   count);
 }
 
 /// Writes `scene`, but its higher bands from `harmonics`, which are clamped.

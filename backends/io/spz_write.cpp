@@ -15,6 +15,8 @@
 
 #include <zstd.h>
 
+#include <swiftgs/message.hpp>
+
 #include "gzip_writer.hpp"
 #include "output_file.hpp"
 #include "parallel.hpp"
@@ -199,13 +201,11 @@ class SpzWriter {
 WrittenScene write_spz(const std::filesystem::path& path, const Scene& scene,
                        const SceneWriteOptions& options) {
   if (options.spz_version != 3 && options.spz_version != 4)
-    throw std::invalid_argument(path.string() + ": expected SPZ version 3 or 4 to write, found " +
-                                std::to_string(options.spz_version));
+    detail::refuse(path.string(), ": expected SPZ version 3 or 4 to write, found ", options.spz_version);
   constexpr std::size_t most = std::numeric_limits<std::int32_t>::max();
   if (scene.size() < 1 || scene.size() > most)
-    throw std::invalid_argument(path.string() + ": expected 1 to " + std::to_string(most) +
-                                " Gaussians of finite numbers for an SPZ file, found " +
-                                std::to_string(scene.size()));
+    detail::refuse(path.string(), ": expected 1 to ", most,
+                   " Gaussians of finite numbers for an SPZ file, found ", scene.size());
   SpzWriter writer(path, scene, options);
   WrittenScene written = written_whole("SPZ version " + std::to_string(options.spz_version), scene);
   written.bytes = writer.write();

@@ -8,6 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include <swiftgs/message.hpp>
+
 #include "ranks_state.hpp"
 
 namespace swiftgs {
@@ -65,8 +67,7 @@ Traffic Ranks::traffic() const { return state_->traffic; }
 
 void Ranks::set_longest_message(std::size_t bytes) {
   if (bytes < 1 || bytes > std::size_t(1) << 30)
-    throw std::invalid_argument("ranks: the longest message is " + std::to_string(bytes) +
-                                " bytes, expected 1 to 2^30");
+    detail::refuse("ranks: the longest message is ", bytes, " bytes, expected 1 to 2^30");
   state_->longest_message = bytes;
 }
 
@@ -153,12 +154,12 @@ void Ranks::require_same(const std::string& what, const std::string& mine) const
   const std::vector<std::string> each = all_gather(mine);
   for (std::size_t r = 1; r < each.size(); ++r)
     if (each[r] != each[0])
-      throw std::invalid_argument(what + " is '" + each[r] + "' on rank " + std::to_string(r) +
-                                  ", expected '" + each[0] + "' as on rank 0");
+      detail::refuse(what, " is '", each[r], "' on rank ", r, ", expected '", each[0], "' as on rank 0");
 }
 
 void Failure::tell(const Ranks& ranks) const {
-  const std::vector<std::string> each = ranks.all_gather(error_ ? "!" + mpi::text_of(error_) : "");
+  const std::vector<std::string> each =
+      ranks.all_gather(error_ ? detail::message("!", mpi::text_of(error_)) : "");
   if (error_) std::rethrow_exception(error_);
   for (std::size_t r = 0; r < each.size(); ++r)
     if (!each[r].empty()) throw RankError(int(r), each[r].substr(1));

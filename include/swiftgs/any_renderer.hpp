@@ -15,6 +15,7 @@
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/bound_renderer.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/scene_arrays.hpp>
 #include <swiftgs/sort/adaptive.hpp>
@@ -306,18 +307,14 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
 
   void require_known(const char* call, std::size_t scene) const {
     const std::size_t known = scene_ ? 1 + more_.size() : 0;
-    if (scene >= known)
-      throw std::invalid_argument(std::string(call) + ": the scene is number " + std::to_string(scene) +
-                                  ", expected less than " + std::to_string(known));
+    if (scene >= known) detail::refuse(call, ": the scene is number ", scene, ", expected less than ", known);
   }
   void require_range(std::size_t number, const Placement& p) {
     const std::size_t size = numbered(p.scene).view().size();
     if (p.first <= size && (p.count == Placement::all || p.count <= size - p.first)) return;
-    throw std::invalid_argument("place: placement " + std::to_string(number) + " shows " +
-                                (p.count == Placement::all ? std::string("all") : std::to_string(p.count)) +
-                                " Gaussians from number " + std::to_string(p.first) +
-                                " on, expected some of the " + std::to_string(size) + " of scene " +
-                                std::to_string(p.scene));
+    detail::refuse("place: placement ", number, " shows ",
+                   p.count == Placement::all ? "all" : std::to_string(p.count), " Gaussians from number ",
+                   p.first, " on, expected some of the ", size, " of scene ", p.scene);
   }
   SceneOn& numbered(std::size_t scene) { return scene == 0 ? *scene_ : more_[scene - 1]; }
   SceneView view_of(const Placement& p) {

@@ -9,7 +9,6 @@
 #include <memory>
 #include <optional>
 #include <stdexcept>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -21,6 +20,7 @@
 #include <swiftgs/frame_capacity.hpp>
 #include <swiftgs/frame_plan.hpp>
 #include <swiftgs/hidden_stage.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/pick_stage.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/recorded_frames.hpp>
@@ -230,8 +230,8 @@ class BoundRenderer {
   void render(const PlacedScenes& scenes, Span<const Camera> cameras, const RenderSettings& settings,
               Span<Frame> frames) {
     if (frames.size != cameras.size)
-      detail::refuse("render: the number of frames", frames.size,
-                     std::to_string(cameras.size) + ", one a camera");
+      detail::refuse("render: the number of frames is ", frames.size, ", expected ", cameras.size,
+                     ", one a camera");
     const auto prepare_frame = [&](std::size_t i) {
       return prepare(frames[i], cameras[i].width, cameras[i].height, settings.outputs);
     };

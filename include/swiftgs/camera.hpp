@@ -8,6 +8,7 @@
 #include <swiftgs/finite.hpp>
 #include <swiftgs/lens.hpp>
 #include <swiftgs/math.hpp>
+#include <swiftgs/message.hpp>
 
 namespace swiftgs {
 
@@ -72,7 +73,7 @@ inline int panorama_part(const Camera& camera) {
 /// Throws `std::invalid_argument` that names the first invalid member.
 inline void validate(const Camera& camera) {
   const auto require = [](bool holds, const char* expected) {
-    if (!holds) throw std::invalid_argument(std::string("camera: expected ") + expected);
+    if (!holds) detail::refuse("camera: expected ", expected);
   };
   require(camera.width > 0 && camera.height > 0, "a width and a height above 0");
   require(camera.width <= max_image_side && camera.height <= max_image_side, "at most 65536 pixels a side");

@@ -9,7 +9,6 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdio>
-#include <stdexcept>
 #include <string>
 #include <type_traits>
 
@@ -17,6 +16,7 @@
 #include <swiftgs/finite.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/math.hpp>
+#include <swiftgs/message.hpp>
 
 namespace swiftgs {
 
@@ -87,9 +87,7 @@ Matrix4 matrix_of(const M& m, const char* name) {
                          { m[0] } -> std::convertible_to<double>;
                        }) {
     if constexpr (requires { m.size(); })
-      if (m.size() != 16)
-        throw std::invalid_argument("camera_from: " + std::string(name) + " has " + std::to_string(m.size()) +
-                                    " numbers, expected 16");
+      if (m.size() != 16) refuse("camera_from: ", name, " has ", m.size(), " numbers, expected 16");
     fill([&](int row, int column) { return m[4 * column + row]; });
   } else {
     static_assert(is_no_matrix<M>, "expected m[column][row], m(row, column), or 16 numbers column by column");
@@ -111,7 +109,7 @@ inline std::string row_of(const Matrix4& m, int row, int columns = 4) {
 
 [[noreturn]] inline void refuse_matrix(const char* name, const std::string& found,
                                        const std::string& expected) {
-  throw std::invalid_argument("camera_from: " + std::string(name) + ": " + found + ", expected " + expected);
+  refuse("camera_from: ", name, ": ", found, ", expected ", expected);
 }
 
 inline constexpr const char* if_transposed =
@@ -248,14 +246,13 @@ HostCamera camera_from(const View& view, const Projection& projection, int width
 inline CameraMatrices matrices(const Camera& camera, double at_0, double at_1, ClipSpace clip) {
   validate(camera);
   if (!camera.lens.is_pinhole())
-    throw std::invalid_argument(
-        "matrices: the camera's lens is " +
-        std::string(camera.lens.is_distorted() ? "distorted" : name_of(camera.lens.model)) +
-        ", expected a pinhole");
+    detail::refuse("matrices: the camera's lens is ",
+                   camera.lens.is_distorted() ? "distorted" : name_of(camera.lens.model),
+                   ", expected a pinhole");
   const double near = std::min(at_0, at_1), far = std::max(at_0, at_1);
   if (!(near > 0 && near < far))
-    throw std::invalid_argument("matrices: depths at 0 and 1 are " + detail::text_of(at_0) + " and " +
-                                detail::text_of(at_1) + ", expected two numbers above 0 that differ");
+    detail::refuse("matrices: depths at 0 and 1 are ", detail::text_of(at_0), " and ", detail::text_of(at_1),
+                   ", expected two numbers above 0 that differ");
   const dvec3 x(camera.rotation[0][0], camera.rotation[1][0], camera.rotation[2][0]);
   const dvec3 y(camera.rotation[0][1], camera.rotation[1][1], camera.rotation[2][1]);
   const dvec3 z(camera.rotation[0][2], camera.rotation[1][2], camera.rotation[2][2]);

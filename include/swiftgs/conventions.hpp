@@ -2,9 +2,9 @@
 #pragma once
 
 #include <limits>
-#include <stdexcept>
-#include <string>
 #include <string_view>
+
+#include <swiftgs/message.hpp>
 
 namespace swiftgs {
 
@@ -77,7 +77,7 @@ inline constexpr float least_depth = 1e-26f;
 /// Throws `std::invalid_argument` that names the first invalid number.
 inline void validate(const Conventions& c) {
   const auto require = [](bool holds, const char* expected) {
-    if (!holds) throw std::invalid_argument(std::string("conventions: expected ") + expected);
+    if (!holds) detail::refuse("conventions: expected ", expected);
   };
   require(c.near_plane >= 0 && c.near_plane < c.far_plane, "a near plane of 0 or more before the far plane");
   require(c.blur >= 0 && c.blur < std::numeric_limits<float>::infinity(), "a blur of 0 or more");
@@ -93,8 +93,7 @@ inline void validate(const Conventions& c) {
 inline Conventions conventions_named(std::string_view name) {
   if (name == "gsplat") return Conventions::gsplat();
   if (name == "inria") return Conventions::inria();
-  throw std::invalid_argument("conventions '" + std::string(name) +
-                              "' are not known; expected gsplat or inria");
+  detail::refuse("conventions '", name, "' are not known; expected gsplat or inria");
 }
 
 }  // namespace swiftgs

@@ -6,13 +6,12 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/edit/principal_axes.hpp>
 #include <swiftgs/math.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/orbit.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/scene_bounds.hpp>
@@ -125,8 +124,8 @@ inline dvec3 level_direction(const dvec3& up, double angle) {
 inline OrbitView default_view(const Scene& scene, int width = 1280, int height = 720,
                               const dvec3& up = dvec3(0)) {
   if (std::min(width, height) < 1 || std::max(width, height) > max_image_side)
-    throw std::invalid_argument("default_view: the image is " + std::to_string(width) + " x " +
-                                std::to_string(height) + ", expected 1 to 65536 pixels a side");
+    detail::refuse("default_view: the image is ", width, " x ", height,
+                   ", expected 1 to 65536 pixels a side");
   constexpr double shorter_fov = 0.8;
   const std::vector<detail::SampledGaussian> points = detail::sample_gaussians(scene);
   const SceneBounds bulk = detail::bounds_of(points);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include <swiftgs/api.hpp>
+#include <swiftgs/message.hpp>
 
 namespace swiftgs {
 
@@ -14,7 +15,7 @@ namespace swiftgs {
 class SWIFTGS_API FormatError : public std::runtime_error {
  public:
   FormatError(std::string file, std::uint64_t byte_offset, const std::string& expected)
-      : std::runtime_error(file + ": byte " + std::to_string(byte_offset) + ": expected " + expected),
+      : std::runtime_error(detail::message(file, ": byte ", byte_offset, ": expected ", expected)),
         file_(std::move(file)),
         byte_offset_(byte_offset) {}
 
@@ -30,8 +31,7 @@ class SWIFTGS_API FormatError : public std::runtime_error {
 class SWIFTGS_API CapacityError : public std::runtime_error {
  public:
   CapacityError(const std::string& what, std::uint64_t needed, std::uint64_t limit)
-      : std::runtime_error(what + ": " + std::to_string(needed) + " needed, the limit is " +
-                           std::to_string(limit)),
+      : std::runtime_error(detail::message(what, ": ", needed, " needed, the limit is ", limit)),
         needed_(needed),
         limit_(limit) {}
 

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <stdexcept>
 #include <string>
 
 #include <swiftgs/count.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/render_input.hpp>
 #include <swiftgs/span.hpp>
@@ -47,9 +47,8 @@ inline void check_shown(const PlacedScenes& scenes, const View& view) {
   const auto [first, count] = view.shows;
   const bool all = count == ShownScenes().count;
   if (first > scenes.size() || (!all && count > scenes.size() - first))
-    throw std::invalid_argument("render: a view shows " + (all ? "all" : std::to_string(count)) +
-                                " placed scenes from number " + std::to_string(first) +
-                                " on, expected some of the frame's " + std::to_string(scenes.size()));
+    detail::refuse("render: a view shows ", all ? "all" : std::to_string(count),
+                   " placed scenes from number ", first, " on, expected some of the frame's ", scenes.size());
   if (!view.frame.features.data) return;
   for (const PlacedScene& placed : scenes.shown(view))
     require_features(placed.scene, view.frame.feature_channels);

@@ -12,14 +12,13 @@
 #include <cstdint>
 #include <cstring>
 #include <optional>
-#include <stdexcept>
-#include <string>
 #include <string_view>
 #include <vector>
 
 #include <swiftgs/count.hpp>
 #include <swiftgs/half.hpp>
 #include <swiftgs/harmonics.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs {
@@ -218,8 +217,7 @@ class HarmonicPacking {
     const float* const row = harmonics_.of(i);
     const float value =
         *std::find_if(row, row + harmonics_.each, [](float v) { return std::fabs(v) > 65504; });
-    throw std::invalid_argument("upload: sh_rest of Gaussian " + std::to_string(i) + " is " +
-                                std::to_string(value) + ", expected -65504 to 65504 for halves");
+    detail::refuse("upload: sh_rest of Gaussian ", i, " is ", value, ", expected -65504 to 65504 for halves");
   }
 
   template <class B>

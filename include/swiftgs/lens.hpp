@@ -3,10 +3,10 @@
 
 #include <cmath>
 #include <stdexcept>
-#include <string>
 #include <string_view>
 
 #include <swiftgs/finite.hpp>
+#include <swiftgs/message.hpp>
 
 namespace swiftgs {
 
@@ -63,9 +63,8 @@ inline std::string_view name_of(LensModel model) { return lens_model_names[int(m
 inline LensModel lens_model_named(std::string_view name) {
   for (int i = 0; i < 4; ++i)
     if (name == lens_model_names[i]) return LensModel(i);
-  throw std::invalid_argument(
-      "lens '" + std::string(name) +
-      "' is not known; expected perspective, fisheye, orthographic or equirectangular");
+  detail::refuse("lens '", name,
+                 "' is not known; expected perspective, fisheye, orthographic or equirectangular");
 }
 
 /// Throws `std::invalid_argument` for a distortion that is not finite, or of a lens that has none.
@@ -78,8 +77,7 @@ inline void validate(const Lens& lens) {
       throw std::invalid_argument("camera: expected distortion coefficients of at most 1e6 in magnitude");
   const bool takes_distortion = lens.model == LensModel::perspective || lens.model == LensModel::fisheye;
   if (!takes_distortion && lens.is_distorted())
-    throw std::invalid_argument("camera: expected no distortion of an " + std::string(name_of(lens.model)) +
-                                " lens");
+    detail::refuse("camera: expected no distortion of an ", name_of(lens.model), " lens");
 }
 
 }  // namespace swiftgs

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <cstddef>
-#include <stdexcept>
-#include <string>
+
+#include <swiftgs/message.hpp>
 
 namespace swiftgs {
 
@@ -24,8 +24,8 @@ struct MemoryHook {
 /// Throws `std::invalid_argument` if a function is missing.
 inline void validate(const MemoryHook& hook) {
   if (!hook.allocate || !hook.release)
-    throw std::invalid_argument(std::string("memory hook: no function to ") +
-                                (hook.allocate ? "release" : "allocate") + ", expected both functions");
+    detail::refuse("memory hook: no function to ", hook.allocate ? "release" : "allocate",
+                   ", expected both functions");
 }
 
 /// The functions of `Memory`, which has no state.

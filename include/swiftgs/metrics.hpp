@@ -9,9 +9,9 @@
 #include <cmath>
 #include <cstddef>
 #include <iterator>
-#include <stdexcept>
-#include <string>
 #include <vector>
+
+#include <swiftgs/message.hpp>
 
 namespace swiftgs {
 
@@ -22,8 +22,8 @@ template <class A, class B>
 void require_same_size(const A& a, const B& b) {
   const auto size_a = std::distance(a.begin(), a.end()), size_b = std::distance(b.begin(), b.end());
   if (size_a != size_b || size_a == 0)
-    throw std::invalid_argument("metrics: expected two images with the same number of values, got " +
-                                std::to_string(size_a) + " and " + std::to_string(size_b));
+    detail::refuse("metrics: expected two images with the same number of values, got ", size_a, " and ",
+                   size_b);
 }
 
 /// |a - b|; 0 for equal infinities, NaN where one is NaN.
@@ -141,9 +141,8 @@ double ssim(int width, int height, int channels, const A& a, const B& b) {
   metrics::require_same_size(a, b);
   if (width <= 0 || height <= 0 || channels <= 0 ||
       std::distance(a.begin(), a.end()) != std::ptrdiff_t(width) * height * channels)
-    throw std::invalid_argument("ssim: expected " + std::to_string(width) + " x " + std::to_string(height) +
-                                " x " + std::to_string(channels) + " values, got " +
-                                std::to_string(std::distance(a.begin(), a.end())));
+    detail::refuse("ssim: expected ", width, " x ", height, " x ", channels, " values, got ",
+                   std::distance(a.begin(), a.end()));
   double sum = 0;
   for (int channel = 0; channel < channels; ++channel)
     sum += metrics::ssim_channel(width, height, channels, a.begin() + channel, b.begin() + channel);

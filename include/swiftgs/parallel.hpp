@@ -7,21 +7,19 @@
 #include <exception>
 #include <mutex>
 #include <stdexcept>
-#include <string>
 #include <system_error>
 #include <thread>
 #include <vector>
 
 #include <swiftgs/count.hpp>
+#include <swiftgs/message.hpp>
 
 namespace swiftgs {
 
 /// How many threads `requested` means: itself, or one a processor when 0. Throws `std::invalid_argument` when
 /// negative.
 inline int thread_count(int requested) {
-  if (requested < 0)
-    throw std::invalid_argument("threads: expected 0 (one a processor) or more, got " +
-                                std::to_string(requested));
+  if (requested < 0) detail::refuse("threads: expected 0 (one a processor) or more, got ", requested);
   if (requested > 0) return requested;
   return std::max(1, int(std::thread::hardware_concurrency()));
 }

@@ -7,13 +7,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <stdexcept>
-#include <string>
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
 #include <swiftgs/colours.hpp>
 #include <swiftgs/frame.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/plane/picks.hpp>
 #include <swiftgs/raster/exponents.hpp>
 #include <swiftgs/raster/raster.hpp>
@@ -52,12 +51,11 @@ inline constexpr int max_pick_side = 64;
 inline void validate(const PickRectangle& rectangle, int width, int height) {
   const auto check = [](const char* name, int begin, int size, int whole) {
     if (size < 1 || size > max_pick_side)
-      throw std::invalid_argument("pick: the rectangle has " + std::to_string(size) + " pixels along " +
-                                  name + ", expected 1 to " + std::to_string(max_pick_side));
+      detail::refuse("pick: the rectangle has ", size, " pixels along ", name, ", expected 1 to ",
+                     max_pick_side);
     if (begin < 0 || begin > whole - size)
-      throw std::invalid_argument("pick: the rectangle has pixels " + std::to_string(begin) + " to " +
-                                  std::to_string(std::int64_t(begin) + size - 1) + " along " + name +
-                                  ", expected pixels within the frame's " + std::to_string(whole));
+      detail::refuse("pick: the rectangle has pixels ", begin, " to ", std::int64_t(begin) + size - 1,
+                     " along ", name, ", expected pixels within the frame's ", whole);
   };
   check("x", rectangle.x, rectangle.width, width);
   check("y", rectangle.y, rectangle.height, height);

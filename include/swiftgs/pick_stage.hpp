@@ -3,12 +3,11 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <stdexcept>
-#include <string>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include <swiftgs/message.hpp>
 #include <swiftgs/pick.hpp>
 #include <swiftgs/stages.hpp>
 #include <swiftgs/views.hpp>
@@ -51,9 +50,8 @@ class PickStage {
       if (parts.owner(std::uint32_t(i)) == rectangle.view)
         width += views[i].frame.width, height = views[i].frame.height;
     if (width == 0)
-      throw std::invalid_argument("pick: the view is number " + std::to_string(rectangle.view) +
-                                  ", expected less than " +
-                                  std::to_string(parts.owner(std::uint32_t(views.size() - 1)) + 1));
+      detail::refuse("pick: the view is number ", rectangle.view, ", expected less than ",
+                     parts.owner(std::uint32_t(views.size() - 1)) + 1);
     validate(rectangle, width, height);
   }
 

@@ -10,14 +10,13 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <stdexcept>
-#include <string>
 #include <tuple>
 #include <vector>
 
 #include <swiftgs/clip.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/math.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/placing.hpp>
 #include <swiftgs/project.hpp>
 #include <swiftgs/render_input.hpp>
@@ -66,9 +65,8 @@ inline void validate(const PlacedScene& placed) {
 /// fewer.
 inline SceneView range_of(const SceneView& scene, std::size_t first, std::size_t count) {
   if (first > scene.size() || count > scene.size() - first)
-    throw std::invalid_argument("range_of: Gaussians " + std::to_string(first) + " and " +
-                                std::to_string(count) + " on, expected a range of the scene's " +
-                                std::to_string(scene.size()));
+    detail::refuse("range_of: Gaussians ", first, " and ", count, " on, expected a range of the scene's ",
+                   scene.size());
   SceneView range = scene;
   if (count != scene.size() && scene.identity != 0)
     range.identity = scene.identity * 0x9e3779b97f4a7c15 + first * 0xff51afd7ed558ccd + count;
@@ -271,7 +269,7 @@ inline PlacedIndex placed_index(const PlacedScenes& scenes, std::uint32_t number
   std::size_t first = 0;
   for (std::size_t i = 0; i < scenes.size(); first += scenes.each()[i].size(), ++i)
     if (number - first < scenes.each()[i].size()) return {i, number - first};
-  detail::refuse("placed_index: the Gaussian", number, "less than " + std::to_string(first));
+  detail::refuse("placed_index: the Gaussian is ", number, ", expected less than ", first);
 }
 
 /// Throws `std::invalid_argument` where a frame asks for features that one of `scenes` does not have.

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <stdexcept>
-#include <string>
-
 #include <swiftgs/clip.hpp>
 #include <swiftgs/math.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/similarity.hpp>
 
 namespace swiftgs::detail {
@@ -21,7 +19,7 @@ SWIFTGS_HD inline const char* unmet_of_placing(const Similarity& world_from_scen
 /// Throws `std::invalid_argument` unless a frame can show a scene like this.
 inline void validate_placing(const Similarity& world_from_scene, float opacity, const Clip& clip) {
   if (const char* const expected = unmet_of_placing(world_from_scene, opacity, clip))
-    throw std::invalid_argument(std::string("placed scene: expected ") + expected);
+    refuse("placed scene: expected ", expected);
 }
 
 }  // namespace swiftgs::detail

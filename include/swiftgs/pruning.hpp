@@ -10,12 +10,11 @@
 #include <cstdint>
 #include <limits>
 #include <numeric>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
 #include <swiftgs/edit/select.hpp>
 #include <swiftgs/error.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs {
@@ -35,8 +34,7 @@ inline std::vector<double> opacity_volumes(const Scene& scene) {
 /// `std::invalid_argument` unless the fraction is above 0 and at most 1.
 inline std::size_t kept_count(double fraction, std::size_t count) {
   if (!(fraction > 0 && fraction <= 1))
-    throw std::invalid_argument("pruning: expected a fraction above 0 and at most 1, got " +
-                                std::to_string(fraction));
+    detail::refuse("pruning: expected a fraction above 0 and at most 1, got ", fraction);
   const std::size_t kept = std::size_t(std::llround(fraction * double(count)));
   return count == 0 ? 0 : std::clamp<std::size_t>(kept, 1, count);
 }
@@ -49,8 +47,7 @@ std::vector<std::uint32_t> highest(const std::vector<Score>& scores, std::size_t
   const std::size_t most = std::numeric_limits<std::uint32_t>::max();
   if (scores.size() > most) throw CapacityError("Gaussians", scores.size(), most);
   if (count > scores.size())
-    throw std::invalid_argument("pruning: expected at most " + std::to_string(scores.size()) +
-                                " Gaussians to keep, got " + std::to_string(count));
+    detail::refuse("pruning: expected at most ", scores.size(), " Gaussians to keep, got ", count);
   std::vector<std::uint32_t> order(scores.size());
   std::iota(order.begin(), order.end(), 0u);
   std::nth_element(order.begin(), order.begin() + std::ptrdiff_t(count), order.end(),

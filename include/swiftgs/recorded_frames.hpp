@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -11,6 +10,7 @@
 
 #include <swiftgs/backend.hpp>
 #include <swiftgs/frame_plan.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/plane/attributes.hpp>
 #include <swiftgs/tiles.hpp>
@@ -61,13 +61,12 @@ class RecordedFrames {
     for (const PlacedScene& placed : scenes.each()) validate(placed);
     detail::require_for_render(reserved_.has_value(), "reserve before set_scenes");
     if (alone_ || scenes.size() != scenes_.size())
-      detail::refuse("set_scenes: the number of placed scenes", scenes.size(),
-                     alone_ ? "a scene alone as reserved" : std::to_string(scenes_.size()) + " as reserved");
+      detail::refuse("set_scenes: the number of placed scenes is ", scenes.size(), ", expected ",
+                     alone_ ? "a scene alone" : std::to_string(scenes_.size()), " as reserved");
     for (std::size_t i = 0; i < scenes.size(); ++i)
       if (scenes.each()[i].size() != scenes_.each()[i].size())
-        throw std::invalid_argument("set_scenes: placed scene " + std::to_string(i) + " has " +
-                                    std::to_string(scenes.each()[i].size()) + " Gaussians, expected " +
-                                    std::to_string(scenes_.each()[i].size()) + " as reserved");
+        detail::refuse("set_scenes: placed scene ", i, " has ", scenes.each()[i].size(),
+                       " Gaussians, expected ", scenes_.each()[i].size(), " as reserved");
     for (const View& view : views_.each) check_shown(scenes, view);
     check_ready(b);
     if (scenes.each().data == scenes_.each().data) return;  // changed where they are
@@ -105,15 +104,15 @@ class RecordedFrames {
  private:
   void check_suits(Span<const View> views) const {
     if (views.size != views_.size())
-      detail::refuse("set_views: the number of views", views.size,
-                     std::to_string(views_.size()) + " as reserved");
+      detail::refuse("set_views: the number of views is ", views.size, ", expected ", views_.size(),
+                     " as reserved");
     for (std::size_t i = 0; i < views.size; ++i) {
       if (!same_shape(views[i], views_[i]))
-        throw std::invalid_argument("set_views: the size or the planes of view " + std::to_string(i) +
-                                    " changed, expected those that were reserved");
+        detail::refuse("set_views: the size or the planes of view ", i,
+                       " changed, expected those that were reserved");
       if (views[i].camera.through_lens && !views_.through_lens)
-        throw std::invalid_argument("set_views: view " + std::to_string(i) +
-                                    " is no pinhole whose depth is z, expected those alone as reserved");
+        detail::refuse("set_views: view ", i,
+                       " is no pinhole whose depth is z, expected those alone as reserved");
     }
   }
 

@@ -7,8 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <stdexcept>
-#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -16,6 +14,7 @@
 #include <swiftgs/finite.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/math.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/span.hpp>
 #include <swiftgs/view.hpp>
@@ -40,14 +39,13 @@ struct Measures {
 
 namespace detail {
 inline void require_for_render(bool holds, const char* expected) {
-  if (!holds) throw std::invalid_argument(std::string("render: expected ") + expected);
+  if (!holds) refuse("render: expected ", expected);
 }
 
 inline void require_finite_background(vec3 background) {
   for (int c = 0; c < 3; ++c)
     if (!is_finite(background[c]))
-      throw std::invalid_argument("render: the background is " + std::to_string(background[c]) +
-                                  " in channel " + std::to_string(c) + ", expected finite numbers");
+      refuse("render: the background is ", background[c], " in channel ", c, ", expected finite numbers");
 }
 }  // namespace detail
 
@@ -56,8 +54,7 @@ inline void validate(const RenderSettings& settings) {
   validate(settings.conventions);
   detail::require_finite_background(settings.background);
   if (settings.outputs.features < 0)
-    throw std::invalid_argument("render: the number of features is " +
-                                std::to_string(settings.outputs.features) + ", expected 0 or more");
+    detail::refuse("render: the number of features is ", settings.outputs.features, ", expected 0 or more");
 }
 
 /// Throws `std::invalid_argument` where nothing can be rendered into `frame`.
@@ -71,14 +68,11 @@ inline void validate(const FrameView& frame) {
     // Unsigned, as the least pitch has no positive counterpart.
     const std::size_t pitch = plane.pitch < 0 ? 0 - std::size_t(plane.pitch) : std::size_t(plane.pitch);
     if (plane.data && (pitch < row || pitch > most || pitch % channel != 0))
-      throw std::invalid_argument(
-          "render: the pitch of " + std::string(name) + " is " + std::to_string(plane.pitch) +
-          " bytes, expected " +
-          (pitch > most ? "at most " + std::to_string(most) : "at least " + std::to_string(row)) +
-          " up or down, a multiple of " + std::to_string(channel));
+      detail::refuse("render: the pitch of ", name, " is ", plane.pitch, " bytes, expected ",
+                     pitch > most ? "at most " : "at least ", pitch > most ? most : row,
+                     " up or down, a multiple of ", channel);
     if (reinterpret_cast<std::uintptr_t>(plane.data) % channel != 0)
-      throw std::invalid_argument("render: expected " + std::string(name) + " aligned to " +
-                                  std::to_string(channel) + " bytes");
+      detail::refuse("render: expected ", name, " aligned to ", channel, " bytes");
   };
   const std::size_t channels = frame.format == PixelFormat::rgb_float ? 3 : 4;
   for_each_plane(
@@ -133,12 +127,9 @@ inline void validate(const SceneView& scene) {
         const detail::RowLayout row = detail::layout_of(array, each);
         if (n == 0 || row.bytes == 0) return;
         if (!array.data || array.size != n || array.stride < row.bytes || array.stride % row.alignment != 0)
-          throw std::invalid_argument("render: " + std::string(name) +
-                                      " of the scene: " + std::to_string(array.data ? array.size : 0) +
-                                      " values, " + std::to_string(array.stride) + " bytes apart; expected " +
-                                      std::to_string(n) + " values, " + std::to_string(row.bytes) +
-                                      " bytes or more apart, in multiples of " +
-                                      std::to_string(row.alignment));
+          detail::refuse("render: ", name, " of the scene: ", array.data ? array.size : 0, " values, ",
+                         array.stride, " bytes apart; expected ", n, " values, ", row.bytes,
+                         " bytes or more apart, in multiples of ", row.alignment);
       },
       scene);
 }
@@ -146,9 +137,8 @@ inline void validate(const SceneView& scene) {
 /// Throws `std::invalid_argument` where a frame asks for features that `scene` does not have.
 inline void require_features(const SceneView& scene, int channels) {
   if (channels > scene.feature_channels)
-    throw std::invalid_argument("render: the frame asks for " + std::to_string(channels) +
-                                " features a Gaussian, expected at most the " +
-                                std::to_string(scene.feature_channels) + " of the scene");
+    detail::refuse("render: the frame asks for ", channels, " features a Gaussian, expected at most the ",
+                   scene.feature_channels, " of the scene");
 }
 
 /// Sets `views` to those through `cameras`, whose frames have sizes and no planes yet. Throws as `validate`

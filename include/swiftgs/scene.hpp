@@ -6,8 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <stdexcept>
-#include <string>
 #include <type_traits>
 #include <vector>
 
@@ -16,6 +14,7 @@
 #include <swiftgs/finite.hpp>
 #include <swiftgs/harmonics.hpp>
 #include <swiftgs/math.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/span.hpp>
 
 namespace swiftgs {
@@ -138,21 +137,19 @@ void for_each_array(const F& f, First&& first, More&&... more) {
 /// for, and its origin lies within the range of float.
 inline void validate(const Scene& scene) {
   if (scene.sh_degree < 0 || scene.sh_degree > max_sh_degree)
-    throw std::invalid_argument("scene: sh_degree is " + std::to_string(scene.sh_degree) +
-                                ", expected 0 to 3");
+    detail::refuse("scene: sh_degree is ", scene.sh_degree, ", expected 0 to 3");
   if (scene.feature_channels < 0 || scene.feature_channels > max_feature_channels)
-    throw std::invalid_argument("scene: feature_channels is " + std::to_string(scene.feature_channels) +
-                                ", expected 0 to " + std::to_string(max_feature_channels));
+    detail::refuse("scene: feature_channels is ", scene.feature_channels, ", expected 0 to ",
+                   max_feature_channels);
   for (int axis = 0; axis < 3; ++axis)
     if (!detail::is_finite(float(scene.origin[axis])))
-      throw std::invalid_argument("scene: origin has " + std::to_string(scene.origin[axis]) +
-                                  ", expected finite numbers within the range of float");
+      detail::refuse("scene: origin has ", scene.origin[axis],
+                     ", expected finite numbers within the range of float");
   for_each_array(
       [&](const char* array, std::size_t each, const auto& values) {
         if (values.size() != scene.size() * each)
-          throw std::invalid_argument("scene: " + std::string(array) + " has " +
-                                      std::to_string(values.size()) + " elements, expected " +
-                                      std::to_string(scene.size() * each));
+          detail::refuse("scene: ", array, " has ", values.size(), " elements, expected ",
+                         scene.size() * each);
       },
       scene);
 }
@@ -179,9 +176,8 @@ inline void require_finite(const char* array, const float* values, std::size_t c
     if (are_finite(values + begin, end - begin)) continue;
     for (std::size_t i = begin; i < end; ++i)
       if (!is_finite(values[i]))
-        throw std::invalid_argument("scene: " + std::string(array) + " of Gaussian " +
-                                    std::to_string(first + i / width) + " is " + std::to_string(values[i]) +
-                                    ", expected finite numbers");
+        refuse("scene: ", array, " of Gaussian ", first + i / width, " is ", values[i],
+               ", expected finite numbers");
   }
 }
 

@@ -11,11 +11,11 @@
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
-#include <string>
 
 #include <swiftgs/activation.hpp>
 #include <swiftgs/count.hpp>
 #include <swiftgs/math.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/sh.hpp>
 
@@ -50,32 +50,26 @@ struct SceneArrays {
 namespace detail {
 inline void validate_shape(const SceneArrays& arrays) {
   if (arrays.count > std::numeric_limits<std::uint32_t>::max())
-    throw std::invalid_argument("scene: " + std::to_string(arrays.count) +
-                                " Gaussians, expected fewer than 2^32");
+    refuse("scene: ", arrays.count, " Gaussians, expected fewer than 2^32");
   if (arrays.sh_degree < 0 || arrays.sh_degree > max_sh_degree)
-    throw std::invalid_argument("scene: sh_degree is " + std::to_string(arrays.sh_degree) +
-                                ", expected 0 to 3");
+    refuse("scene: sh_degree is ", arrays.sh_degree, ", expected 0 to 3");
   if (arrays.feature_channels < 0)
-    throw std::invalid_argument("scene: feature_channels is " + std::to_string(arrays.feature_channels) +
-                                ", expected 0 or more");
+    refuse("scene: feature_channels is ", arrays.feature_channels, ", expected 0 or more");
 }
 
 /// Throws `std::invalid_argument` unless `array` may hold `floats` floats for each of `count` Gaussians.
 inline void validate_array(const char* name, std::size_t floats, const FloatArray& array, std::size_t count) {
-  const auto refuse = [&](const std::string& why) {
-    throw std::invalid_argument("scene: " + std::string(name) + why);
-  };
   if (reinterpret_cast<std::uintptr_t>(array.data) % alignof(float) != 0)
-    refuse(": expected an address that is a multiple of 4");
+    refuse("scene: ", name, ": expected an address that is a multiple of 4");
   const auto row = std::ptrdiff_t(floats * sizeof(float));
   const auto most = std::numeric_limits<std::ptrdiff_t>::max() / std::ptrdiff_t(count);
   if (row > most)
-    refuse(": " + std::to_string(floats) + " floats a Gaussian of " + std::to_string(count) +
+    refuse("scene: ", name, ": ", floats, " floats a Gaussian of ", count,
            ", expected what fits into memory");
   if (array.stride != 0 &&
       (array.stride < row || array.stride > most || array.stride % std::ptrdiff_t(sizeof(float)) != 0))
-    refuse(": stride is " + std::to_string(array.stride) + " bytes, expected 0 or a multiple of 4 from " +
-           std::to_string(row) + " to " + std::to_string(most));
+    refuse("scene: ", name, ": stride is ", array.stride, " bytes, expected 0 or a multiple of 4 from ", row,
+           " to ", most);
 }
 }  // namespace detail
 
@@ -85,8 +79,7 @@ inline void validate(const SceneArrays& arrays) {
   detail::validate_shape(arrays);
   const auto check = [&](const char* name, std::size_t floats, const FloatArray& array) {
     if (arrays.count == 0 || floats == 0) return;
-    if (!array.data)
-      throw std::invalid_argument("scene: " + std::string(name) + " is null, expected a pointer");
+    if (!array.data) detail::refuse("scene: ", name, " is null, expected a pointer");
     detail::validate_array(name, floats, array, arrays.count);
   };
   for_each_array(check, arrays);
@@ -107,8 +100,7 @@ inline SceneView view(const SceneArrays& arrays) {
   const auto look = [&](const char* name, std::size_t floats, const FloatArray& array, auto& rows) {
     const std::size_t stride = array.stride != 0 ? std::size_t(array.stride) : floats * sizeof(float);
     if (stride > std::numeric_limits<std::uint32_t>::max())
-      throw std::invalid_argument("scene: " + std::string(name) + ": stride is " + std::to_string(stride) +
-                                  " bytes, expected less than 2^32");
+      detail::refuse("scene: ", name, ": stride is ", stride, " bytes, expected less than 2^32");
     const void* const first = array.data;
     if (arrays.count != 0 && floats != 0)
       rows = {static_cast<decltype(rows.data)>(first), arrays.count, stride};
@@ -123,13 +115,11 @@ template <class SceneLike>
 void validate_update(const SceneLike& scene, std::size_t first, const SceneArrays& arrays) {
   detail::validate_shape(arrays);
   if (first > scene.size() || arrays.count > scene.size() - first)
-    throw std::invalid_argument("update: " + std::to_string(arrays.count) + " Gaussians from number " +
-                                std::to_string(first) + " on, expected some of the scene's " +
-                                std::to_string(scene.size()));
+    detail::refuse("update: ", arrays.count, " Gaussians from number ", first,
+                   " on, expected some of the scene's ", scene.size());
   const auto require_same = [](const char* name, const FloatArray& array, int found, int expected) {
     if (array.data && found != expected)
-      throw std::invalid_argument("update: " + std::string(name) + " is " + std::to_string(found) +
-                                  ", expected " + std::to_string(expected) + " as in the scene");
+      detail::refuse("update: ", name, " is ", found, ", expected ", expected, " as in the scene");
   };
   require_same("sh_degree", arrays.sh_rest, arrays.sh_degree, scene.sh_degree);
   require_same("feature_channels", arrays.features, arrays.feature_channels, scene.feature_channels);
@@ -147,8 +137,8 @@ inline constexpr const char* update_of_borrowed =
 /// hold the address and format of their rows.
 inline void require_replaceable(const HarmonicRows& rows, const SceneArrays& arrays) {
   if (arrays.sh_rest.data && rows.is_packed())
-    throw std::invalid_argument("update: the scene keeps sh_rest as " + std::string(name_of(rows)) +
-                                ", expected floats: upload it so that they are kept as floats");
+    detail::refuse("update: the scene keeps sh_rest as ", name_of(rows),
+                   ", expected floats: upload it so that they are kept as floats");
 }
 
 /// The chunks whose bounds may change when `arrays` replace Gaussians from number `first` on.

@@ -2,9 +2,8 @@
 #pragma once
 
 #include <cstddef>
-#include <stdexcept>
-#include <string>
 
+#include <swiftgs/message.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs {
@@ -30,8 +29,8 @@ struct ScenePart {
 /// Throws `std::invalid_argument` if there is no such part.
 inline void validate(const ScenePart& part) {
   if (part.of < 1 || part.of > 65535 || part.index >= part.of)
-    throw std::invalid_argument("scene: the part is number " + std::to_string(part.index) + " of " +
-                                std::to_string(part.of) + ", expected 0 and up of 1 to 65535");
+    detail::refuse("scene: the part is number ", part.index, " of ", part.of,
+                   ", expected 0 and up of 1 to 65535");
 }
 
 /// A copy of a part of `scene`. Readers and `make_builtin_scene` make a part without the rest.

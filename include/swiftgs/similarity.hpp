@@ -2,14 +2,13 @@
 #pragma once
 
 #include <cmath>
-#include <stdexcept>
-#include <string>
 
 #include <glm/matrix.hpp>
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/finite.hpp>
 #include <swiftgs/math.hpp>
+#include <swiftgs/message.hpp>
 
 namespace swiftgs {
 
@@ -45,8 +44,7 @@ struct Similarity {
 
 /// Throws `std::invalid_argument` that names the first invalid member of what `what` says.
 inline void validate(const Similarity& by, const char* what = "transform") {
-  if (const char* const expected = by.unmet())
-    throw std::invalid_argument(std::string(what) + ": expected " + expected);
+  if (const char* const expected = by.unmet()) detail::refuse(what, ": expected ", expected);
 }
 
 /// The movement that undoes `by`. Throws as `validate` does.

@@ -4,13 +4,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <stdexcept>
-#include <string>
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/math.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/round_to_nearest.hpp>
 #include <swiftgs/tiles.hpp>
 #include <swiftgs/view_constants.hpp>
@@ -57,12 +56,6 @@ struct View {
   SWIFTGS_HD int top() const { return grid.rows.begin * grid.side; }
 };
 
-namespace detail {
-[[noreturn]] inline void refuse(const char* what, std::size_t found, const std::string& expected) {
-  throw std::invalid_argument(std::string(what) + " is " + std::to_string(found) + ", expected " + expected);
-}
-}  // namespace detail
-
 /// Where a frame that shows a part of an image begins in it. A multiple of `default_tile_side`, so that the
 /// part has the bits of the whole image. @units{pixels}
 struct FirstPixel {
@@ -80,12 +73,10 @@ inline View make_view(const Camera& camera, const Conventions& conventions, cons
   const auto run = [](const char* name, int begin, int size, int whole) {
     const int side = default_tile_side;
     if (begin < 0 || begin % side != 0)
-      throw std::invalid_argument("view: the first pixel's " + std::string(name) + " is " +
-                                  std::to_string(begin) + ", expected a multiple of " + std::to_string(side));
+      detail::refuse("view: the first pixel's ", name, " is ", begin, ", expected a multiple of ", side);
     if (size < 1 || size > whole - begin)
-      throw std::invalid_argument("view: the frame has " + std::to_string(size) + " pixels along " + name +
-                                  " from " + std::to_string(begin) +
-                                  " on, expected 1 or more within the camera's " + std::to_string(whole));
+      detail::refuse("view: the frame has ", size, " pixels along ", name, " from ", begin,
+                     " on, expected 1 or more within the camera's ", whole);
     return TileRun{begin / side, (begin + size + side - 1) / side};
   };
   view.grid.columns = run("x", first.x, frame.width, camera.width);

@@ -7,12 +7,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <stdexcept>
-#include <string>
 #include <tuple>
 #include <vector>
 
 #include <swiftgs/error.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/span.hpp>
 #include <swiftgs/tiles.hpp>
 #include <swiftgs/view.hpp>
@@ -38,21 +37,18 @@ namespace detail {
 inline void check_tiles(const View& view) {
   const auto side_fits = [](int side) { return side > 0 && side <= max_image_side; };
   if (!side_fits(view.frame.width) || !side_fits(view.frame.height))
-    throw std::invalid_argument("frame: " + std::to_string(view.frame.width) + " x " +
-                                std::to_string(view.frame.height) + " pixels, expected 1 to " +
-                                std::to_string(max_image_side) + " a side");
+    refuse("frame: ", view.frame.width, " x ", view.frame.height, " pixels, expected 1 to ", max_image_side,
+           " a side");
   const TileGrid& grid = view.grid;
   if (grid.side < raster_block_side || (grid.side & (grid.side - 1)) != 0)
-    refuse("tiles: the side", std::size_t(grid.side),
-           "a power of two of at least " + std::to_string(raster_block_side) + " pixels");
+    refuse("tiles: the side is ", grid.side, ", expected a power of two of at least ", raster_block_side,
+           " pixels");
   const TileGrid needed = TileGrid::covering(view.frame.width, view.frame.height, grid.side);
   const auto check_run = [](const char* name, TileRun found, TileRun expected) {
-    const std::string of = std::string("tiles: the ");
     if (found.size() != expected.size())
-      refuse((of + "number of " + name).c_str(), std::size_t(found.size()), std::to_string(expected.size()));
+      refuse("tiles: the number of ", name, " is ", found.size(), ", expected ", expected.size());
     if (found.begin < 0)
-      throw std::invalid_argument(of + "first of the " + name + " is " + std::to_string(found.begin) +
-                                  ", expected 0 or more");
+      refuse("tiles: the first of the ", name, " is ", found.begin, ", expected 0 or more");
   };
   check_run("columns", grid.columns, needed.columns);
   check_run("rows", grid.rows, needed.rows);
@@ -61,22 +57,19 @@ inline void check_tiles(const View& view) {
 /// The tiles of all views. Throws as the constructor of `Views`.
 inline FrameTiles frame_tiles(Span<const View> views) {
   if (views.size < 1 || views.size > max_views)
-    refuse("frame: the number of views", views.size, "1 to " + std::to_string(max_views));
+    refuse("frame: the number of views is ", views.size, ", expected 1 to ", max_views);
   for (const View& view : views) check_tiles(view);
   FrameTiles tiles{.columns = views[0].grid.stride, .rows = 0, .side = views[0].grid.side};
   std::uint64_t rows = 0;
   for (const View& view : views) {
     const TileGrid& grid = view.grid;
     if (grid.side != tiles.side)
-      refuse("tiles: the side", std::size_t(grid.side),
-             "that of the first view, " + std::to_string(tiles.side));
+      refuse("tiles: the side is ", grid.side, ", expected that of the first view, ", tiles.side);
     const std::uint64_t first = rows * tiles.columns;
     if (grid.stride != tiles.columns || grid.stride < std::uint32_t(grid.columns.size()) ||
         grid.first != first)
-      throw std::invalid_argument("tiles: those of a view are numbered from " + std::to_string(grid.first) +
-                                  " on in rows of " + std::to_string(grid.stride) + ", expected " +
-                                  std::to_string(first) + " and " + std::to_string(tiles.columns) +
-                                  "; number_tiles numbers them");
+      refuse("tiles: those of a view are numbered from ", grid.first, " on in rows of ", grid.stride,
+             ", expected ", first, " and ", tiles.columns, "; number_tiles numbers them");
     rows += std::uint64_t(grid.rows.size());
     if (rows * tiles.columns > max_frame_tiles)
       throw CapacityError("tiles in one frame", rows * tiles.columns, max_frame_tiles);
@@ -144,8 +137,8 @@ class PanoramaParts {
       const int width = view.panorama_part, end = view.left() + view.frame.width;
       detail::check_tiles(view);
       if (width % view.grid.side != 0)
-        detail::refuse("tiles: the side", std::size_t(view.grid.side),
-                       "a divisor of the " + std::to_string(width) + " columns of a panorama's part");
+        detail::refuse("tiles: the side is ", view.grid.side, ", expected a divisor of the ", width,
+                       " columns of a panorama's part");
       for (int begin = view.left(), next; begin < end; begin = next) {
         next = std::min((begin / width + 1) * width, end);
         parts_.push_back(columns_of(view, begin, next)), owners_.push_back(owner);

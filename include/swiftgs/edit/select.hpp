@@ -7,7 +7,6 @@
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
-#include <string>
 #include <utility>
 #include <vector>
 
@@ -17,6 +16,7 @@
 #include <swiftgs/error.hpp>
 #include <swiftgs/finite.hpp>
 #include <swiftgs/math.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs {
@@ -27,9 +27,7 @@ namespace swiftgs {
 inline Scene subset(const Scene& scene, const std::vector<std::uint32_t>& kept) {
   validate(scene);
   for (const std::uint32_t i : kept)
-    if (i >= scene.size())
-      throw std::invalid_argument("subset: expected Gaussians below " + std::to_string(scene.size()) +
-                                  ", got " + std::to_string(i));
+    if (i >= scene.size()) detail::refuse("subset: expected Gaussians below ", scene.size(), ", got ", i);
   Scene out = empty_like(scene);
   for_each_array(
       [&](const char*, std::size_t each, const auto& from, auto& to) {
@@ -85,7 +83,7 @@ struct HalfSpace {
 
 namespace detail {
 inline void require_region(bool holds, const char* expected) {
-  if (!holds) throw std::invalid_argument(std::string("crop: expected ") + expected);
+  if (!holds) refuse("crop: expected ", expected);
 }
 }  // namespace detail
 
@@ -135,8 +133,7 @@ inline std::vector<float> rest_of_degree(const Scene& scene, int degree) {
 /// any other degree.
 inline Scene with_degree(Scene scene, int degree) {
   validate(scene);
-  if (degree < 0 || degree > max_sh_degree)
-    throw std::invalid_argument("with_degree: expected 0 to 3, got " + std::to_string(degree));
+  if (degree < 0 || degree > max_sh_degree) detail::refuse("with_degree: expected 0 to 3, got ", degree);
   if (degree != scene.sh_degree)
     scene.sh_rest = detail::rest_of_degree(scene, degree), scene.sh_degree = degree;
   return scene;
@@ -155,9 +152,8 @@ inline void append(Scene& scene, const Scene& more) {
   if (scene.size() != 0 && scene.antialiased != more.antialiased)
     throw std::invalid_argument("append: expected both scenes antialiased or neither, got one of each");
   if (scene.size() != 0 && scene.feature_channels != more.feature_channels)
-    throw std::invalid_argument("append: expected scenes with equally many feature channels, got " +
-                                std::to_string(scene.feature_channels) + " and " +
-                                std::to_string(more.feature_channels));
+    detail::refuse("append: expected scenes with equally many feature channels, got ", scene.feature_channels,
+                   " and ", more.feature_channels);
   if (scene.size() != 0 && scene.origin != more.origin) return append(scene, with_origin(more, scene.origin));
   if (more.sh_degree < scene.sh_degree) return append(scene, with_degree(more, scene.sh_degree));
   if (scene.sh_degree < more.sh_degree) {

@@ -4,10 +4,9 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <stdexcept>
-#include <string>
 
 #include <swiftgs/math.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/sh.hpp>
 
 namespace swiftgs {
@@ -20,7 +19,7 @@ class ShRotation {
   /// `std::invalid_argument` for any other degree.
   ShRotation(const dmat3& rotation, int degree) : degree_(degree) {
     if (degree < 0 || degree > max_sh_degree)
-      throw std::invalid_argument("ShRotation: degree is " + std::to_string(degree) + ", expected 0 to 3");
+      detail::refuse("ShRotation: degree is ", degree, ", expected 0 to 3");
     // Entry (m, n) of a band's matrix is the integral of Y_m(R d) Y_n(d) over all directions d. A product of
     // two functions of band 3 is a polynomial of degree 6, and this rule is exact up to degree 7: Gauss and
     // Legendre's four heights, with eight directions at each.

@@ -7,11 +7,11 @@
 #include <concepts>
 #include <cstdint>
 #include <cstring>
-#include <string>
 #include <string_view>
 
 #include <swiftgs/backend.hpp>
 #include <swiftgs/colours.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/plane/attributes.hpp>
 #include <swiftgs/plane/picks.hpp>
 #include <swiftgs/raster/raster_blocks.hpp>
@@ -87,8 +87,8 @@ SWIFTGS_HD inline void store_picks(const RasterJob& job, const View& view, std::
 inline RasterBlocks raster_blocks_of(const RasterJob& job) {
   const FrameTiles& tiles = job.views.tiles;
   if (job.lists.ranges.size != tiles.size())
-    detail::refuse("rasterize: the number of lists", job.lists.ranges.size,
-                   "a list for each of the frame's " + std::to_string(tiles.size()) + " tiles");
+    detail::refuse("rasterize: the number of lists is ", job.lists.ranges.size,
+                   ", expected a list for each of the frame's ", tiles.size(), " tiles");
   return RasterBlocks(tiles);
 }
 

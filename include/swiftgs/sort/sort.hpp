@@ -4,8 +4,6 @@
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
-#include <stdexcept>
-#include <string>
 #include <string_view>
 #include <tuple>
 #include <utility>
@@ -16,6 +14,7 @@
 #include <swiftgs/footprint.hpp>
 #include <swiftgs/frame_capacity.hpp>
 #include <swiftgs/frame_plan.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/splats.hpp>
 #include <swiftgs/tiles.hpp>
 
@@ -37,8 +36,8 @@ struct SortJob {
 /// Throws `std::invalid_argument` if the footprints of `job` are of another number of splats.
 inline void check_footprints(const SortJob& job) {
   if (job.footprints.each.size != job.splats.size())
-    throw std::invalid_argument("sort: there are footprints of " + std::to_string(job.footprints.each.size) +
-                                " splats, expected those of " + std::to_string(job.splats.size()));
+    detail::refuse("sort: there are footprints of ", job.footprints.each.size, " splats, expected those of ",
+                   job.splats.size());
 }
 
 /// Policy `S` builds tile lists on backend `B` within bounds `Bounds`: for every tile the ids of the splats
@@ -132,8 +131,7 @@ struct SWIFTGS_API ClearRanges {
 /// Throws `std::invalid_argument` if footprints do not have as many intersections as they say.
 inline void check_sum(std::uint64_t said, std::uint64_t sum) {
   if (said != sum)
-    throw std::invalid_argument("sort: the footprints hold " + std::to_string(sum) +
-                                " intersections, expected those that they say, " + std::to_string(said));
+    detail::refuse("sort: the footprints hold ", sum, " intersections, expected those that they say, ", said);
 }
 
 /// Memory that emission works in.

@@ -3,10 +3,9 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <stdexcept>
-#include <string>
 #include <vector>
 
+#include <swiftgs/message.hpp>
 #include <swiftgs/mpi/ranks.hpp>
 #include <swiftgs/mpi/shares.hpp>
 #include <swiftgs/span.hpp>
@@ -45,8 +44,8 @@ void exchange_offers(const Ranks& all, const Shares<B>& shares, Offer mine, Fail
     well = well && from[r].failed == 0 && from[r].frame == mine.frame;
     if (from[r].frame != from[0].frame)
       failure.guard([&] {
-        throw std::invalid_argument("render: the views of rank " + std::to_string(r) +
-                                    " differ from those of rank 0, expected the same on all ranks");
+        detail::refuse("render: the views of rank ", r,
+                       " differ from those of rank 0, expected the same on all ranks");
       });
   }
   if (!well) failure.tell(all);

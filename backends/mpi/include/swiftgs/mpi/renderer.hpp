@@ -15,6 +15,7 @@
 #include <vector>
 
 #include <swiftgs/attribute_stage.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/mpi/counters.hpp>
 #include <swiftgs/mpi/direct_link.hpp>
 #include <swiftgs/mpi/identity.hpp>
@@ -53,7 +54,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     ranks_.require_same("the build of the program", build_identity());
     ranks_.require_same("the renderer", std::string(name));
     if (ranks_.size() > most_ranks)
-      detail::refuse("ranks: their number", std::size_t(ranks_.size()), "65535 at most");
+      detail::refuse("ranks: their number is ", ranks_.size(), ", expected 65535 at most");
     link_ = direct_link(ranks_, this->backend());
     exchange_.set_ranks(ranks_, bool(link_));
   }
@@ -100,8 +101,8 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     failure.guard([&] {
       make_views(part, cameras, settings);
       if (collects && frames.size != cameras.size)
-        detail::refuse("render: the number of frames", frames.size,
-                       std::to_string(cameras.size) + ", one a camera");
+        detail::refuse("render: the number of frames is ", frames.size, ", expected ", cameras.size,
+                       ", one a camera");
       for (std::size_t i = 0; collects && i < frames.size; ++i)
         whole.push_back(prepare(frames[i], cameras[i].width, cameras[i].height, settings.outputs));
     });
