@@ -176,11 +176,12 @@ SWIFTGS_DEVICE_CASE("cuda capture: a rasterizer is captured and draws the same p
   Cuda cuda(stream.get());
   Picture<Cuda> picture(cuda, random_splats(500, 100, 70, 6), 100, 70);
   PlanesOn<Cuda> expected(cuda, 100, 70, {true, true}), image(cuda, 100, 70, {true, true}, -1);
-  picture.draw(AxisSharedThreshold<FloatCholesky>{}, expected.view());
+  const auto raster = RasterStage<Cuda>::of<AxisSharedThreshold<FloatCholesky>>();
+  picture.draw(raster, expected.view());
   stream.wait();
   const Graph graph(stream, [&] {
     cuda.clear(image.view().colour.data, 3 * sizeof(float) * 100 * 70);
-    picture.draw(AxisSharedThreshold<FloatCholesky>{}, image.view());
+    picture.draw(raster, image.view());
   });
   CHECK(graph.nodes() == 4);  // the picture, its counts, the kernel and that of long lists
   for (int i = 0; i < 3; ++i) graph.run();

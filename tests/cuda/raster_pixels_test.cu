@@ -56,7 +56,7 @@ template <class Raster>
 void check_on_all_backends(const SplatSet& splats, int width) {
   CAPTURE(Raster::name);
   Cuda cuda;
-  check_against_serial<Raster>(cuda, splats, width, 60);
+  check_against_serial(cuda, BoundRaster<Cuda>::of<Raster>(), splats, width, 60);
   Serial serial;
   Cpu cpu(2);
   const Drawing expected = draw<Raster>(serial, splats, width, 60);

@@ -31,13 +31,9 @@ template <class Raster>
 using Tested = Raster;
 #endif
 
-/// Calls `f` with one object of each rasterizer that is tested, named in what fails.
-template <class F>
+template <class B, class F>
 void with_each(const F& f) {
-  for_each_raster([&]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
-    f(Tested<Raster>());
-  });
+  with_each_raster<B, Tested>(f);
 }
 
 /// How much more than a host a backend may differ from double. A device differs from `Serial` by as much as
@@ -73,8 +69,8 @@ SWIFTGS_BLENDING("splats are laid over each other from the nearest to the farthe
   add_half_clear(splats, 2, {1, 0, 0}, 0.25);
   DrawSettings settings = exact_settings(1e-4f, true);
   settings.background = vec3(0, 0, 1);
-  with_each([&]<class Raster>(Raster) {
-    const Drawing drawing = draw<Raster>(backend, splats, 17, 17, settings);
+  with_each<B>([&](const BoundRaster<B>& raster) {
+    const Drawing drawing = draw(backend, raster, splats, 17, 17, settings);
     CHECK(drawing.colour(8, 8, 0) == doctest::Approx(0.25).epsilon(1e-6));
     CHECK(drawing.colour(8, 8, 1) == doctest::Approx(0.75 * 0.5).epsilon(1e-6));
     CHECK(drawing.colour(8, 8, 2) == doctest::Approx(0.75 * 0.5).epsilon(1e-6));
@@ -89,9 +85,9 @@ SWIFTGS_BLENDING("a pixel that nothing reaches shows the background and no alpha
   far_off.add(make_splat(60, 60, 1, 1, 0, 0.9), 1);
   DrawSettings settings;
   settings.background = vec3(0.1f, 0.2f, 3.0f);
-  with_each([&]<class Raster>(Raster) {
+  with_each<B>([&](const BoundRaster<B>& raster) {
     for (const SplatSet* splats : {&none, &far_off}) {
-      const Drawing drawing = draw<Raster>(backend, *splats, 40, 40, settings);
+      const Drawing drawing = draw(backend, raster, *splats, 40, 40, settings);
       for (const int at : {0, 39}) {
         for (int c = 0; c < 3; ++c) CHECK(drawing.colour(at, at, c) == settings.background[c]);
         CHECK(drawing.alpha(at, at) == 0);
@@ -103,12 +99,12 @@ SWIFTGS_BLENDING("a pixel that nothing reaches shows the background and no alpha
 }
 
 SWIFTGS_BLENDING("a pixel ends before the splat that brings it to the limit or only below it") {
-  with_each([&]<class Raster>(Raster) {
+  with_each<B>([&](const BoundRaster<B>& raster) {
     const auto drawn = [&](float stop, bool at_equal) {
       const DrawSettings settings = exact_settings(stop, at_equal);
-      const Drawing drawing = draw<Raster>(backend, five_half_clear(), 17, 17, settings);
+      const Drawing drawing = draw(backend, raster, five_half_clear(), 17, 17, settings);
       CHECK(drawing.colour(8, 8, 0) == drawing.alpha(8, 8));
-      CHECK(draw<Raster>(backend, five_half_clear(), 17, 17, lean(settings)).alpha(8, 8) ==
+      CHECK(draw(backend, raster, five_half_clear(), 17, 17, lean(settings)).alpha(8, 8) ==
             drawing.alpha(8, 8));
       return drawing;
     };
@@ -134,9 +130,9 @@ SWIFTGS_BLENDING("a stopped pixel stays stopped though fainter splats follow") {
       add_half_clear(splats, float(splats.shapes.size() + 1), vec3(1), opacity);
     const DrawSettings settings = exact_settings(0.25f, true);
     const double expected = 1 - 0.5 * std::pow(1 - 1.0 / 256, before);
-    with_each([&]<class Raster>(Raster) {
+    with_each<B>([&](const BoundRaster<B>& raster) {
       for (const DrawSettings& each : {settings, lean(settings)})
-        CHECK(draw<Raster>(backend, splats, 17, 17, each).alpha(8, 8) ==
+        CHECK(draw(backend, raster, splats, 17, 17, each).alpha(8, 8) ==
               doctest::Approx(expected).epsilon(1e-6));
     });
   }
@@ -149,20 +145,20 @@ SWIFTGS_BLENDING("an opacity of exactly the threshold is kept at the centre alon
   SplatSet below = at_threshold;
   below.shapes[0].opacity = std::nextafter(1.0f / 256, 0.0f), below.shapes[0].cutoff = -1e-7f;
   REQUIRE(at_threshold.shapes[0].cutoff == 0);
-  with_each([&]<class Raster>(Raster) {
-    const Drawing drawing = draw<Raster>(backend, at_threshold, 32, 32, settings);
+  with_each<B>([&](const BoundRaster<B>& raster) {
+    const Drawing drawing = draw(backend, raster, at_threshold, 32, 32, settings);
     CHECK(drawing.alpha(8, 8) == 1.0f / 256);
     CHECK(drawing.counts.contributing_pairs == 1);
-    CHECK(draw<Raster>(backend, below, 32, 32, settings).counts.contributing_pairs == 0);
+    CHECK(draw(backend, raster, below, 32, 32, settings).counts.contributing_pairs == 0);
   });
 }
 
 SWIFTGS_BLENDING("alpha is cut so that one opaque splat lets a hundredth through") {
   SplatSet splats;
   splats.add(make_splat(8.5, 8.5, 40, 40, 0, 1), 1);
-  with_each([&]<class Raster>(Raster) {
+  with_each<B>([&](const BoundRaster<B>& raster) {
     for (const DrawSettings& each : {DrawSettings(), lean()})
-      CHECK(draw<Raster>(backend, splats, 16, 16, each).alpha(8, 8) == doctest::Approx(0.99).epsilon(1e-6));
+      CHECK(draw(backend, raster, splats, 16, 16, each).alpha(8, 8) == doctest::Approx(0.99).epsilon(1e-6));
   });
 }
 
@@ -177,12 +173,12 @@ SWIFTGS_BLENDING("images of any size are those of double") {
     DrawSettings settings;
     settings.background = vec3(0.3f, 0.2f, 0.1f);
     const DoubleDrawing exact = draw_in_double(splats, size.width, size.height, settings);
-    with_each([&]<class Raster>(Raster) {
-      const Drawing drawing = draw<Raster>(backend, splats, size.width, size.height, settings);
-      const Drawing again = draw<Raster>(backend, splats, size.width, size.height, lean(settings));
+    with_each<B>([&](const BoundRaster<B>& raster) {
+      const Drawing drawing = draw(backend, raster, splats, size.width, size.height, settings);
+      const Drawing again = draw(backend, raster, splats, size.width, size.height, lean(settings));
       CHECK(same_bits(again.frame.colour, drawing.frame.colour));
       CHECK(same_bits(again.frame.alpha, drawing.frame.alpha));
-      if (stores_half<Raster>) return;
+      if (stores_half(raster.name)) return;
       // Rounding alone stays below 2e-5; a pixel at a threshold may gain or lose a splat: 0.011 at most.
       const Difference colour = difference(drawing.frame.colour, exact.colour, 2e-5 * slack<B>);
       CHECK(colour.largest < 0.011 * slack<B>);
@@ -198,10 +194,10 @@ SWIFTGS_BLENDING("images of any size are those of double") {
 SWIFTGS_BLENDING("half-split images are those of double as far as half carries") {
   const SplatSet splats = usual_splats(300, 128, 64, 12);
   const DoubleDrawing exact = draw_in_double(splats, 128, 64);
-  with_each([&]<class Raster>(Raster) {
-    if (!stores_half<Raster>) return;
+  with_each<B>([&](const BoundRaster<B>& raster) {
+    if (!stores_half(raster.name)) return;
     const Difference colour =
-        difference(draw<Raster>(backend, splats, 128, 64).frame.colour, exact.colour, 1e-4);
+        difference(draw(backend, raster, splats, 128, 64).frame.colour, exact.colour, 1e-4);
     CHECK(colour.largest < 0.011 * slack<B>);
     CHECK(colour.part_above > 0.01);  // or its terms are not stored as half at all
   });
@@ -211,9 +207,9 @@ SWIFTGS_BLENDING("what is counted is what double counts") {
   const SplatSet splats = usual_splats(1500, 100, 70, 13);
   const DoubleDrawing exact = draw_in_double(splats, 100, 70);
   REQUIRE(exact.pixels_stopped > 100);
-  with_each([&]<class Raster>(Raster) {
-    if (stores_half<Raster>) return;
-    const RasterCounts counts = draw<Raster>(backend, splats, 100, 70).counts;
+  with_each<B>([&](const BoundRaster<B>& raster) {
+    if (stores_half(raster.name)) return;
+    const RasterCounts counts = draw(backend, raster, splats, 100, 70).counts;
     CHECK(double(counts.contributing_pairs) ==
           doctest::Approx(double(exact.contributing_pairs)).epsilon(1e-3 * slack<B>));
     CHECK(double(counts.pixels_stopped) ==
@@ -226,12 +222,12 @@ SWIFTGS_BLENDING("colours may be as large as floats are") {
   SplatSet bright = splats, brightest = splats;
   for (SplatColour& colour : bright.colours) colour.rgb *= 0x1p20f;
   for (SplatColour& colour : brightest.colours) colour.rgb = vec3(3e38f);
-  with_each([&]<class Raster>(Raster) {
-    const Frame usual = draw<Raster>(backend, splats, 70, 45).frame;
-    Frame scaled = draw<Raster>(backend, bright, 70, 45).frame;
+  with_each<B>([&](const BoundRaster<B>& raster) {
+    const Frame usual = draw(backend, raster, splats, 70, 45).frame;
+    Frame scaled = draw(backend, raster, bright, 70, 45).frame;
     for (float& value : scaled.colour) value *= 0x1p-20f;
     CHECK(difference(scaled.colour, usual.colour, 0).largest < 1e-6);
-    const Frame largest = draw<Raster>(backend, brightest, 70, 45, lean()).frame;
+    const Frame largest = draw(backend, raster, brightest, 70, 45, lean()).frame;
     CHECK(std::all_of(largest.colour.begin(), largest.colour.end(),
                       [](float v) { return v >= 0 && v < 3.1e38f; }));
   });
@@ -240,9 +236,9 @@ SWIFTGS_BLENDING("colours may be as large as floats are") {
 SWIFTGS_BLENDING("needles and giants leave no pixel that is not a number") {
   SplatSet splats = random_splats(500, 64, 64, 17);
   add_needles(splats, 16);
-  with_each([&]<class Raster>(Raster) {
+  with_each<B>([&](const BoundRaster<B>& raster) {
     for (const DrawSettings& each : {DrawSettings(), lean()}) {
-      const Frame frame = draw<Raster>(backend, splats, 64, 64, each).frame;
+      const Frame frame = draw(backend, raster, splats, 64, 64, each).frame;
       CHECK(std::all_of(frame.colour.begin(), frame.colour.end(),
                         [](float v) { return v >= 0 && v <= 1.001f; }));
       CHECK(std::all_of(frame.alpha.begin(), frame.alpha.end(), [](float v) { return v >= 0 && v <= 1; }));
@@ -253,14 +249,14 @@ SWIFTGS_BLENDING("needles and giants leave no pixel that is not a number") {
 SWIFTGS_BLENDING("each output alone is the same as with the others and none may be there") {
   const SplatSet splats = usual_splats(200, 50, 30, 15);
   Picture<B, Ellipse> picture(backend, splats, 50, 30, {.count = false});
-  with_each([&]<class Raster>(Raster raster) {
+  with_each<B>([&](const BoundRaster<B>& raster) {
     PlanesOn<B> planes(backend, 50, 30, {true, true});
     const FrameView whole = planes.view();
     picture.draw(raster, {});
     picture.draw(raster, {.colour = whole.colour});
     picture.draw(raster, {.alpha = whole.alpha});
     picture.draw(raster, {.depth = whole.depth});
-    CHECK(same_planes(planes.on_host(backend), draw<Raster>(backend, splats, 50, 30).frame));
+    CHECK(same_planes(planes.on_host(backend), draw(backend, raster, splats, 50, 30).frame));
   });
 }
 
@@ -275,28 +271,28 @@ SWIFTGS_BLENDING("conservative bounds draw the same bits of any splats") {
     faint.add(make_splat(x, random.in(0, height), along, across, random.in(0, 3.14), opacity), float(i + 1));
   }
   for (const SplatSet& splats : {random_splats(600, width, height, 18), faint})
-    with_each([&]<class Raster>(Raster) {
-      const Frame box = draw<Raster>(backend, splats, width, height).frame;
+    with_each<B>([&](const BoundRaster<B>& raster) {
+      const Frame box = draw(backend, raster, splats, width, height).frame;
       for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
         CAPTURE(Bounds::name);
         if constexpr (Bounds::conservative && !std::is_same_v<Bounds, OpacityBox>)
-          CHECK(same_planes(draw<Raster, Bounds>(backend, splats, width, height).frame, box));
+          CHECK(same_planes(draw<Bounds>(backend, raster, splats, width, height).frame, box));
       });
     });
 }
 
 SWIFTGS_BLENDING("tiles of any side give the same bits") {
   const SplatSet splats = random_splats(1000, 200, 150, 31);
-  with_each([&]<class Raster>(Raster) {
-    const Drawing usual = draw<Raster>(backend, splats, 200, 150);
+  with_each<B>([&](const BoundRaster<B>& raster) {
+    const Drawing usual = draw(backend, raster, splats, 200, 150);
     for (const int side : {32, 64, 512}) {
       CAPTURE(side);
-      const Drawing drawn = draw<Raster>(backend, splats, 200, 150, {}, side);
+      const Drawing drawn = draw(backend, raster, splats, 200, 150, {}, side);
       CHECK(same_planes(drawn.frame, usual.frame));
       CHECK(drawn.counts.contributing_pairs == usual.counts.contributing_pairs);
       CHECK(drawn.counts.intersections_visited >= usual.counts.intersections_visited);
       CHECK(
-          same_bits(draw<Raster>(backend, splats, 200, 150, lean(), side).frame.colour, usual.frame.colour));
+          same_bits(draw(backend, raster, splats, 200, 150, lean(), side).frame.colour, usual.frame.colour));
     }
   });
 }
@@ -304,15 +300,15 @@ SWIFTGS_BLENDING("tiles of any side give the same bits") {
 namespace {
 
 /// Checks one rasterizer against `Serial`, with depth and counts and without. Returns the pixels that stop.
-template <class Raster, class B>
-std::uint64_t check_against_serial(B& backend, const SplatSet& splats, int width, int height,
-                                   const DrawSettings& settings = {}) {
-  CAPTURE(Raster::name);
+template <class B>
+std::uint64_t check_against_serial(B& backend, const BoundRaster<B>& raster, const SplatSet& splats,
+                                   int width, int height, const DrawSettings& settings = {}) {
+  CAPTURE(raster.name);
   Serial serial;
-  const Drawing expected = draw<Raster>(serial, splats, width, height, settings);
-  const Drawing drawn = draw<Raster>(backend, splats, width, height, settings);
+  const Drawing expected = draw(serial, raster.on_serial, splats, width, height, settings);
+  const Drawing drawn = draw(backend, raster, splats, width, height, settings);
   // Of half terms a few round to the other side, for which no more than their share of the pixels differs.
-  const double share = !stores_half<Raster> ? 0.001 : width * height > 1000 ? 0.05 : 1;
+  const double share = !stores_half(raster.name) ? 0.001 : width * height > 1000 ? 0.05 : 1;
   // A threshold may fall differently: for a splat at alpha 1/255, or for one before which a pixel ends.
   const Difference colour = difference(drawn.frame.colour, expected.frame.colour, 2e-5);
   const Difference alpha = difference(drawn.frame.alpha, expected.frame.alpha, 2e-5);
@@ -323,8 +319,9 @@ std::uint64_t check_against_serial(B& backend, const SplatSet& splats, int width
   CHECK(difference(drawn.frame.depth, expected.frame.depth, 1e-3).part_above <= share);
 
   const RasterCounts &counts = drawn.counts, &by_serial = expected.counts;
-  CHECK(double(counts.contributing_pairs) ==
-        doctest::Approx(double(by_serial.contributing_pairs)).epsilon(stores_half<Raster> ? 1e-2 : 1e-3));
+  CHECK(
+      double(counts.contributing_pairs) ==
+      doctest::Approx(double(by_serial.contributing_pairs)).epsilon(stores_half(raster.name) ? 1e-2 : 1e-3));
   CHECK(std::abs(double(counts.pixels_stopped) - double(by_serial.pixels_stopped)) <=
         1 + 1e-2 * double(by_serial.pixels_stopped));
   CHECK(counts.intersections_visited <=
@@ -337,7 +334,7 @@ std::uint64_t check_against_serial(B& backend, const SplatSet& splats, int width
 #else
   CHECK(counts.intersections_visited >= by_serial.intersections_visited);
 #endif
-  const Frame again = draw<Raster>(backend, splats, width, height, lean(settings)).frame;
+  const Frame again = draw(backend, raster, splats, width, height, lean(settings)).frame;
   CHECK(same_bits(again.colour, drawn.frame.colour));
   CHECK(same_bits(again.alpha, drawn.frame.alpha));
   return by_serial.pixels_stopped;
@@ -357,9 +354,9 @@ SplatSet veils(int count, double opacity) {
 
 SWIFTGS_BLENDING("images of many splats are those of Serial with either rule of stopping") {
   for (const Conventions& conventions : {Conventions::gsplat(), Conventions::inria()})
-    with_each([&]<class Raster>(Raster) {
-      CHECK(check_against_serial<Raster>(backend, usual_splats(6000, 200, 150, 12), 200, 150,
-                                         {.rules = BlendRules::from(conventions)}) > 1000);
+    with_each<B>([&](const BoundRaster<B>& raster) {
+      CHECK(check_against_serial(backend, raster, usual_splats(6000, 200, 150, 12), 200, 150,
+                                 {.rules = BlendRules::from(conventions)}) > 1000);
     });
 }
 
@@ -370,7 +367,8 @@ SWIFTGS_BLENDING("lists of every length are blended to their end") {
     const SplatSet splats = veils(count, 1.5 / 255);
     REQUIRE(build_lists<StandardSort, OpacityBox>(serial, splats.job(16, 16)).intersections ==
             std::size_t(count));
-    with_each([&]<class Raster>(Raster) { check_against_serial<Raster>(backend, splats, 16, 16); });
+    with_each<B>(
+        [&](const BoundRaster<B>& raster) { check_against_serial(backend, raster, splats, 16, 16); });
   }
 }
 
@@ -384,25 +382,26 @@ SWIFTGS_BLENDING("pixels stop at every place of a list") {
       splats.add(make_splat(8, 8, 300, 300, 0, 0.99), float(500 + i), vec3(1, 0, 0));
     for (int i = 0; i < 40; ++i)
       splats.add(make_splat(8, 8, 300, 300, 0, 0.5), float(600 + i), vec3(0, 0, 1));
-    with_each(
-        [&]<class Raster>(Raster) { CHECK(check_against_serial<Raster>(backend, splats, 16, 16) == 256); });
+    with_each<B>([&](const BoundRaster<B>& raster) {
+      CHECK(check_against_serial(backend, raster, splats, 16, 16) == 256);
+    });
   }
 }
 
 SWIFTGS_BLENDING("the balanced time of a raster stage is what threads or warps are at work of its time") {
-  with_each([&]<class Raster>(Raster) {
+  with_each<B>([&](const BoundRaster<B>& raster) {
     if constexpr (on_host<B>) {
       // One thread at least is at work throughout, and all of them at most.
       const double threads = threads_at_once(backend);
-      CHECK(evenness<Raster>(backend, faint_splats(2000, 160, 96), 160, 96) > 0.8 / threads);
-      const double of_one = evenness<Raster>(backend, faint_splats(2000, 16, 16), 16, 16);
+      CHECK(evenness(backend, raster, faint_splats(2000, 160, 96), 160, 96) > 0.8 / threads);
+      const double of_one = evenness(backend, raster, faint_splats(2000, 16, 16), 16, 16);
       CHECK(of_one > 0.8 / threads);
       CHECK(of_one <= 1 / threads);
     } else {
-      const double of_many = evenness<Raster>(backend, faint_splats(200'000, 1280, 720), 1280, 720);
+      const double of_many = evenness(backend, raster, faint_splats(200'000, 1280, 720), 1280, 720);
       CHECK(of_many > 0.05);
       CHECK(of_many < 1);
-      const double of_one = evenness<Raster>(backend, faint_splats(400, 16, 16), 16, 16);
+      const double of_one = evenness(backend, raster, faint_splats(400, 16, 16), 16, 16);
       CHECK(of_one > 0);
       CHECK(of_one < 0.05);  // eight warps at most, on devices that run hundreds
     }

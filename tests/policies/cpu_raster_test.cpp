@@ -19,9 +19,7 @@ namespace {
 /// What a vector kernel may differ by from the plain form, or from another target: order of operations and
 /// the exponential's last bits. A pixel at a threshold may then gain or lose one splat, so a few values
 /// differ by up to 0.011, the weight of a splat that the stop rule excludes.
-template <class Raster>
-void check_close(const Drawing& a, const Drawing& b) {
-  const bool half = stores_half<Raster>;
+void check_close(const Drawing& a, const Drawing& b, bool half) {
   // A term that lies between two halves may be rounded to either, which moves alpha by up to 2%.
   const Difference colour = difference(a.frame.colour, b.frame.colour, half ? 1e-3 : 1e-5);
   CHECK(colour.largest < (half ? 0.03 : 0.011));
@@ -58,12 +56,11 @@ void add_batches(SplatSet& splats, float depth) {
 void check_picks(const SplatSet& splats, const DrawSettings& settings, std::uint32_t id) {
   Serial serial;
   Cpu cpu(1);
-  for_each_raster([&]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
-    const Frame plain = draw<Raster>(serial, splats, 16, 16, settings).frame;
+  with_each_raster<Cpu>([&](const BoundRaster<Cpu>& raster) {
+    const Frame plain = draw(serial, raster.on_serial, splats, 16, 16, settings).frame;
     CHECK(plain.id[0] == id);
     on_each_target([&] {
-      const Frame frame = draw<Raster>(cpu, splats, 16, 16, settings).frame;
+      const Frame frame = draw(cpu, raster, splats, 16, 16, settings).frame;
       CHECK(frame.id[0] == plain.id[0]);
       CHECK(frame.median_id[0] == plain.median_id[0]);
       CHECK(frame.first_depth[0] == plain.first_depth[0]);
@@ -81,10 +78,10 @@ TEST_CASE("cpu raster: every vector target draws what the plain kernels draw") {
   for (const std::uint64_t seed : {1, 2, 3}) {
     CAPTURE(seed);
     const SplatSet splats = usual_splats(400 * seed * seed, 150, 110, seed);
-    for_each_raster([&]<class Raster>(Raster) {
-      CAPTURE(Raster::name);
-      const Drawing plain = draw<Raster>(serial, splats, 150, 110);
-      on_each_target([&] { check_close<Raster>(draw<Raster>(cpu, splats, 150, 110), plain); });
+    with_each_raster<Cpu>([&](const BoundRaster<Cpu>& raster) {
+      const Drawing plain = draw(serial, raster.on_serial, splats, 150, 110);
+      on_each_target(
+          [&] { check_close(draw(cpu, raster, splats, 150, 110), plain, stores_half(raster.name)); });
     });
   }
 }
@@ -154,20 +151,20 @@ TEST_CASE("cpu raster: no block is refused that has a pixel to show") {
   }
   Serial serial;
   Cpu cpu(2);
-  const auto check = [&]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
-    const RasterCounts plain = draw<Raster>(serial, splats, 640, 480).counts;
+  const auto check = [&](const BoundRaster<Cpu>& raster) {
+    CAPTURE(raster.name);
+    const RasterCounts plain = draw(serial, raster.on_serial, splats, 640, 480).counts;
     REQUIRE(plain.pixels_stopped == 0);
     on_each_target([&] {
-      const RasterCounts counts = draw<Raster>(cpu, splats, 640, 480).counts;
+      const RasterCounts counts = draw(cpu, raster, splats, 640, 480).counts;
       // A pixel at the threshold may fall on the other side of it.
       CHECK(double(counts.contributing_pairs) ==
             doctest::Approx(double(plain.contributing_pairs)).epsilon(1e-5));
       CHECK(double(counts.rows_visited) == doctest::Approx(double(plain.rows_visited)).epsilon(1e-5));
     });
   };
-  check(AxisShared<FloatCholesky>());
-  check(AxisSharedThreshold<FloatCholesky>());
+  check(BoundRaster<Cpu>::of<AxisShared<FloatCholesky>>());
+  check(BoundRaster<Cpu>::of<AxisSharedThreshold<FloatCholesky>>());
 }
 
 TEST_CASE("cpu raster: every vector target picks the splats that the plain kernels pick") {
@@ -180,19 +177,18 @@ TEST_CASE("cpu raster: every vector target picks the splats that the plain kerne
     CAPTURE(occluded);
     Random random(13);
     for (int i = 0; occluded && i < width * height; ++i) settings.occluder.push_back(random.f(0, 30));
-    for_each_raster([&]<class Raster>(Raster) {
-      CAPTURE(Raster::name);
-      const double few = stores_half<Raster> ? 0.02 : 0.002;
-      const Frame plain = draw<Raster>(serial, splats, width, height, settings).frame;
+    with_each_raster<Cpu>([&](const BoundRaster<Cpu>& raster) {
+      const double few = stores_half(raster.name) ? 0.02 : 0.002;
+      const Frame plain = draw(serial, raster.on_serial, splats, width, height, settings).frame;
       on_each_target([&] {
-        const Frame frame = draw<Raster>(cpu, splats, width, height, settings).frame;
+        const Frame frame = draw(cpu, raster, splats, width, height, settings).frame;
         CHECK(part_unlike(frame.id, plain.id) < few);
         CHECK(part_unlike(frame.median_id, plain.median_id) < few);
         CHECK(part_unlike(frame.first_depth, plain.first_depth) < few);
         CHECK(part_unlike(frame.median_depth, plain.median_depth) < few);
         DrawSettings counted = settings;
         counted.count = true;
-        CHECK(same_planes(draw<Raster>(cpu, splats, width, height, counted).frame, frame));
+        CHECK(same_planes(draw(cpu, raster, splats, width, height, counted).frame, frame));
       });
     });
   }

@@ -295,8 +295,7 @@ SWIFTGS_CONTRACT("frame: a surface at the depth of a splat hides it") {
   SplatSet splats;
   for (int i = 0; i < 1000; ++i) splats.add(make_splat(16, 8, 500, 500, 0, 0.01), 1.0f + float(i));
   Picture<B> picture(backend, splats, 32, 16, {.occluder = std::vector<float>(32 * 16, 4.0f)});
-  for_each_raster([&]<class Raster>(Raster raster) {
-    CAPTURE(Raster::name);
+  with_each_raster<B>([&](const BoundRaster<B>& raster) {
     picture.draw(raster, {});
     for (const RasterCounts& block : to_host(backend, std::as_const(picture.counts).span())) {
       CHECK(block.contributing_pairs == 3 * 256);

@@ -67,9 +67,12 @@ SWIFTGS_CONTRACT("lens: frames are those of float64") {
 }
 
 SWIFTGS_CONTRACT("lens: views through different lenses in one frame have the bits of single frames") {
-  Usual<B> together(std::move(backend)), alone(test::make_backend<B>());
-  const auto scene = together.backend().upload(test_scene());
-  check_views(together, alone, scene.view(), views_of_lenses());
+  Usual<B> renderer(std::move(backend));
+  const auto scene = renderer.backend().upload(test_scene());
+  const std::vector<AskedView> views = views_of_lenses();
+  const std::vector<PlanesMemory> together = draw_together(renderer, scene.view(), views);
+  for (std::size_t i = 0; i < views.size(); ++i)
+    CHECK(differing({together[i]}, {draw_one(renderer, scene.view(), views[i], false)}) == 0);
 }
 
 SWIFTGS_CONTRACT("lens: image strips have the bits of the whole image") {

@@ -151,13 +151,12 @@ SWIFTGS_CASE_ON("no needless work: tiles without splats cost nothing but the bac
   splats.add(make_splat(40, 24, 1, 1, 0, 0.9), 1);  // inside tile (2, 1)
   const SortInput job = splats.job(96, 64);
   const TileLists<B> lists = build_lists<EarlySort, Ellipse>(backend, job);
-  for_each_raster([&]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
+  with_each_raster<B>([&](const BoundRaster<B>& raster) {
     Frame frame;
     const View view = view_into(prepare(frame, 96, 64, {}), {.background = vec3(2)});
     std::vector<RasterCounts> counts(RasterBlocks(tiles_of_frame(view)).size(), {9, 9, 9, 9});
-    rasterize(backend, Raster{},
-              RasterJob{splats.view(), splats.colours_view(), lists.view(), {&view, 1}, counts.data()});
+    raster.rasterize(backend,
+                     {splats.view(), splats.colours_view(), lists.view(), {&view, 1}, counts.data()});
     for (std::size_t block = 0; block < counts.size(); ++block) {
       CAPTURE(block);
       const std::uint64_t one = block == 8;
@@ -172,9 +171,8 @@ SWIFTGS_CASE_ON("no needless work: tiles without splats cost nothing but the bac
 SWIFTGS_CASE_ON("no needless work: a tile stops when all its pixels have", SWIFTGS_TEST_HOSTS) {
   SplatSet splats;
   for (int i = 0; i < 1000; ++i) splats.add(make_splat(8, 8, 500, 500, 0, 0.99), 1.0f + float(i));
-  for_each_raster([&]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
-    const RasterCounts counts = draw<Raster>(backend, splats, 32, 16).counts;
+  with_each_raster<B>([&](const BoundRaster<B>& raster) {
+    const RasterCounts counts = draw(backend, raster, splats, 32, 16).counts;
     CHECK(counts.pixels_stopped == 32 * 16);
     // Two splats fill a pixel and the third ends it; a backend may look at lists in batches.
     CHECK(counts.intersections_visited >= 2 * 3);
@@ -187,9 +185,8 @@ SWIFTGS_CASE_ON("no needless work: rows outside a splat's extent are not visited
   // Of standard deviation 1 and opacity 1 it ends 3.33 pixels above and below its centre: seven rows.
   SplatSet splats;
   splats.add(make_splat(8.5, 8.5, 1, 1, 0, 1), 1);
-  for_each_raster([&]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
-    const RasterCounts counts = draw<Raster>(backend, splats, 16, 16).counts;
+  with_each_raster<B>([&](const BoundRaster<B>& raster) {
+    const RasterCounts counts = draw(backend, raster, splats, 16, 16).counts;
     CHECK(counts.intersections_visited == 1);
     CHECK(counts.rows_visited == 7);
     CHECK(counts.contributing_pairs == 37);  // pixels whose distance from the centre is at most 3.33

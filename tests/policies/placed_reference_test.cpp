@@ -124,12 +124,10 @@ SWIFTGS_CONTRACT("placed reference: scales of 1e-3 to 1e3 are those of the refer
   const Camera camera = turned_camera(67, 45, 0.2, 0.3);
   for (const Conventions& conventions : both_depths) {
     const ReferencePlanes expected = reference_of(list, camera, conventions);
-    for_each_raster([&]<class Raster>(Raster) {
-      if constexpr (stores_half<Raster>) return;
-      CAPTURE(Raster::name);
-      Renderer<B, EarlySort, Raster, Ellipse> renderer(make_backend<B>());
+    with_each_renderer<B>([&](BoundRenderer<B>& renderer, std::string_view raster) {
+      if (stores_half(raster)) return;
       const ListOn on(renderer.backend(), list);
-      const bool split = Raster::name.find("split") != std::string_view::npos;
+      const bool split = raster.find("split") != std::string_view::npos;
       const PlaneBounds bounds = usual_bounds<B>(split ? 2 : 1);
       const Frame frame = renderer.render(on.placed, camera, settings_of_all(channels, conventions));
       check_planes_and_colour(frame, expected, bounds);

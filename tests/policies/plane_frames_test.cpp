@@ -79,9 +79,8 @@ SWIFTGS_CONTRACT("planes: further ones change no bit of others and no count, at 
 }
 
 SWIFTGS_CONTRACT("planes: views of a frame may ask for different ones") {
-  for_each_raster([&]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
-    Usual<B, EarlySort, Raster> together(test::make_backend<B>()), alone(test::make_backend<B>());
+  with_each_raster<B>([&](const BoundRaster<B>& raster) {
+    BoundRenderer<B> together = renderer_with<B>(raster), alone = renderer_with<B>(raster);
     const auto scene = together.backend().upload(with_features(random_scene(400, 2, 1), 5));
     const std::vector<AskedView> all = different_planes();
     check_views(together, alone, scene.view(), all);
@@ -133,10 +132,9 @@ SWIFTGS_CONTRACT("planes: rows of each may go up in memory") {
 
 TEST_CASE("planes: frames have the same bits with one thread and two") {
   const Scene scene = with_features(random_scene(5000, 2, 5), 5);
-  for_each_raster([&]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
+  with_each_raster<Cpu>([&](const BoundRaster<Cpu>& raster) {
     const auto drawn_by = [&](int threads) {
-      Usual<Cpu, EarlySort, Raster> renderer{Cpu(threads)};
+      BoundRenderer<Cpu> renderer = renderer_with<Cpu>(raster, Cpu(threads));
       const auto uploaded = renderer.backend().upload(scene);
       return draw_together(renderer, uploaded.view(), different_planes());
     };

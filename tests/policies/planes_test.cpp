@@ -81,15 +81,13 @@ SWIFTGS_CONTRACT("planes: each is that of the reference by every rasterizer, at 
   for (const Conventions& conventions : {Conventions(), along_ray()}) {
     const ReferencePlanes of_usual = render_reference_planes(usual, usual_camera, conventions);
     const ReferencePlanes of_dense = render_reference_planes(dense, dense_camera, conventions);
-    for_each_raster([&]<class Raster>(Raster) {
-      CAPTURE(Raster::name);
-      Usual<B, EarlySort, Raster> renderer(test::make_backend<B>());
+    with_each_renderer<B>([&](BoundRenderer<B>& renderer, std::string_view raster) {
       const auto check = [&](const Scene& scene, const Camera& camera, const ReferencePlanes& expected) {
         const auto on = renderer.backend().upload(scene);
         const RenderSettings settings = settings_of_all(scene.feature_channels, conventions);
         const Frame frame = draw_over_sevens(renderer, on, camera, settings);
-        const PlaneBounds bounds = plane_bounds<B, Raster>(conventions);
-        if (!stores_half<Raster>) return check_planes(frame, expected, bounds);
+        const PlaneBounds bounds = plane_bounds<B>(conventions, raster);
+        if (!stores_half(raster)) return check_planes(frame, expected, bounds);
         CHECK(psnr(frame.normal, expected.normal) > 45);
         CHECK(psnr(frame.features, expected.features) > 40);
         if (conventions.depth_at == Conventions::DepthAt::ray) return;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <memory>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -26,25 +27,53 @@ void for_each_raster(const F& f) {
   for_each_type(AllRasters(), f);
 }
 
+/// A rasterizer as renderers on backend `B` bind it, and as those on `Serial` do.
+template <class B>
+struct BoundRaster : RasterStage<B> {
+  RasterStage<Serial> on_serial;
+
+  template <class Raster>
+  static BoundRaster of() {
+    return {RasterStage<B>::template of<Raster>(), RasterStage<Serial>::of<Raster>()};
+  }
+};
+
+/// Calls f(raster) with the `BoundRaster` of each rasterizer, or of what `As` makes of it.
+template <class B, template <class> class As = std::type_identity_t, class F>
+void with_each_raster(const F& f) {
+  std::vector<BoundRaster<B>> rasters;
+  for_each_raster(
+      [&]<class Raster>(Raster) { rasters.push_back(BoundRaster<B>::template of<As<Raster>>()); });
+  for (const BoundRaster<B>& raster : rasters) {
+    CAPTURE(raster.name);
+    f(raster);
+  }
+}
+
+/// A renderer with other policies than the usual ones.
+template <class B, class Sort = EarlySort, class Bounds = Ellipse>
+BoundRenderer<B> renderer_with(const RasterStage<B>& raster, B backend = test::make_backend<B>()) {
+  return {std::move(backend),
+          {BoundsStages<B>::template of<Bounds>(), std::make_unique<SortStageOf<B, Sort, Bounds>>(), raster}};
+}
+
 /// Calls f(renderer, name) with a renderer of each rasterizer and the rasterizer's name.
 template <class B, class F>
 void with_each_renderer(const F& f) {
-  for_each_raster([&]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
-    Usual<B, EarlySort, Raster> renderer(test::make_backend<B>());
-    f(renderer, Raster::name);
+  with_each_raster<B>([&](const BoundRaster<B>& raster) {
+    BoundRenderer<B> renderer = renderer_with<B>(raster);
+    f(renderer, raster.name);
   });
 }
 
-/// Whether `Raster` keeps its terms in half precision, which costs accuracy.
-template <class Raster>
-inline const bool stores_half = Raster::name.find("half") != std::string_view::npos;
+/// Whether a rasterizer keeps its terms in half precision, which costs accuracy.
+inline bool stores_half(std::string_view raster) { return raster.find("half") != std::string_view::npos; }
 
 /// What the planes of a frame may differ from the reference by. Rounding alone reaches half of it: of
 /// devices, of split terms and of depths that slope more than of others.
-template <class B, class Raster = AxisSharedThreshold<FloatCholesky>>
-PlaneBounds plane_bounds(const Conventions& conventions = {}) {
-  const bool split = Raster::name.find("split") != std::string_view::npos;
+template <class B>
+PlaneBounds plane_bounds(const Conventions& conventions = {}, std::string_view raster = {}) {
+  const bool split = raster.find("split") != std::string_view::npos;
   const double slack = (on_host<B> ? 1 : 4) * (split ? 2 : 1);
   if (conventions.depth_at == Conventions::DepthAt::centre)
     return {.sum = 1.5e-5 * slack, .mean = 3e-5 * slack, .threshold = 1e-4, .pick = 1e-5};
@@ -171,15 +200,13 @@ struct Picture {
     if (occluder.size() != 0) frame.occluder = {occluder.data(), std::ptrdiff_t(sizeof(float)) * width};
     return view_into(frame, settings, tile_side);
   }
-  template <class Raster>
-  void draw(Raster raster, const FrameView& frame) {
+  void draw(const RasterStage<B>& raster, const FrameView& frame) {
     const View one = view(frame);
-    rasterize(backend, raster,
-              RasterJob{splats.view(),
-                        splats.colours_view(),
-                        lists.view(),
-                        {&one, 1},
-                        settings.count ? counts.data() : nullptr});
+    raster.rasterize(backend, {splats.view(),
+                               splats.colours_view(),
+                               lists.view(),
+                               {&one, 1},
+                               settings.count ? counts.data() : nullptr});
   }
   /// Of the last frame, after all work of the backend.
   RasterCounts counted() const {
@@ -198,30 +225,36 @@ struct Picture {
 };
 
 /// Draws `splats` once.
+template <class Bounds = OpacityBox, class B>
+Drawing draw(B& backend, const RasterStage<B>& raster, const SplatSet& splats, int width, int height,
+             const DrawSettings& settings = {}, int tile_side = default_tile_side) {
+  Picture<B, Bounds> picture(backend, splats, width, height, settings, tile_side);
+  PlanesOn<B> planes(backend, width, height, settings.outputs);
+  picture.draw(raster, planes.view());
+  return {planes.on_host(backend), picture.counted()};
+}
 template <class Raster, class Bounds = OpacityBox, class B>
 Drawing draw(B& backend, const SplatSet& splats, int width, int height, const DrawSettings& settings = {},
              int tile_side = default_tile_side) {
-  Picture<B, Bounds> picture(backend, splats, width, height, settings, tile_side);
-  PlanesOn<B> planes(backend, width, height, settings.outputs);
-  picture.draw(Raster(), planes.view());
-  return {planes.on_host(backend), picture.counted()};
+  return draw<Bounds>(backend, RasterStage<B>::template of<Raster>(), splats, width, height, settings,
+                      tile_side);
 }
 
 /// Balanced time over raster time, largest of some frames: a thread that is kept from running between two
 /// raster blocks makes it less, and so do kernels that are loaded.
-template <class Raster, class B>
-double evenness(B& backend, const SplatSet& splats, int width, int height) {
+template <class B>
+double evenness(B& backend, const RasterStage<B>& raster, const SplatSet& splats, int width, int height) {
   Picture<B> picture(backend, splats, width, height);
   PlanesOn<B> planes(backend, width, height, {});
   double largest = 0;
   for (int i = 0; i < 5; ++i) {
     const auto begin = backend.now();
-    picture.draw(Raster(), planes.view());
+    picture.draw(raster, planes.view());
     const auto end = backend.now();
     const Statistics statistics{.raster = picture.counted()};
-    const double raster = backend.milliseconds(begin, end).value();
-    CHECK(statistics.balanced_ms() <= raster);
-    largest = std::max(largest, statistics.balanced_ms() / raster);
+    const double taken = backend.milliseconds(begin, end).value();
+    CHECK(statistics.balanced_ms() <= taken);
+    largest = std::max(largest, statistics.balanced_ms() / taken);
   }
   return largest;
 }

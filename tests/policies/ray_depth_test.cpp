@@ -93,12 +93,10 @@ SWIFTGS_CONTRACT("ray depth: an occluder hides where splats are behind it and no
   const Camera camera = scaled(builtin_camera(), 0.1);
   const std::vector<float> occluder = waves(camera, 2, 7);
   const ReferencePlanes expected = render_reference_planes(scene, camera, along_ray(), 0, span_of(occluder));
-  for_each_raster([&]<class Raster>(Raster) {
-    if constexpr (stores_half<Raster>) return;
-    CAPTURE(Raster::name);
-    Usual<B, EarlySort, Raster> renderer(make_backend<B>());
+  with_each_renderer<B>([&](BoundRenderer<B>& renderer, std::string_view raster) {
+    if (stores_half(raster)) return;
     const Frame frame = draw(renderer, scene, camera, along_ray(), occluder);
-    check_planes(frame, expected, plane_bounds<B, Raster>(along_ray()), 0.05);
+    check_planes(frame, expected, plane_bounds<B>(along_ray(), raster), 0.05);
     CHECK(frame.alpha != draw(renderer, scene, camera, {}, occluder).alpha);
     // Colour alone, and counted.
     for (const bool count : {false, true})

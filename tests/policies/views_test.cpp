@@ -20,13 +20,20 @@ using namespace swiftgs::test;
 
 namespace {
 
-template <class B, class Sort = EarlySort, class Raster = AxisSharedThreshold<FloatCholesky>,
-          class Bounds = Ellipse>
+/// Two renderers of the same policies.
+template <class B>
 struct Two {
-  Usual<B, Sort, Raster, Bounds> together{test::make_backend<B>()}, alone{test::make_backend<B>()};
+  BoundRenderer<B> together, alone;
 
   auto upload(const Scene& scene) { return together.backend().upload(scene); }
 };
+
+template <class B, class Raster = AxisSharedThreshold<FloatCholesky>, class Sort = EarlySort,
+          class Bounds = Ellipse>
+Two<B> two_with() {
+  const auto raster = RasterStage<B>::template of<Raster>();
+  return {renderer_with<B, Sort, Bounds>(raster), renderer_with<B, Sort, Bounds>(raster)};
+}
 
 /// Faint Gaussians that all end near a border, where rounding decides whether a pixel shows them.
 Scene bordered_scene(std::size_t count, std::uint64_t seed) {
@@ -64,9 +71,8 @@ std::vector<AskedView> tiny_views() {
 /// Calls f(two) with two renderers of each rasterizer.
 template <class B, class F>
 void for_each_raster_renderer(const F& f) {
-  for_each_raster([&]<class Raster>(Raster) {
-    CAPTURE(Raster::name);
-    f(Two<B, EarlySort, Raster>());
+  with_each_raster<B>([&](const BoundRaster<B>& raster) {
+    f(Two<B>{renderer_with<B>(raster), renderer_with<B>(raster)});
   });
 }
 
@@ -84,7 +90,7 @@ SWIFTGS_CONTRACT("views: every list of a view is that of the view alone with eac
     for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
       CAPTURE(Sort::name);
       CAPTURE(Bounds::name);
-      Two<B, Sort, PerPixel, Bounds> two;
+      Two<B> two = two_with<B, PerPixel, Sort, Bounds>();
       const auto scene = two.upload(random_scene(2000, 0, 3));
       check_lists(two.together, two.alone, scene.view());
       // One renderer may go from frames of one view to frames of many, and the other way.
@@ -101,7 +107,7 @@ SWIFTGS_CONTRACT("views: the parts of an image have the bits of the image") {
     check_bands(two.together, scene.view());
   };
   for_each_raster_renderer<B>(check);
-  check(Two<B, StandardSort, PerPixel, ThreeSigmaSquare>());
+  check(two_with<B, PerPixel, StandardSort, ThreeSigmaSquare>());
 }
 
 SWIFTGS_CONTRACT("views: parts show the pixels that rounding keeps beyond the box of a splat") {
@@ -112,11 +118,11 @@ SWIFTGS_CONTRACT("views: parts show the pixels that rounding keeps beyond the bo
       check_parts(two.together, two.upload(bordered_scene(2000, seed)).view(), asked, parts);
   };
   for_each_raster_renderer<B>(check);
-  check(Two<B, EarlySort, PerPixel, ThreeSigmaSquare>());
+  check(two_with<B, PerPixel, EarlySort, ThreeSigmaSquare>());
 }
 
 SWIFTGS_CONTRACT("views: one wide view among fifty small ones has the bits of each alone") {
-  Two<B> two;
+  Two<B> two = two_with<B>();
   const auto scene = two.upload(random_scene(300, 1, 3));
   check_views(two.together, two.alone, scene.view(), one_wide_among_small());
 }
@@ -128,18 +134,18 @@ SWIFTGS_CONTRACT("views: hundreds and thousands of tiny views have the bits of e
     check_many_rows(two.together, two.upload(random_scene(10, 1, 12)));
   };
   if constexpr (on_host<B>)
-    check(Two<B>());
+    check(two_with<B>());
   else
     for_each_raster_renderer<B>(check);  // the rows of a device's grid are few
 }
 
 SWIFTGS_CONTRACT("views: several views of an empty scene are their backgrounds") {
-  Two<B> two;
+  Two<B> two = two_with<B>();
   check_views(two.together, two.alone, two.upload(Scene()).view(), different_views());
 }
 
 SWIFTGS_CONTRACT("views: frames for several cameras are the frames of each camera in every plane") {
-  Two<B> two;
+  Two<B> two = two_with<B>();
   auto& renderer = two.together;
   const auto scene = two.upload(with_features(random_scene(300, 1, 6), 4));
   const Camera cameras[] = {forward_camera(50, 40), turned_camera(33, 17, 0.2, 0.3), forward_camera(16, 16)};
@@ -165,7 +171,7 @@ SWIFTGS_CONTRACT("views: frames for several cameras are the frames of each camer
 }
 
 SWIFTGS_CONTRACT("views: frames of none and of too many tiles are refused and the next is drawn") {
-  Two<B> two;
+  Two<B> two = two_with<B>();
   const auto scene = two.upload(random_scene(100, 1, 8));
   CHECK_THROWS_WITH_AS(two.together.render_into(scene.view(), Span<const View>{}),
                        "frame: the number of views is 0, expected 1 to 65536", std::invalid_argument);
@@ -179,7 +185,7 @@ SWIFTGS_CONTRACT("views: frames of none and of too many tiles are refused and th
 }
 
 SWIFTGS_CONTRACT("views: bad ones are refused by all calls and those that were set are recorded") {
-  Two<B> two;
+  Two<B> two = two_with<B>();
   auto& renderer = two.together;
   const B& on = renderer.backend();
   const auto scene = two.upload(random_scene(400, 1, 9));
@@ -227,7 +233,7 @@ SWIFTGS_CONTRACT("views: bad ones are refused by all calls and those that were s
 
 TEST_CASE_TEMPLATE("views: recorded frames follow formats and planes and places that change", B,
                    SWIFTGS_TEST_HOSTS) {
-  Two<B> two;
+  Two<B> two = two_with<B>();
   const auto scene = two.upload(random_scene(2000, 1, 10));
   check_changing_views(two.together, two.alone, scene.view(), [&](FrameReport* report) {
     return [&, report] { two.together.record(scene.view(), report); };
