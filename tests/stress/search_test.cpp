@@ -77,7 +77,9 @@ std::uint64_t tries_to_find(StressSearch& search, std::uint64_t most) {
   return search.tries();
 }
 
-bool same_case(const StressCase& a, const StressCase& b) { return cli::case_text(a) == cli::case_text(b); }
+bool same_case(const StressCase& a, const StressCase& b) {
+  return cli::case_text(a) == cli::case_text(b) && a.conventions == b.conventions;
+}
 
 }  // namespace
 
