@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <swiftgs/any_contributions.hpp>
+#include <swiftgs/message.hpp>
 #include <swiftgs/serial.hpp>
 
 #if defined(SWIFTGS_HAS_CPU)
@@ -13,7 +14,6 @@
 #endif
 #if defined(SWIFTGS_HAS_CUDA)
 #include <swiftgs/cuda.hpp>
-#include <swiftgs/message.hpp>
 #endif
 
 namespace swiftgs {

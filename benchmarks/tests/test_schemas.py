@@ -115,6 +115,10 @@ class Results(unittest.TestCase):
 
 
 class Errors(unittest.TestCase):
+    def test_a_keyword_that_nothing_checks_is_refused(self):
+        with self.assertRaises(NotImplementedError):
+            list(errors(1, {"maximum": 2}, ""))
+
     def setUp(self):
         self.row = synthetic.row({stage: synthetic.interval([1, 2, 3])
                                   for stage in ("project", "sort", "raster", "total", "wall")})

@@ -188,6 +188,7 @@ void test_frame_errors(void) {
   REFUSE(d.view.format = 5, "swiftgs_view: format is 5, expected 0 to 4");
   REFUSE(d.view.camera = NULL, "swiftgs_view: camera is NULL");
   REFUSE(d.view.colour.pitch = 4, "the pitch of colour is 4 bytes");
+  REFUSE(d.view.colour.data = (char*)d.colour + 1, "colour aligned to 4 bytes");
   REFUSE((d.view.colour.data = NULL, d.view.over = 1), "colour to render over");
   const swiftgs_plane narrow = {d.colour, 8}, odd = {(char*)d.colour + 1, 4 * width};
   REFUSE(d.view.normal = narrow, "the pitch of normal is 8 bytes, expected at least 768");

@@ -319,6 +319,7 @@ static void test_array_errors(void) {
   REFUSE(sh_rest.data = NULL, "scene: sh_rest is null");
   REFUSE(rotations.stride = 12, "rotations: stride is 12 bytes, expected 0 or a multiple of 4 from 16");
   REFUSE(opacities.stride = 6, "opacities: stride is 6 bytes");
+  REFUSE(means.stride = -12, "means: stride is -12 bytes");
   REFUSE(means.stride = INT64_MAX - 3, "means: stride is");
   REFUSE(count = (uint64_t)1 << 32, "4294967296 Gaussians, expected fewer than 2^32");
   REFUSE(memory = 2, "memory is 2, expected 0 to 1");

@@ -1,10 +1,25 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The check of the binary interface notices what breaks programs, and says what to do about it. That it reads headers
-as it should, the check itself shows: it finds what abi.txt records."""
+"""The check of the binary interface notices what breaks programs, and says what to do about it."""
 import unittest
 
 import check_abi
 
+HEADER = """
+/* swiftgs_unreal(void); */
+#define SWIFTGS_C_API
+typedef int32_t (*swiftgs_callback)(void* context,
+                                    double part);
+enum { SWIFTGS_A = 0, SWIFTGS_B = 7 };  // SWIFTGS_UNREAL = 1
+typedef struct swiftgs_one {
+  uint32_t size;          ///< units, such as bytes; and more
+  int32_t width, height;
+  double rotation[9];
+  const char* name;
+} swiftgs_one;
+typedef struct swiftgs_handle swiftgs_handle;
+SWIFTGS_C_API swiftgs_status swiftgs_do(const swiftgs_one* one,
+                                        double scale);
+"""
 RECORD = ["abi 1.4", "function int swiftgs_do(int a)", "value SWIFTGS_A = 0", "struct swiftgs_one: 8 bytes",
           "member swiftgs_one.size: uint32_t, byte 0, 4 bytes", "member swiftgs_one.a: int32_t, byte 4, 4 bytes"]
 GROWN = [*RECORD[:3], "struct swiftgs_one: 16 bytes", *RECORD[4:],
@@ -13,6 +28,17 @@ GROWN = [*RECORD[:3], "struct swiftgs_one: 16 bytes", *RECORD[4:],
 
 def numbered(lines, version):
     return [f"abi {version}", *lines[1:]]
+
+
+class Declarations(unittest.TestCase):
+    def test_all_are_found_and_comments_are_not(self):
+        structs, enumerators, functions, callbacks = check_abi.declared(check_abi.without_comments(HEADER))
+        self.assertEqual(structs, {"swiftgs_one": [("uint32_t", "size"), ("int32_t", "width"), ("int32_t", "height"),
+                                                   ("double[9]", "rotation"), ("const char*", "name")]})
+        self.assertEqual(enumerators, ["SWIFTGS_A", "SWIFTGS_B"])
+        self.assertEqual(functions, ["swiftgs_status swiftgs_do(const swiftgs_one*, double)"])
+        self.assertEqual(callbacks, ["int32_t (*swiftgs_callback)(void*, double)"])
+        self.assertEqual(check_abi.name_of(functions[0]), "swiftgs_do")
 
 
 class Comparison(unittest.TestCase):

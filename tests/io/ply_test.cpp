@@ -255,3 +255,11 @@ TEST_CASE("ply: more Gaussians than are written or read at once keep their order
   CHECK(found.means == scene.means);
   CHECK(found.sh0 == scene.sh0);
 }
+
+TEST_CASE("ply: properties are found by name whatever surrounds them") {
+  auto gaussian = plain_gaussian();
+  std::reverse(gaussian.begin(), gaussian.end());
+  gaussian.insert(gaussian.begin() + 3, {"uchar", "lod", 7});
+  gaussian.insert(gaussian.begin() + 8, {"double", "nx", 9});
+  check_plain(read(ply(gaussian)));
+}

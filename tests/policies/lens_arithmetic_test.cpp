@@ -313,3 +313,48 @@ TEST_CASE("lens: what cannot be is refused in words") {
   CHECK_THROWS_WITH_AS(lens_model_named("fish"), doctest::Contains("lens 'fish' is not known; expected "),
                        std::invalid_argument);
 }
+
+TEST_CASE("lens: large splats differ from the exact lens as the page says") {
+  // A ball of 0.1 distances at 30 and 60 degrees from the axis, of a panorama above the horizon. The lens's
+  // image of it by quadrature (Gauss and Hermite, seven points an axis), against the linearised splat.
+  constexpr double points[] = {0, 1.154405394739968, 2.366759410734541, 3.750439717725742};
+  constexpr double weights[] = {0.457142857142857, 0.240123178605013, 0.0307571239675865,
+                                5.48268855972218e-4};
+  struct Row {
+    Lens lens;
+    double degrees, shift, area;  // in widths; over that of the splat
+  };
+  const Distortion barrel{{-0.12, 0.03, 0, 0}, {}, {0.002, -0.001}, {}};
+  for (const Row& row :
+       {Row{{}, 30, 0.060, 1.052}, Row{{LensModel::perspective, barrel}, 30, 0.030, 1.031},
+        Row{{LensModel::fisheye, {}}, 30, 0.018, 1.003}, Row{{LensModel::fisheye, {}}, 60, 0.041, 1.003},
+        Row{{LensModel::equirectangular, {}}, 30, 0.029, 1.006},
+        Row{{LensModel::equirectangular, {}}, 60, 0.088, 1.014}}) {
+    CAPTURE(name_of(row.lens.model));
+    CAPTURE(row.degrees);
+    const double angle = row.degrees * double(pi) / 180, size = 0.1;
+    const bool panorama = row.lens.model == LensModel::equirectangular;
+    const dvec3 centre =
+        panorama ? dvec3(0, std::sin(angle), std::cos(angle)) : dvec3(std::sin(angle), 0, std::cos(angle));
+    const LensPoint at = point_through(row.lens, {}, centre);
+    double u = 0, v = 0, uu = 0, uv = 0, vv = 0;
+    const auto each = [&](auto&& use) {
+      for (int i = -3; i <= 3; ++i) use((i < 0 ? -1 : 1) * points[std::abs(i)] * size, weights[std::abs(i)]);
+    };
+    each([&](double x, double wx) {
+      each([&](double y, double wy) {
+        each([&](double z, double wz) {
+          const Place seen = place_of(row.lens, centre.x + x, centre.y + y, centre.z + z);
+          const double du = double(seen.u) - at.u, dv = double(seen.v) - at.v, weight = wx * wy * wz;
+          u += weight * du, v += weight * dv;
+          uu += weight * du * du, uv += weight * du * dv, vv += weight * dv * dv;
+        });
+      });
+    });
+    uu -= u * u, uv -= u * v, vv -= v * v;
+    const double xx = size * size * dot(at.du, at.du), xy = size * size * dot(at.du, at.dv),
+                 yy = size * size * dot(at.dv, at.dv);
+    CHECK(std::hypot(u / std::sqrt(xx), v / std::sqrt(yy)) == doctest::Approx(row.shift).epsilon(0.02));
+    CHECK(std::sqrt((uu * vv - uv * uv) / (xx * yy - xy * xy)) == doctest::Approx(row.area).epsilon(0.001));
+  }
+}

@@ -209,7 +209,8 @@ SWIFTGS_CONTRACT("views: bad ones are refused by all calls and those that were s
       {"number of columns is 5, expected 4", [](View& view) { view.grid.columns.begin = -1; }},
       {"first of the columns is -1, expected 0 or more",
        [](View& view) { --view.grid.columns.begin, --view.grid.columns.end; }},
-      {"side is 24, expected a power of two", [](View& view) { view.grid.side = 24; }}};
+      {"side is 24, expected a power of two", [](View& view) { view.grid.side = 24; }},
+      {"side is -16, expected a power of two", [](View& view) { view.grid.side = -16; }}};
   for (const Spoilt& spoilt : all) {
     CAPTURE(std::string(spoilt.why));
     const doctest::Contains why(spoilt.why);

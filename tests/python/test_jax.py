@@ -55,3 +55,9 @@ def test_what_was_computed_just_before_is_drawn(device, gsplat_arguments):
     for _ in range(5):
         images = swiftgs.rasterization(**dict(given, means=late(given["means"], noise)))[0]
         assert np.array_equal(np.array(images * 1), wanted)
+
+
+@on_each_device
+def test_arrays_of_jax_are_not_drawn_into(device):
+    with pytest.raises(TypeError, match="colour is an array of JAX, which cannot be written to"):
+        swiftgs.Frame(jax.device_put(np.zeros((HEIGHT, WIDTH, 3), np.float32), device))

@@ -113,6 +113,8 @@ def test_planes_tell_of_each_pixel(featured, camera):
     assert np.array_equal(frame.median_id == swiftgs.NOTHING, ~both)
     assert np.array_equal(frame.id == swiftgs.NOTHING, frame.alpha == 0) and (frame.id != frame.median_id).any()
     assert np.abs(frame.normal).max() > 0.5
+    later = featured.render(camera, first_depth=True, conventions=swiftgs.Conventions(first_alpha=0.5))
+    assert not np.array_equal(later.first_depth, frame.first_depth)
     assert np.allclose(frame.features[..., 0], frame.alpha, atol=1e-5) and frame.features[..., 1].std() > 0.1
     picked = featured.pick_rectangle(30, 20, 9, 7)
     assert np.array_equal(picked["gaussian"], frame.id[20:27, 30:39])

@@ -63,4 +63,19 @@ inline double colour_at(const ReferenceFrame& frame, int x, int y, int channel) 
   return frame.colour[3 * at(frame, x, y) + std::size_t(channel)];
 }
 
+/// Largest |value(x, y) - expected(x, y)| over the image, where `value` is alpha.
+template <class Expected>
+double worst_alpha(const ReferenceFrame& frame, const Expected& expected) {
+  double worst = 0;
+  for (int y = 0; y < frame.height; ++y)
+    for (int x = 0; x < frame.width; ++x)
+      worst = std::max(worst, std::abs(alpha_at(frame, x, y) - expected(x, y)));
+  return worst;
+}
+
+/// `alpha` where the conventions blend it, 0 where they skip it.
+inline double unless_skipped(double alpha, const Conventions& k = {}) {
+  return alpha < double(k.alpha_min) ? 0 : std::min(alpha, double(k.alpha_max));
+}
+
 }  // namespace swiftgs::test

@@ -108,9 +108,13 @@ TEST_CASE("report errors: a page does not take the place of the results it shows
   const TemporaryFolder place;
   place.write("results.json", results_of({{}}).dump());
   const std::string before = content_of(place / "results.json");
-  fails(place, "report results.json --out ./results.json",
-        {"swiftgs: --out ./results.json: expected another file than that of RESULTS"});
-  CHECK(content_of(place / "results.json") == before);
+  std::filesystem::create_symlink("results.json", place / "link.html");
+  std::filesystem::create_hard_link(place / "results.json", place / "other.html");
+  for (const std::string out : {"results.json", "./results.json", "link.html", "other.html"}) {
+    fails(place, "report results.json --out " + out,
+          {"--out " + out + ": expected another file than that of RESULTS"});
+    CHECK(content_of(place / "results.json") == before);
+  }
 }
 
 TEST_CASE("report errors: files that cannot be read or written are named") {
