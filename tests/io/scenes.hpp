@@ -140,8 +140,8 @@ struct Written : WrittenScene {
   const Scene& scene() const { return file.scene; }
 };
 
-/// Writes `scene`, reads the file, and checks that it holds what the writer reports, and that the progress of
-/// both goes from 0 to 1 unless there is nothing to write.
+/// Writes `scene` and reads the file. Checks that the file holds what the writer reports. Unless the scene is
+/// empty, the progress of both goes from 0 to 1.
 inline Written write_and_read(const Scene& scene, const std::string& ending, SceneWriteOptions options = {}) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder / ("a" + ending);

@@ -78,7 +78,7 @@ Frame render_before(BoundRenderer<B>& renderer, const SceneView& scene, const Ca
 /// threshold of alpha, which moves a depth by any amount.
 template <class B>
 void check_near(std::string_view raster, const Frame& frame, const ReferenceFrame& reference) {
-  const bool half = raster.find("half") != std::string_view::npos;
+  const bool half = stores_half(raster);
   const double least_db = on_host<B> ? (half ? 65 : 125) : (half ? 40 : 80);
   CHECK(psnr(frame.colour, reference.colour) >= least_db);
   CHECK(psnr(frame.alpha, reference.alpha) >= least_db);

@@ -127,8 +127,7 @@ SWIFTGS_CONTRACT("placed reference: scales of 1e-3 to 1e3 are those of the refer
     with_each_renderer<B>([&](BoundRenderer<B>& renderer, std::string_view raster) {
       if (stores_half(raster)) return;
       const ListOn on(renderer.backend(), list);
-      const bool split = raster.find("split") != std::string_view::npos;
-      const PlaneBounds bounds = usual_bounds<B>(split ? 2 : 1);
+      const PlaneBounds bounds = usual_bounds<B>(is_split(raster) ? 2 : 1);
       const Frame frame = renderer.render(on.placed, camera, settings_of_all(channels, conventions));
       check_planes_and_colour(frame, expected, bounds);
     });

@@ -68,13 +68,14 @@ void with_each_renderer(const F& f) {
 
 /// Whether a rasterizer keeps its terms in half precision, which costs accuracy.
 inline bool stores_half(std::string_view raster) { return raster.find("half") != std::string_view::npos; }
+/// Whether a rasterizer has the split terms, whose exponents round more.
+inline bool is_split(std::string_view raster) { return raster.find("split") != std::string_view::npos; }
 
 /// What the planes of a frame may differ from the reference by. Rounding alone reaches half of it: of
 /// devices, of split terms and of depths that slope more than of others.
 template <class B>
 PlaneBounds plane_bounds(const Conventions& conventions = {}, std::string_view raster = {}) {
-  const bool split = raster.find("split") != std::string_view::npos;
-  const double slack = (on_host<B> ? 1 : 4) * (split ? 2 : 1);
+  const double slack = (on_host<B> ? 1 : 4) * (is_split(raster) ? 2 : 1);
   if (conventions.depth_at == Conventions::DepthAt::centre)
     return {.sum = 1.5e-5 * slack, .mean = 3e-5 * slack, .threshold = 1e-4, .pick = 1e-5};
   return {.sum = 1.5e-5 * slack,

@@ -135,8 +135,8 @@ Worst worst_of(const Search<Candidate>& search, std::size_t target, const std::s
 std::vector<Worst> search_transmittance(int effort) {
   Targets targets;
   std::vector<Worst> worst;
-  // Behind alphas above 1/2, each of which is an exact input, the result alone is rounded. Plain ulps show it
-  // where conditioned ones do not, because an ulp of such an alpha is many of what is left.
+  // Alphas above 1/2 are exact inputs here, so only the result is rounded. Plain ulps show that rounding;
+  // conditioned ones do not, because an ulp of such an alpha is many ulps of the transmittance left.
   const auto draw_opaque = [](Random& random) {
     Candidate c{};
     c.period = 4;
