@@ -150,7 +150,6 @@ class Eye {
 
   std::vector<float> see(const Scene& scene) {
     RenderSettings settings;
-    settings.conventions.antialiased = scene.antialiased;
     return renderer_.render(renderer_.backend().upload(scene), camera_, settings).colour;
   }
 

@@ -32,7 +32,7 @@ void Stand::prepare(const RendererEntry& entry, const Input& input, const std::v
     renderer_.reset(), scene_.reset();
     scene_ = std::make_shared<const Scene>(input.load());
     scene_name_ = input.name;
-    settings_.conventions.antialiased = scene_->antialiased, settings_.time = true;
+    settings_.time = true;
   }
   if (renderer_ && renderer_->name() == entry.name) return;
   renderer_.reset();

@@ -87,7 +87,6 @@ int main(int argc, char** argv) {
   if (!pixels) return 1;
   swiftgs_conventions conventions = {.size = sizeof(conventions)};
   check(swiftgs_conventions_named("gsplat", &conventions), "conventions");
-  conventions.antialiased = info.antialiased; /* as it was trained */
   const swiftgs_view view = {
       .size = sizeof(view), .camera = &camera, .conventions = &conventions, .colour = {pixels, row}};
   const swiftgs_frame frame = {

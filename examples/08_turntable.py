@@ -75,10 +75,9 @@ def main():
     path = path_around(scene, cameras, arguments.up, arguments.frames, *arguments.size)
 
     arguments.out.mkdir(parents=True, exist_ok=True)
-    rules = swiftgs.Conventions(antialiased=scene.antialiased)
     with swiftgs.Renderer(scene=scene) as renderer:
         print(scene, renderer, sep="\n")
-        image = swiftgs.Frame.empty(*arguments.size, conventions=rules)
+        image = swiftgs.Frame.empty(*arguments.size)
         for number, camera in enumerate(path):
             renderer.render(camera, out=image, times=True)  # the same memory again and again
             image.save(arguments.out / f"{number:04}.png")

@@ -31,8 +31,7 @@ print("largest side over smallest:", np.median(scene.scales.max(1) / np.maximum(
 
 # %%
 renderer = swiftgs.Renderer(scene=scene)
-rules = swiftgs.Conventions(antialiased=scene.antialiased)
-frame = renderer.render(camera, alpha=True, depth=True, conventions=rules, times=True, counts=True)
+frame = renderer.render(camera, alpha=True, depth=True, times=True, counts=True)
 print(renderer.times, renderer.statistics, sep="\n")
 
 # %% [markdown]

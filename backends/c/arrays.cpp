@@ -12,6 +12,7 @@
 
 #include "device.hpp"
 #include "error.hpp"
+#include "model.hpp"
 #include "renderer.hpp"
 #include "scene.hpp"
 #include "structs.hpp"
@@ -44,7 +45,8 @@ SceneArrays to_arrays(const swiftgs_gaussians& from) {
           .log_scales = (from.raw & SWIFTGS_LOG_SCALES) != 0,
           .logit_opacities = (from.raw & SWIFTGS_LOGIT_OPACITIES) != 0,
           .any_rotations = (from.raw & SWIFTGS_ANY_ROTATIONS) != 0,
-          .plain_colours = (from.raw & SWIFTGS_PLAIN_COLOURS) != 0};
+          .plain_colours = (from.raw & SWIFTGS_PLAIN_COLOURS) != 0,
+          .model = model_of(from)};
 }
 
 /// A scene of arrays on either side. Those of a device are copied as they lie, gaps included.
@@ -61,7 +63,6 @@ Scene to_scene(const swiftgs_gaussians& from) {
   };
   if (from.memory == SWIFTGS_DEVICE) for_each_array(fetch, arrays);
   Scene scene = to_scene(Serial(), arrays);
-  scene.antialiased = from.antialiased != 0;
   scene.origin = {from.origin[0], from.origin[1], from.origin[2]};
   validate(scene);
   return scene;

@@ -18,6 +18,7 @@
 
 #include "camera.hpp"
 #include "error.hpp"
+#include "model.hpp"
 #include "structs.hpp"
 
 namespace swiftgs::c {
@@ -79,7 +80,7 @@ swiftgs_scene_info info_of(const swiftgs_scene& from) {
   swiftgs_scene_info info{};
   info.sh_degree = scene.sh_degree;
   info.count = scene.size(), info.stored = from.stored, info.dropped = from.dropped;
-  info.antialiased = scene.antialiased, info.feature_channels = scene.feature_channels;
+  set_model(info, scene.model), info.feature_channels = scene.feature_channels;
   info.format = from.format.c_str();
   for (int axis = 0; axis < 3; ++axis) info.origin[axis] = scene.origin[axis];
   bool found = false;
@@ -103,7 +104,8 @@ swiftgs_gaussians arrays_of(const Scene& scene, std::size_t size) {
   swiftgs_gaussians arrays{};
   arrays.sh_degree = scene.sh_degree, arrays.feature_channels = scene.feature_channels;
   arrays.count = scene.size();
-  arrays.antialiased = scene.antialiased;
+  set_model(arrays, scene.model);
+  if (scene.model.blur == 0) arrays.blur = -1;
   for_each_array(
       [](const char*, std::size_t each, const auto& from, swiftgs_array& to) {
         if (!from.empty()) to = {swiftgs::detail::floats_of(from).data, std::int64_t(each * sizeof(from[0]))};
@@ -111,7 +113,7 @@ swiftgs_gaussians arrays_of(const Scene& scene, std::size_t size) {
       scene, arrays);
   for (int axis = 0; axis < 3; ++axis) arrays.origin[axis] = scene.origin[axis];
   if (size < offsetof(swiftgs_gaussians, origin)) arrays.feature_channels = 0;
-  if (size < sizeof arrays && scene.origin != dvec3(0.0))
+  if (size < offsetof(swiftgs_gaussians, blur) && scene.origin != dvec3(0.0))
     refuse("swiftgs_gaussians: size is ", size,
            ", expected room for the origin of a scene far from zero: the program is older than origins");
   return arrays;

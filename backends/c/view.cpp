@@ -31,11 +31,17 @@ static_assert(int(Conventions::JacobianClamp::around_image) == SWIFTGS_CLAMP_ARO
               int(Conventions::DepthAt::centre) == SWIFTGS_DEPTH_AT_CENTRE &&
               int(Conventions::DepthAt::ray) == SWIFTGS_DEPTH_AT_RAY && no_gaussian == SWIFTGS_NOTHING);
 
+constexpr int of_scene = SWIFTGS_OF_SCENE;
+
 swiftgs_conventions to_struct(const Conventions& from) {
   swiftgs_conventions to{};
   to.near_plane = from.near_plane, to.cull_at_near = from.cull_at_near, to.far_plane = from.far_plane;
   to.clamp = int(from.clamp);
-  to.blur = from.blur, to.antialiased = from.antialiased, to.min_compensation = from.min_compensation;
+  to.blur = from.blur.value_or(of_scene);
+  to.antialiased = from.antialiased ? int(*from.antialiased) : of_scene;
+  to.order = from.order ? int(*from.order) : of_scene;
+  to.colours = from.colours ? int(*from.colours) : of_scene;
+  to.min_compensation = from.min_compensation;
   to.alpha_min = from.alpha_min, to.alpha_max = from.alpha_max;
   to.stop = from.stop, to.stop_at_equal = from.stop_at_equal;
   to.footprint = int(from.footprint);
@@ -53,10 +59,16 @@ Conventions to_conventions(const swiftgs_conventions* given) {
   require_choice(from.footprint, 2, "swiftgs_conventions: footprint");
   require_choice(from.depth, 3, "swiftgs_conventions: depth");
   require_choice(from.depth_at, 2, "swiftgs_conventions: depth_at");
+  if (from.order != of_scene) require_choice(from.order, 2, "swiftgs_conventions: order");
+  if (from.colours != of_scene) require_choice(from.colours, 2, "swiftgs_conventions: colours");
   Conventions to;
   to.near_plane = from.near_plane, to.cull_at_near = from.cull_at_near != 0, to.far_plane = from.far_plane;
   to.clamp = Conventions::JacobianClamp(from.clamp);
-  to.blur = from.blur, to.antialiased = from.antialiased != 0, to.min_compensation = from.min_compensation;
+  if (from.blur != of_scene) to.blur = from.blur;
+  if (from.antialiased != of_scene) to.antialiased = from.antialiased != 0;
+  if (from.order != of_scene) to.order = SplatOrder(from.order);
+  if (from.colours != of_scene) to.colours = ColourSpace(from.colours);
+  to.min_compensation = from.min_compensation;
   to.alpha_min = from.alpha_min, to.alpha_max = from.alpha_max;
   to.stop = from.stop, to.stop_at_equal = from.stop_at_equal != 0;
   to.footprint = Conventions::Footprint(from.footprint);

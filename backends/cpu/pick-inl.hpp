@@ -109,7 +109,9 @@ template <class Groups>
 HWY_INLINE void StorePicks(const RasterJob& job, const PlacedRasterBlock& block, PickState& picks) {
   const FrameView& frame = block.view.frame;
   for (auto* plane : {&picks.first, &picks.median, &picks.largest}) Groups::ToRows(*plane);
-  if (block.view.camera.depth_along_ray && (frame.first_depth.data || frame.median_depth.data)) {
+  const ViewConstants& camera = block.view.camera;
+  if ((camera.depth_along_ray || camera.order_is_distance) &&
+      (frame.first_depth.data || frame.median_depth.data)) {
     for (std::size_t row = 0; row < std::size_t(block.rows); ++row)
       for (std::size_t column = 0; column < std::size_t(block.columns); ++column)
         store_picks(job, block.view, std::size_t(block.x0) + column, std::size_t(block.y0) + row,

@@ -284,6 +284,7 @@ HWY_INLINE bool SeeThroughLens(const ViewConstants& v, const Group& group, Mask 
   out.shown = hn::And(visible, hn::And(hn::Gt(out.depth, hn::Set(d, v.near_plane)),
                                        hn::Le(out.depth, hn::Set(d, v.far_plane))));
   if (hn::AllFalse(d, out.shown)) return false;
+  if (v.order_is_distance) out.depth = Demote(Times(Wide{distance(low), distance(high)}, v.depth_scale));
 
   SeenNumbers lower, upper;
   LookThroughLens(v, low, lower), LookThroughLens(v, high, upper);

@@ -139,9 +139,10 @@ bool ShadeRange(const ViewConstants& v, const SceneView& scene, std::uint32_t fi
       hn::StoreU(SumBands(scene.sh_rest[id], basis, k, coefficients), F32x4(), rgb);
       const auto channel = [&](int c) { return 0.5f + float(sh::c0) * sh0[c] + rgb[c]; };
       const vec3 colour(channel(0), channel(1), channel(2));
-      colours[first + k] = splat_colour(colour, depths[first + k]);
+      const float depth = drawn_depth(v, scene, id, depths[first + k]);
+      colours[first + k] = splat_colour(colour, depth);
       if (is_hidden(colours[first + k])) {
-        colours[first + k] = large_splat_colour(v, scene, id, depths[first + k]);
+        colours[first + k] = large_splat_colour(v, scene, id, depth);
         some_hidden = some_hidden || is_hidden(colours[first + k]);
       }
     }

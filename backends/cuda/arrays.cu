@@ -36,7 +36,8 @@ DeviceScene Cuda::upload(const SceneArrays& from, std::optional<DeviceScene>& re
   to->sh0.reset(n), to->sh_rest.reset(n * stride);
   to->features.reset(n * channels);
   copy_arrays(*this, from, SceneCapacity::of(*to, 0, int(stride), from.feature_channels));
-  const SceneView view = to->view(n, from.sh_degree, from.feature_channels);
+  SceneView view = to->view(n, from.sh_degree, from.feature_channels);
+  view.model = from.model;
   return DeviceScene(std::move(to), view);
 }
 

@@ -89,7 +89,7 @@ DeviceScene Cuda::upload(const Scene& scene, HarmonicsKept kept) const {
   copy(scene.features, arrays->features, stream()), copy(chunks, arrays->chunks, stream());
   SceneView device = arrays->view(scene.size(), host.sh_degree, host.feature_channels);
   device.sh_rest = packing.rows_at(arrays->sh_rest.data(), arrays->labels.data());
-  device.chunks = std::as_const(arrays->chunks).span();
+  device.chunks = std::as_const(arrays->chunks).span(), device.model = scene.model;
   // Copies read memory of the caller, and other streams may read the scene at once.
   check_cuda(cudaStreamSynchronize(stream()), "cudaStreamSynchronize");
   return DeviceScene(arrays, device);

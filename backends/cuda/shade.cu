@@ -203,7 +203,7 @@ __global__ void __launch_bounds__(shade_threads)
     // Load what else a colour takes while harmonics are copied. With ids loaded where they are used and this
     // after the copies, frames of `builtin:4000000` take 1.44 ms, not 1.415 (H100).
     const vec3 sh0 = sh0_of(scene, i), direction = view_direction(seen.camera, scene.means[i]);
-    const float depth = all.depths[at];
+    const float depth = drawn_depth(seen.camera, scene, i, all.depths[at]);
     await_rest();
     const vec3 rgb = of_one ? colour_of(scene, lead, sh0, own, direction)
                             : colour_of(scene.sh_degree, FloatWords<0>(), sh0, own, direction);

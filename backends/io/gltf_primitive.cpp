@@ -71,20 +71,55 @@ void note_attributes(const json& values, bool beside_spz, std::vector<std::strin
   }
 }
 
-/// Tells of rendering models that a scene cannot carry.
-void note_models(const json& extension, std::vector<std::string>& notes) {
-  const auto value = [&](const char* key, const char* usual) {
-    const auto found = extension.find(key);
-    return found != extension.end() && found->is_string() && *found != usual ? shown(*found) : "";
-  };
-  if (const auto space = value("colorSpace", "srgb_rec709_display"); !space.empty())
-    notes.push_back("The colours are of the space " + space + "; their numbers are kept as they are.");
-  if (const auto kernel = value("kernel", "ellipse"); !kernel.empty())
-    notes.push_back("The Gaussians have the kernel " + kernel + " and are kept as ellipsoids.");
-  if (const auto projection = value("projection", "perspective"); !projection.empty())
-    notes.push_back("The Gaussians were trained with the projection " + projection + ", which is not kept.");
-  if (const auto sorting = value("sortingMethod", "cameraDistance"); !sorting.empty())
-    notes.push_back("The Gaussians were trained with the sorting " + sorting + ", which is not kept.");
+/// A value of the extension that a scene can be drawn by.
+struct KnownValue {
+  const char* key;
+  const char* value;
+  void (*apply)(RenderingModel&);
+};
+
+constexpr auto change_nothing = [](RenderingModel&) {};
+constexpr auto order_by_distance = [](RenderingModel& model) { model.order = SplatOrder::distance; };
+constexpr auto blend_linear = [](RenderingModel& model) { model.colours = ColourSpace::linear; };
+
+/// The first value of a key is its default. Names of drafts follow those of the ratified text.
+constexpr KnownValue known_values[] = {
+    {"kernel", "ellipse", change_nothing},
+    {"colorSpace", "srgb_rec709_display", change_nothing},
+    {"colorSpace", "lin_rec709_display", blend_linear},
+    {"colorSpace", "BT.709", change_nothing},
+    {"colorSpace", "BT.709-sRGB", change_nothing},
+    {"colorSpace", "BT.709-srgb", change_nothing},
+    {"colorSpace", "sRGB", change_nothing},
+    {"colorSpace", "BT.709-linear", blend_linear},
+    {"colorSpace", "linear", blend_linear},
+    {"projection", "perspective", change_nothing},
+    {"sortingMethod", "cameraDistance", order_by_distance},
+    {"sortingMethod", "zDepth", change_nothing},
+};
+
+/// Takes a value of `extension`, or of the `hints` that drafts had in its place.
+void take_value(const JsonEntry& mesh, const json& extension, const std::string& key, RenderingModel& model) {
+  const json& hints = object_in(mesh, extension, "hints");
+  const json& owner = extension.contains(key) ? extension : hints;
+  const auto found = owner.find(key);
+  if (found != owner.end() && !found->is_string()) mesh.fail("'" + key + "' to be a string");
+  const std::string value = found == owner.end() ? "" : found->get<std::string>();
+  std::string names;
+  for (const KnownValue& known : known_values) {
+    if (key != known.key) continue;
+    if (value.empty() || value == known.value) return known.apply(model);
+    names += (names.empty() ? "" : ", ") + std::string(known.value);
+  }
+  mesh.fail("the " + key + " of Gaussians to be one of " + names + ", found " + shown(json(value)));
+}
+
+/// How the Gaussians were trained to be drawn. Throws `FormatError` where no frame can follow it.
+RenderingModel model_of(const JsonEntry& mesh, const json& extension) {
+  RenderingModel model;
+  for (const char* key : {"kernel", "colorSpace", "projection", "sortingMethod"})
+    take_value(mesh, extension, key, model);
+  return model;
 }
 
 void expect_points(const JsonEntry& mesh, const json& primitive) {
@@ -154,23 +189,24 @@ std::optional<GltfPrimitive> find_gaussians(const GltfDocument& document, GltfBu
     for (const json* place : {&nested, &extensions}) {
       if (!place->contains(name)) continue;
       expect_points(mesh, primitive);
-      note_models(own, notes);
       note_attributes(values, true, notes);
       const json& compressed = object_in(mesh, *place, name);
       const auto view = compressed.find("bufferView");
       if (view == compressed.end() || !view->is_number_unsigned())
         mesh.fail(std::string("'") + name + "' with the index 'bufferView'");
-      GltfPrimitive gaussians{.spz_view = view->get<std::uint64_t>()};
+      GltfPrimitive gaussians{.model = model_of(mesh, own), .spz_view = view->get<std::uint64_t>()};
       gaussians.spz = buffers.view(*gaussians.spz_view, mesh).bytes;
       const SpzHeader header = read_spz_header(gaussians.spz_source(document.source()));
       gaussians.count = header.count, gaussians.sh_degree = std::min(header.sh_degree, max_sh_degree);
+      gaussians.model.antialiased = header.antialiased;
       return gaussians;
     }
   if (!extensions.contains("KHR_gaussian_splatting")) return std::nullopt;
   expect_points(mesh, primitive);
-  note_models(own, notes);
   note_attributes(values, false, notes);
-  return find_accessors({document, buffers, mesh, values});
+  GltfPrimitive gaussians = find_accessors({document, buffers, mesh, values});
+  gaussians.model = model_of(mesh, own);
+  return gaussians;
 }
 
 bool has_scale_below_zero(const GltfPrimitive& primitive, const ProgressMeter& progress) {

@@ -24,7 +24,8 @@ struct GltfPrimitive {
   GltfAccessor mean{}, rotation{}, scale{}, opacity{}, sh0{};
   std::vector<GltfAccessor> sh_rest{};  ///< for bands 1 and up
   std::uint64_t count = 0;
-  int sh_degree = 0;                        ///< of what is kept
+  int sh_degree = 0;  ///< of what is kept
+  RenderingModel model{};
   std::optional<std::uint64_t> spz_view{};  ///< then the accessors are not set
   std::span<const std::byte> spz{};
 

@@ -156,13 +156,14 @@ class GltfReader {
     Scene& scene = file_.scene;
     if (instances_.size() == 1 && instances_.front().gaussians->spz_view) {
       scene = read_nested(instances_.front(), progress);
+      scene.model = instances_.front().gaussians->model;
       return;
     }
     int sh_degree = 0;
     for (const Instance& instance : instances_)
       sh_degree = std::max(sh_degree, instance.gaussians->sh_degree);
     allocate(scene, count_, sh_degree);
-    std::size_t at = 0, antialiased = 0;
+    std::size_t at = 0;
     for (const Instance& instance : instances_) {
       const std::size_t count = instance.gaussians->count;
       const ProgressMeter step =
@@ -171,17 +172,35 @@ class GltfReader {
         const Scene part = read_nested(instance, step);
         copy(part, at);
         at += part.size();  // less than `count` where SPZ 1 holds what is not finite
-        antialiased += part.antialiased;
       } else {
         place_accessors(instance, at, step);
         at += count;
       }
     }
     resize(scene, at);
-    scene.antialiased = antialiased == instances_.size();
-    if (antialiased != 0 && !scene.antialiased)
-      file_.notes.push_back(
-          "Some Gaussians were trained with antialiasing and others were not; it is not kept.");
+    scene.model = common_model();
+  }
+
+  /// That of the first Gaussians, unless others differ. Throws `FormatError` for colours of both kinds.
+  RenderingModel common_model() {
+    RenderingModel common = instances_.front().gaussians->model;
+    for (const Instance& instance : instances_) {
+      const RenderingModel& model = instance.gaussians->model;
+      if (model.colours != common.colours)
+        document_.root().fail(
+            "Gaussians of one 'colorSpace', found some of sRGB-encoded and some of linear colours");
+      if (model.antialiased != common.antialiased)
+        file_.notes.push_back(
+            "Some Gaussians were trained with antialiasing and others were not; all are drawn without.");
+      if (model.order != common.order)
+        file_.notes.push_back(
+            "Some Gaussians were trained to be sorted by distance and others by depth; all are by distance.");
+    }
+    for (const Instance& instance : instances_) {
+      common.antialiased = common.antialiased && instance.gaussians->model.antialiased;
+      if (instance.gaussians->model.order == SplatOrder::distance) common.order = SplatOrder::distance;
+    }
+    return common;
   }
 
   AxisFlip axes() const { return early_ ? AxisFlip{} : luf_to_rdf; }

@@ -141,16 +141,17 @@ SceneFile read_compressed_ply(const Source& source, const PlyHeader& header,
                               const SceneReadOptions& options) {
   const ProgressMeter progress(options.progress, source.name);
   const CompressedLayout layout = find_compressed_layout(source, header, progress.step(0, 0.05));
-  const PlyModel model = model_of(header);
+  const RenderingModel model = model_of(header, false);
+  const bool flat = model.kernel == RenderingModel::Kernel::disk;
   SceneFile file;
   file.format = "compressed PLY";
   const auto [first, last] = options.part.range(header.find("vertex")->count);
   file.stored = last - first;
   allocate(file.scene, file.stored, layout.sh.degree);
-  file.scene.antialiased = model.antialiased;
-  decode_gaussians(source, layout, model.flat, first, progress.step(0.05, 1), file.scene);
+  file.scene.model = model;
+  decode_gaussians(source, layout, flat, first, progress.step(0.05, 1), file.scene);
   file.dropped_nonfinite = drop_nonfinite(file.scene);
-  file.notes = notes_of(model.flat, true, layout.sh);
+  file.notes = notes_of(flat, layout.sh);
   note_unread(header, {"chunk", "vertex", "sh"}, layout.unread, file.notes);
   return file;
 }

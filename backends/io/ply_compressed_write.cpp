@@ -6,6 +6,7 @@
 #include <swiftgs/edit/order.hpp>
 
 #include "ply_compressed.hpp"
+#include "ply_model.hpp"
 #include "row_writing.hpp"
 #include "scene_building.hpp"
 #include "scene_encoding.hpp"
@@ -50,8 +51,7 @@ std::vector<ChunkRanges> ranges_of(const Scene& scene, const std::vector<std::ui
 }
 
 std::string header_of(const Scene& scene, std::size_t count, std::size_t chunks) {
-  std::string header = "ply\nformat binary_little_endian 1.0\n";
-  if (scene.antialiased) header += "comment SplatRenderMode: mip\n";
+  std::string header = "ply\nformat binary_little_endian 1.0\n" + model_comments(scene.model);
   const auto element = [&](const char* name, std::size_t rows) {
     header += "element " + std::string(name) + " " + std::to_string(rows) + "\n";
   };

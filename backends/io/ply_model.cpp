@@ -2,30 +2,65 @@
 #include "ply_model.hpp"
 
 #include <algorithm>
+#include <stdexcept>
+
+#include <swiftgs/io/model_text.hpp>
 
 #include "listed.hpp"
 #include "tokens.hpp"
 
 namespace swiftgs::io {
 
-PlyModel model_of(const PlyHeader& header) {
-  PlyModel model;
+namespace {
+
+std::string in_small_letters(std::string_view text) {
+  std::string small(text);
+  for (char& c : small)
+    if (c >= 'A' && c <= 'Z') c = char(c - 'A' + 'a');
+  return small;
+}
+
+constexpr std::string_view own_key = "renderingmodel:";
+
+}  // namespace
+
+RenderingModel model_of(const PlyHeader& header, bool filtered) {
+  RenderingModel model;
+  // The variance that Mip-Splatting's trainer and renderer add.
+  if (filtered) model.blur = 0.1f, model.antialiased = true;
   for (const std::string& comment : header.comments) {
     Tokens tokens(comment);
-    const std::string_view key = tokens.next(), value = tokens.next();
-    if (key == "SplatRenderMode:")
-      model = {.antialiased = value == "mip", .flat = value == "2dgs"};
-    else if (key == "antialiased" && (value == "0" || value == "1"))
+    const std::string key = in_small_letters(tokens.next()), value = in_small_letters(tokens.next());
+    if (key == "splatrendermode:" || key == "splatrendermode") {
+      model.antialiased = value == "mip";
+      model.kernel = value == "2dgs" ? RenderingModel::Kernel::disk : RenderingModel::Kernel::ellipsoid;
+    } else if (key == "antialiased" && (value == "0" || value == "1")) {
       model.antialiased = value == "1";
+    } else if (key == own_key) {
+      try {
+        model = model_from(value, model);
+      } catch (const std::invalid_argument&) {
+        // A comment of another program; no comment makes a file unreadable.
+      }
+    }
   }
   return model;
 }
 
-std::vector<std::string> notes_of(bool flat, bool unused_scale, const PlySh& sh) {
+std::string model_comments(const RenderingModel& model) {
+  std::string comments;
+  RenderingModel told;
+  if (model.antialiased)
+    comments += "comment SplatRenderMode: mip\n", told.antialiased = true;
+  else if (model.kernel == RenderingModel::Kernel::disk)
+    comments += "comment SplatRenderMode: 2dgs\n", told.kernel = model.kernel;
+  if (model != told) comments += "comment RenderingModel: " + text_of(model) + "\n";
+  return comments;
+}
+
+std::vector<std::string> notes_of(bool unused_scale, const PlySh& sh) {
   std::vector<std::string> notes;
-  if (flat)
-    notes.push_back("The Gaussians were trained as 2D ones; they are kept as flat 3D ones" +
-                    std::string(unused_scale ? ", and the third scale is not used." : "."));
+  if (unused_scale) notes.push_back("The third scale of the Gaussians, which are flat, is not used.");
   if (sh.stored_degree > sh.degree)
     notes.push_back("SH coefficients of degree 4 are stored; degree 3 and below are kept.");
   return notes;

@@ -5,21 +5,22 @@
 #include <string_view>
 #include <vector>
 
+#include <swiftgs/conventions.hpp>
+
 #include "ply_fields.hpp"
 
 namespace swiftgs::io {
 
-/// What the trainer's comments say of the render model; the last one counts.
-struct PlyModel {
-  bool antialiased = false;
-  bool flat = false;  ///< 2D Gaussians
-};
+/// What the trainer's comments say of the rendering model; the last one counts. `filtered`: the vertices have
+/// the 3D filter of Mip-Splatting, which trains with its 2D filter too.
+RenderingModel model_of(const PlyHeader& header, bool filtered);
 
-PlyModel model_of(const PlyHeader& header);
+/// The comments that `model_of` reads.
+std::string model_comments(const RenderingModel& model);
 
-/// What the scene does not carry of a file with these coefficients. `unused_scale` says whether it stores a
-/// third scale though the Gaussians are `flat`.
-std::vector<std::string> notes_of(bool flat, bool unused_scale, const PlySh& sh);
+/// What the scene does not carry of a file with these coefficients. `unused_scale`: it stores a third scale
+/// of Gaussians that are flat.
+std::vector<std::string> notes_of(bool unused_scale, const PlySh& sh);
 
 /// Notes the properties `unread` of elements that were read, and the elements that were not: all with rows
 /// whose names are not in `read`.

@@ -146,9 +146,10 @@ SceneFile read_ply(const Source& source, const SceneReadOptions& options) {
   const PlyElement* found = header.find("vertex");
   if (!found) source.fail(0, "a PLY with an element 'vertex'");
   const PlyElement& vertex = *found;
-  const PlyModel model = model_of(header);
   PlyLayout layout = find_layout(source, vertex, header.encoding);
-  layout.flat = !layout.has_third_scale || model.flat;
+  RenderingModel model = model_of(header, layout.filter.has_value());
+  if (!layout.has_third_scale) model.kernel = RenderingModel::Kernel::disk;
+  layout.flat = model.kernel == RenderingModel::Kernel::disk;
   const ProgressMeter progress(options.progress, source.name);
   // Rows of binary files are where they are. Those of text are looked for, which takes a third of the time.
   const double locating = header.encoding == PlyEncoding::ascii ? 0.3 : 0.02;
@@ -160,15 +161,13 @@ SceneFile read_ply(const Source& source, const SceneReadOptions& options) {
   const auto [first, last] = options.part.range(vertex.count);
   file.stored = last - first;
   allocate(file.scene, file.stored, layout.sh.degree);
-  file.scene.antialiased = model.antialiased;
+  file.scene.model = model;
   if (layout.wide_means()) file.scene.origin = origin_of(source, header, vertex, layout, sample);
   decode_vertices(source, header, vertex, layout, starts.at(vertex.name), first, progress.step(locating, 1),
                   file.scene);
-  file.notes = notes_of(layout.flat, layout.has_third_scale, layout.sh);
+  file.notes = notes_of(layout.flat && layout.has_third_scale, layout.sh);
   if (layout.filter)
-    file.notes.push_back(
-        "The 3D filter of the Gaussians (filter_3D) is applied to scales and opacities; add "
-        "--antialiased yes to 'swiftgs convert' if they were trained with Mip-Splatting's 2D filter.");
+    file.notes.push_back("The 3D filter of the Gaussians (filter_3D) is applied to scales and opacities.");
   std::vector<std::string_view> read = {"vertex"};
   read_photograph(source, header, starts, file, read);
   note_unread(header, read, layout.unread, file.notes);

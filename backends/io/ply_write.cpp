@@ -3,6 +3,7 @@
 #include <cmath>
 #include <string>
 
+#include "ply_model.hpp"
 #include "row_writing.hpp"
 #include "scene_building.hpp"
 #include "scene_encoding.hpp"
@@ -15,8 +16,7 @@ namespace {
 bool has_origin(const Scene& scene) { return scene.origin != dvec3(0.0); }
 
 std::string ply_header_of(const Scene& scene) {
-  std::string header = "ply\nformat binary_little_endian 1.0\n";
-  if (scene.antialiased) header += "comment SplatRenderMode: mip\n";
+  std::string header = "ply\nformat binary_little_endian 1.0\n" + model_comments(scene.model);
   header += "element vertex " + std::to_string(scene.size()) + "\n";
   const auto add = [&](const std::string& name) { header += "property float " + name + "\n"; };
   for (const char* name : {"x", "y", "z"})

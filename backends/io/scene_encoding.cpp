@@ -48,7 +48,7 @@ WrittenScene written_whole(std::string format, const Scene& scene) {
   return {.format = std::move(format),
           .gaussians = scene.size(),
           .sh_degree = scene.sh_degree,
-          .antialiased = scene.antialiased};
+          .model = scene.model};
 }
 
 void note_clamped(std::uint64_t count, const std::string& things, const std::string& range,

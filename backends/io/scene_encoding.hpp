@@ -24,7 +24,7 @@ std::optional<Scene> encodable(const Scene& scene, std::vector<std::string>& not
 /// read an infinity.
 inline float log_of_scale(float scale) { return scale > 0 ? std::log(scale) : -104; }
 
-/// What a file holds that keeps all Gaussians and bands of `scene`, and whether it is antialiased.
+/// What a file holds that keeps all Gaussians and bands of `scene`, and its model.
 WrittenScene written_whole(std::string format, const Scene& scene);
 
 /// Adds a note such as "Scales are clamped to 0 to 1: 12.", unless `count` is 0.

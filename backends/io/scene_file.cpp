@@ -84,6 +84,8 @@ SceneFile read(const Source& source, const SceneReadOptions& options) {
         file.notes.push_back(
             "Positions are too far from zero for float: the scene has them relative to the origin " +
             text_of(origin) + ".");
+      if (file.scene.model.kernel == RenderingModel::Kernel::disk)
+        file.notes.push_back("The Gaussians were trained as 2D ones; they are kept as flat 3D ones.");
       note_dropped(file.dropped_nonfinite, file.notes);
       return file;
     }

@@ -4,6 +4,7 @@
 #include <string_view>
 #include <vector>
 
+#include <swiftgs/io/model_text.hpp>
 #include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/message.hpp>
 
@@ -42,6 +43,18 @@ const Writer& writer_for(const std::filesystem::path& path, const std::string& e
                  endings);
 }
 
+/// Tells what of a scene's model the file does not hold.
+void note_model(RenderingModel model, const RenderingModel& kept, std::vector<std::string>& notes) {
+  if (model == kept) return;
+  const RenderingModel usual;
+  if (model.blur == kept.blur) model.blur = usual.blur;
+  if (model.antialiased == kept.antialiased) model.antialiased = usual.antialiased;
+  if (model.order == kept.order) model.order = usual.order;
+  if (model.colours == kept.colours) model.colours = usual.colours;
+  if (model.kernel == kept.kernel) model.kernel = usual.kernel;
+  notes.push_back("How the scene was trained to be drawn is left out: " + text_of(model) + ".");
+}
+
 }  // namespace
 }  // namespace io
 
@@ -59,6 +72,7 @@ WrittenScene write_scene(const std::filesystem::path& path, const Scene& scene,
   if (!writer.holds_doubles && scene.origin != dvec3(0.0))
     written.notes.push_back("The origin " + io::text_of(scene.origin) +
                             " is left out: positions in the file are relative to it.");
+  io::note_model(scene.model, written.model, written.notes);
   written.notes.insert(written.notes.begin(), notes.begin(), notes.end());
   return written;
 }

@@ -123,11 +123,11 @@ void set_sh(SogMeta& meta, const Part& sh) {
 
 void set_model(SogMeta& meta, const JsonEntry& root) {
   const std::string model = root.has("model") ? root.string("model") : "default";
-  meta.flat = model == "2dgs";
-  meta.antialiased =
+  const bool flat = model == "2dgs";
+  meta.model.antialiased =
       model == "antialiased" || (root.has("antialias") && root.member("antialias") == json(true));
-  if (!meta.flat && !meta.antialiased && model != "default") meta.unknown_model = model;
-  if (meta.flat) meta.scales[2].fill(0);
+  if (flat) meta.model.kernel = RenderingModel::Kernel::disk, meta.scales[2].fill(0);
+  if (!flat && !meta.model.antialiased && model != "default") meta.unknown_model = model;
 }
 
 }  // namespace

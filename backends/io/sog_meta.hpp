@@ -37,9 +37,8 @@ struct SogMeta {
   Table sh;                                     ///< SH coefficients above band 0
   std::optional<int> sh_degree{};               ///< version 2 says; of version 1 the palette's image tells
   std::optional<std::uint32_t> palette_size{};  ///< the same: entries that are used
-  bool antialiased = false;
-  bool flat = false;            ///< trained as 2D Gaussians
-  std::string unknown_model{};  ///< a render model that is none of these
+  RenderingModel model{};
+  std::string unknown_model{};  ///< a rendering model that is none of these
 };
 
 /// Throws `FormatError` at the member that is missing or wrong.

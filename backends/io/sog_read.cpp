@@ -9,8 +9,8 @@
 namespace swiftgs::io {
 
 void SogFindings::add(const SogMeta& meta, const SogOddities& odd) {
-  (meta.antialiased ? antialiased_ : plain_) = true;
-  flat_ = flat_ || meta.flat;
+  (meta.model.antialiased ? antialiased_ : plain_) = true;
+  if (meta.model.kernel == RenderingModel::Kernel::disk) kernel_ = meta.model.kernel;
   if (!meta.unknown_model.empty()) unknown_model_ = meta.unknown_model;
   odd_.labels += odd.labels;
   odd_.rotations += odd.rotations;
@@ -19,10 +19,9 @@ void SogFindings::add(const SogMeta& meta, const SogOddities& odd) {
 void SogFindings::finish(SceneFile& file) const {
   const auto note = [&](const std::string& text) { file.notes.push_back(text); };
   file.dropped_nonfinite = drop_nonfinite(file.scene);
-  file.scene.antialiased = antialiased_;
+  file.scene.model.antialiased = antialiased_, file.scene.model.kernel = kernel_;
   if (antialiased_ && plain_)
     note("Some parts were trained with antialiasing and some without; all are rendered with it.");
-  if (flat_) note("The Gaussians were trained as 2D ones; they are kept as flat 3D ones.");
   if (!unknown_model_.empty()) note("The render model '" + unknown_model_ + "' is not known, and ignored.");
   if (odd_.labels > 0)
     note(std::to_string(odd_.labels) +

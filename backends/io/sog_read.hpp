@@ -16,7 +16,8 @@ class SogFindings {
   void finish(SceneFile& file) const;
 
  private:
-  bool antialiased_ = false, plain_ = false, flat_ = false;
+  bool antialiased_ = false, plain_ = false;
+  RenderingModel::Kernel kernel_ = RenderingModel::Kernel::ellipsoid;
   std::string unknown_model_;
   SogOddities odd_;
 };

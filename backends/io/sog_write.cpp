@@ -23,6 +23,12 @@
 namespace swiftgs::io {
 namespace {
 
+/// What `meta.json` says of a model.
+RenderingModel sog_model(const RenderingModel& model) {
+  if (model.antialiased) return {.antialiased = true};
+  return {.kernel = model.kernel};
+}
+
 constexpr std::size_t most_colours = 1 << 16;
 
 /// The largest power of two that is at most `count`: half a colour to one for each Gaussian, until labels
@@ -74,7 +80,9 @@ Contents contents(const Scene& scene, Order order, const MeanEncoder& means, con
   std::string& meta = result.meta;
   meta = "{\"version\":2,\"asset\":{\"generator\":\"SwiftGS " + std::string(version) +
          "\"},\"count\":" + std::to_string(order.size());
-  if (scene.antialiased) meta += ",\"model\":\"antialiased\"";
+  const RenderingModel model = sog_model(scene.model);
+  if (model.antialiased) meta += ",\"model\":\"antialiased\"";
+  if (model.kernel == RenderingModel::Kernel::disk) meta += ",\"model\":\"2dgs\"";
   meta += ",\"means\":{\"mins\":" + json_array(means.least(), 3) +
           ",\"maxs\":" + json_array(means.most(), 3) + ",\"files\":[\"means_l.webp\",\"means_u.webp\"]}";
   meta += ",\"scales\":{" + json_codebook(scales) + ",\"files\":[\"scales.webp\"]}";
@@ -148,6 +156,7 @@ WrittenScene write_sog(const std::filesystem::path& path, const Scene& scene,
   const ProgressMeter progress(options.progress, path.string());
   progress.report(0);
   WrittenScene written = written_whole("SOG version 2", scene);
+  written.model = sog_model(scene.model);
   const auto too_large = [](float value) { return std::abs(value) > largest_coordinate; };
   if (std::none_of(scene.sh_rest.begin(), scene.sh_rest.end(), too_large)) {
     written.bytes = write_bundle(path, scene, scene.sh_rest, progress);

@@ -55,8 +55,6 @@ void note_losses(const Scene& scene, const std::vector<std::uint32_t>& order,
     notes.push_back("Harmonics of degree 1 to " + std::to_string(scene.sh_degree) + " are left out, " +
                     std::to_string(3 * sh_rest_count(scene.sh_degree)) + " coefficients of each of " +
                     std::to_string(order.size()) + " Gaussians.");
-  if (scene.antialiased)
-    notes.push_back("That the scene was trained with opacity compensation (antialiased) is left out.");
   ClampCount colours;
   for_parts(order.size(), [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
@@ -75,7 +73,7 @@ WrittenScene write_splat(const std::filesystem::path& path, const Scene& scene,
   progress.report(0);
   WrittenScene written = written_whole(".splat", scene);
   written.sh_degree = 0;
-  written.antialiased = false;
+  written.model = {};
   std::vector<std::uint32_t> order = select(scene, [](std::size_t) { return true; });
   sort_by_size(scene, order);
   note_losses(scene, order, written.notes);

@@ -126,7 +126,7 @@ SceneFile read_spz(const Source& source, const SceneReadOptions& options) {
   const SpzDecoder decoder(content, axes, file.scene.sh_degree, range.begin);
   for_parts(file.scene.size(), progress.step(0.6, 1),
             [&](std::size_t first, std::size_t end) { decoder.decode(file.scene, first, end); });
-  file.scene.antialiased = header.antialiased;
+  file.scene.model.antialiased = header.antialiased;
   // Only the halves of version 1 can be infinite or NaN.
   if (header.version == 1) file.dropped_nonfinite = drop_nonfinite(file.scene);
   if (header.sh_degree > max_sh_degree)

@@ -90,7 +90,7 @@ class SpzWriter {
                .count = std::uint32_t(scene.size()),
                .sh_degree = scene.sh_degree,
                .fractional_bits = encoding_.fractional_bits,
-               .antialiased = scene.antialiased,
+               .antialiased = scene.model.antialiased,
                .has_extensions = encoding_.flip != rub_to_rdf};
     // Readers that know the extension convert, and those that do not step over it and take the numbers as
     // they are, as they do without it. In version 3 some releases of Niantic's library are among the latter.
@@ -208,6 +208,7 @@ WrittenScene write_spz(const std::filesystem::path& path, const Scene& scene,
                    " Gaussians of finite numbers for an SPZ file, found ", scene.size());
   SpzWriter writer(path, scene, options);
   WrittenScene written = written_whole("SPZ version " + std::to_string(options.spz_version), scene);
+  written.model = {.antialiased = scene.model.antialiased};
   written.bytes = writer.write();
   written.notes = writer.notes();
   return written;

@@ -115,9 +115,12 @@ std::uint64_t views_identity(Span<const View> views) {
     }
     add(c.fx, c.fy, c.cx, c.cy, c.width, c.height, c.left, c.top, c.right, c.bottom);
     add(c.tan_x_min, c.tan_x_max, c.tan_y_min, c.tan_y_max, c.near_plane, c.far_plane);
-    add(c.blur, c.min_compensation, c.alpha_min, c.antialiased);
+    // What is left to the scene may differ from rank to rank.
+    add(c.blur_of_scene ? -1.0f : c.blur, c.antialiased_of_scene ? 2 : int(c.antialiased));
+    add(c.min_compensation, c.alpha_min);
     const Distortion& d = c.lens.distortion;
-    add(int(c.lens.model), c.depth_is_distance, c.depth_along_ray, int(view.frame.conversion));
+    add(int(c.lens.model), c.depth_is_distance, c.order_is_distance, c.depth_along_ray,
+        int(view.frame.conversion));
     for (const double number : d.radial) add(number);
     for (const double number : d.rational) add(number);
     add(d.tangential[0], d.tangential[1], d.prism[0], d.prism[1]);

@@ -210,11 +210,14 @@ void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pixels, d
 }  // namespace reference
 
 ConditionedFrame render_conditioned(Span<const ReferenceScene> scenes, const Camera& camera,
-                                    const Conventions& conventions, dvec3 background, std::uint64_t seed,
+                                    const Conventions& given, dvec3 background, std::uint64_t seed,
                                     int threads, Span<const float> occluder) {
   using namespace reference;
   ConditionedFrame out;
   check_reference_arguments(scenes, camera, background, occluder);
+  const Conventions conventions = of_frame(given, scenes, occluder.size != 0);
+  if (*conventions.order != SplatOrder::depth || *conventions.colours != ColourSpace::srgb)
+    throw std::invalid_argument("render_conditioned: expected an order by depth and sRGB-encoded colours");
   if (conventions.depth_at != Conventions::DepthAt::centre)
     throw std::invalid_argument("render_conditioned: expected depths of centres");
   validate(conventions);

@@ -15,13 +15,18 @@ namespace swiftgs {
 namespace reference {
 namespace {
 
-/// Writes image row `y`.
-void write_row(ReferenceFrame& frame, int y, const Pixel* pixels, dvec3 background) {
+/// Writes image row `y`, blended in colours of the kind that `conventions` name.
+void write_row(ReferenceFrame& frame, int y, const Pixel* pixels, const Conventions& conventions,
+               dvec3 background) {
+  const bool linear = *conventions.colours == ColourSpace::linear;
   for (int x = 0; x < frame.width; ++x) {
     const Pixel& pixel = pixels[x];
     const std::size_t i = std::size_t(y) * std::size_t(frame.width) + std::size_t(x);
-    for (int c = 0; c < 3; ++c)
-      frame.colour[3 * i + std::size_t(c)] = pixel.colour[c] + pixel.transmittance * background[c];
+    for (int c = 0; c < 3; ++c) {
+      const double below = linear ? decoded(background[c]) : background[c];
+      const double sum = pixel.colour[c] + pixel.transmittance * below;
+      frame.colour[3 * i + std::size_t(c)] = linear ? encoded(sum) : sum;
+    }
     frame.alpha[i] = 1 - pixel.transmittance;
     frame.depth[i] = pixel.weight > 0 ? pixel.depth / pixel.weight : 0;
   }
@@ -50,7 +55,7 @@ void render_rows(ReferenceFrame& frame, Counts& counts, const std::vector<const 
       pairs += blend_row(row(y), y, *splat, conventions);
     if (pairs > before) counts.seen[splat->index].store(true, std::memory_order_relaxed);
   }
-  for (int y = first; y < last; ++y) write_row(frame, y, row(y), background);
+  for (int y = first; y < last; ++y) write_row(frame, y, row(y), conventions, background);
   counts.pairs += pairs;
   counts.stopped += std::uint64_t(
       std::count_if(pixels.begin(), pixels.end(), [](const Pixel& pixel) { return pixel.stopped; }));
@@ -60,10 +65,11 @@ void render_rows(ReferenceFrame& frame, Counts& counts, const std::vector<const 
 }  // namespace reference
 
 ReferenceFrame render_reference(Span<const ReferenceScene> scenes, const Camera& camera,
-                                const Conventions& conventions, dvec3 background, int threads,
+                                const Conventions& given, dvec3 background, int threads,
                                 Span<const float> occluder) {
   using namespace reference;
   check_reference_arguments(scenes, camera, background, occluder);
+  const Conventions conventions = of_frame(given, scenes, occluder.size != 0);
   threads = thread_count(threads);
   const SplatChunks chunks = project_all(views_of(scenes, camera, conventions), threads);
   const std::vector<std::vector<const Splat*>> strips = sort_into_strips(chunks, camera.height);

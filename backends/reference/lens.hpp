@@ -47,7 +47,7 @@ class CameraLens {
   /// Whether `depth` is the distance from the camera rather than z.
   bool by_distance() const { return by_distance_; }
 
-  /// What orders splats and is compared with the planes.
+  /// What is compared with the planes, and usually orders splats.
   double depth(const Eigen::Vector3d& p) const { return by_distance_ ? p.stableNorm() : p.z(); }
 
   /// Nothing where the lens shows no points. Of a panorama the copy nearest to the column `middle`.

@@ -124,12 +124,13 @@ void prepare(ReferencePlanes& out, const Camera& camera, int feature_channels) {
     margins->resize(out.pixels());
 }
 
-/// Writes pixel `i` but its features.
-void write_pixel(ReferencePlanes& out, std::size_t i, const PlanesPixel& pixel) {
+/// Writes pixel `i` but its features. `linear`: colours were blended in linear light.
+void write_pixel(ReferencePlanes& out, std::size_t i, const PlanesPixel& pixel, bool linear) {
   const Pixel& blended = pixel.blended;
   const auto mean = [&](double sum) { return blended.weight > 0 ? sum / blended.weight : 0; };
   for (std::size_t c = 0; c < 3; ++c) {
-    out.colour[3 * i + c] = blended.colour[Eigen::Index(c)];
+    const double colour = blended.colour[Eigen::Index(c)];
+    out.colour[3 * i + c] = linear ? encoded(colour) : colour;
     out.normal[3 * i + c] = pixel.normal[Eigen::Index(c)];
   }
   out.alpha[i] = 1 - blended.transmittance;
@@ -165,17 +166,18 @@ void render_rows(ReferencePlanes& out, const std::vector<Attributes>& attributes
             out.features[channels * (begin + i) + c] += weight * std::clamp(double(feature), -most, most);
         }
       }
-  for (std::size_t i = 0; i < pixels.size(); ++i) write_pixel(out, begin + i, pixels[i]);
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    write_pixel(out, begin + i, pixels[i], *conventions.colours == ColourSpace::linear);
 }
 
 }  // namespace
 }  // namespace reference
 
 ReferencePlanes render_reference_planes(Span<const ReferenceScene> scenes, const Camera& camera,
-                                        const Conventions& conventions, int threads,
-                                        Span<const float> occluder) {
+                                        const Conventions& given, int threads, Span<const float> occluder) {
   using namespace reference;
   check_reference_arguments(scenes, camera, dvec3(0), occluder);
+  const Conventions conventions = of_frame(given, scenes, occluder.size != 0);
   threads = thread_count(threads);
   const std::vector<reference::View> views = views_of(scenes, camera, conventions);
   const SplatChunks chunks = project_all(views, threads);

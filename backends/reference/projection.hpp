@@ -41,6 +41,7 @@ struct Splat {
   double opacity = 0;  ///< with the anti-aliasing factor
   double cutoff = 0;   ///< at 2 sigma above this, alpha is below `alpha_min` whatever the rounding
   double depth = 0;    ///< of the mean, as `Conventions::depth` has it
+  double order = 0;    ///< what splats are sorted by
   Eigen::Vector2d slope = Eigen::Vector2d::Zero();   ///< of depth along the ray @units{depth per pixel}
   Eigen::Vector3d colour = Eigen::Vector3d::Zero();  ///< RGB, the scene's own values
   Covariance covariance;
@@ -63,7 +64,11 @@ struct Columns {
 /// scale * rotation p + translation of camera space, which has the world's lengths.
 struct View {
   View(const Camera& c, const Conventions& k, const ReferenceScene& scene, std::size_t first_index = 0)
-      : camera(c), conventions(k), placed(scene), first(first_index), lens(c, k) {
+      : camera(c),
+        conventions(as_trained(k, scene.scene.model)),
+        placed(scene),
+        first(first_index),
+        lens(c, k) {
     const Similarity& pose = placed.world_from_scene;
     Eigen::Matrix3d of_camera, of_scene;
     Eigen::Vector3d camera_at, scene_at;
@@ -112,7 +117,7 @@ inline Covariance project_covariance(const Scene& scene, std::size_t i,
 
   // The determinant of F F^T is |row 0 x row 1|^2 (Cauchy-Binet): no difference of products of large numbers.
   const Eigen::Vector3d row_x = factor.row(0), row_y = factor.row(1);
-  const double blur = view.conventions.blur, xx = row_x.squaredNorm(), yy = row_y.squaredNorm();
+  const double blur = *view.conventions.blur, xx = row_x.squaredNorm(), yy = row_y.squaredNorm();
   const double det_sharp = row_x.cross(row_y).squaredNorm();
   return {.xx = xx + blur,
           .xy = row_x.dot(row_y),
@@ -130,7 +135,7 @@ inline Eigen::Vector2d slope_of_depth(const Splat& splat, const Scene& scene, st
   const Eigen::Matrix3d axes = gaussian_axes(scene, i, view);
   Eigen::Matrix<double, 5, 2> places = Eigen::Matrix<double, 5, 2>::Zero();
   places.topRows<3>() = (jacobian * axes).transpose();
-  places.bottomRows<2>().diagonal().setConstant(std::sqrt(double(view.conventions.blur)));
+  places.bottomRows<2>().diagonal().setConstant(std::sqrt(double(*view.conventions.blur)));
   Eigen::Matrix<double, 5, 1> depths = Eigen::Matrix<double, 5, 1>::Zero();
   const Eigen::Vector3d ahead = view.lens.by_distance() ? p.stableNormalized() : Eigen::Vector3d(0, 0, 1);
   depths.head<3>() = axes.transpose() * ahead;
@@ -237,7 +242,7 @@ inline std::optional<Splat> project_unculled(const Scene& scene, std::size_t i, 
 
   Splat splat;
   splat.opacity = double(scene.opacities[i]) * view.placed.opacity;
-  if (k.antialiased)
+  if (*k.antialiased)
     splat.opacity *= std::sqrt(std::max(double(k.min_compensation), cov.det_sharp / cov.det));
   splat.cutoff = k.alpha_min > 0 ? 2 * std::log(splat.opacity / double(k.alpha_min)) * (1 + 1e-9) + 1e-9
                                  : std::numeric_limits<double>::infinity();
@@ -246,6 +251,7 @@ inline std::optional<Splat> project_unculled(const Scene& scene, std::size_t i, 
   splat.y_weight = 1 / cov.yy;
   splat.shear = cov.xy / cov.yy;
   splat.depth = view.lens.depth(p);
+  splat.order = *k.order == SplatOrder::distance ? p.stableNorm() : splat.depth;
   splat.index = view.first + i;
   splat.covariance = cov;
   if (k.depth_at == Conventions::DepthAt::ray)

@@ -29,7 +29,34 @@ inline constexpr int strip_rows = 16;
 /// The splats of a frame, in chunks of consecutive Gaussians, in the order of their numbers.
 using SplatChunks = std::vector<std::vector<Splat>>;
 
-/// The views of all placed scenes. Gaussians are numbered over the frame.
+/// `conventions` with the order and the colours that they leave to the scenes of a frame.
+inline Conventions of_frame(Conventions conventions, Span<const ReferenceScene> scenes, bool has_occluder) {
+  const bool leaves_order = !conventions.order, leaves_colours = !conventions.colours;
+  for (const ReferenceScene& placed : scenes) {
+    const RenderingModel& model = placed.scene.model;
+    if (leaves_order && !has_occluder && model.order == SplatOrder::distance) conventions.order = model.order;
+    if (leaves_colours && conventions.colours.value_or(model.colours) != model.colours)
+      throw std::invalid_argument("render_reference: expected scenes of one kind of colours");
+    if (leaves_colours) conventions.colours = model.colours;
+  }
+  if (has_occluder && conventions.order == SplatOrder::distance)
+    throw std::invalid_argument("render_reference: expected an order by depth beside an occluder");
+  if (!conventions.order) conventions.order = SplatOrder::depth;
+  if (!conventions.colours) conventions.colours = ColourSpace::srgb;
+  return conventions;
+}
+
+/// The sRGB curve of IEC 61966-2-1, continued above 1, and below 0 as an odd function.
+inline double encoded(double light) {
+  const double x = std::abs(light);
+  return std::copysign(x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055, light);
+}
+inline double decoded(double value) {
+  const double x = std::abs(value);
+  return std::copysign(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4), value);
+}
+
+/// The views of all placed scenes, by conventions as of `of_frame`. Gaussians are numbered over the frame.
 inline std::vector<View> views_of(Span<const ReferenceScene> scenes, const Camera& camera,
                                   const Conventions& conventions) {
   std::vector<View> views;
@@ -68,18 +95,18 @@ inline SplatChunks project_all(const std::vector<View>& views, int threads) {
   return chunks;
 }
 
-/// The splats that reach each strip of rows, front to back: ordered by depth rounded to float, as the
-/// convention demands, and by number where depths are equal.
+/// The splats that reach each strip of rows, front to back: by depth or distance rounded to float, as the
+/// convention demands, and by number where these are equal.
 inline std::vector<std::vector<const Splat*>> sort_into_strips(const SplatChunks& chunks, int height) {
   struct Entry {
-    float depth;
+    float order;
     const Splat* splat;
   };
   std::vector<Entry> order;
   for (const std::vector<Splat>& chunk : chunks)
-    for (const Splat& splat : chunk) order.push_back({float(splat.depth), &splat});
+    for (const Splat& splat : chunk) order.push_back({float(splat.order), &splat});
   std::stable_sort(order.begin(), order.end(),
-                   [](const Entry& a, const Entry& b) { return a.depth < b.depth; });
+                   [](const Entry& a, const Entry& b) { return a.order < b.order; });
 
   std::vector<std::vector<const Splat*>> strips(std::size_t(height + strip_rows - 1) / strip_rows);
   for (const Entry& entry : order)

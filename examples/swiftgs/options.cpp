@@ -32,6 +32,10 @@ void add_scene_reading(CLI::App& command, SceneOptions& options) {
       ->capture_default_str();
   command.add_option("--level", options.level, "Level of detail of a streamed SOG; 0 is the finest")
       ->capture_default_str();
+  command.add_option(
+      "--model", options.model,
+      "How the scene was trained to be drawn [as the file says]: settings with commas between,\n"
+      "of antialiased=yes or no, blur=PIXELS2, order=depth or distance, colours=srgb or linear");
 }
 
 CLI::Option* add_view_choice(CLI::App& command, const char* name, std::string& views,

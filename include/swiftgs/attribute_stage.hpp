@@ -32,27 +32,26 @@ struct SplatAttributes {
   template <bool some_along_ray, class Scenes>
   SWIFTGS_HD void gather(const Scenes& scenes, const View& view, std::size_t i, AttributeRow* to) const {
     const auto seen = scenes.see(view.camera, splats.gaussians[i]);
-    Geometry of;
+    Geometry of{.depth = drawn_depth(seen.camera, seen.scene, seen.i, splats.depths[i])};
     if (some_along_ray && takes_ray_depth(view))
-      of.along_ray = ray_depth(seen.camera, gaussian(seen.scene, seen.i), splats.shapes[i].mean,
-                               splats.depths[i], most_attribute(view.rules.alpha_max));
+      of.along_ray = ray_depth(seen.camera, gaussian(seen.scene, seen.i), splats.shapes[i].mean, of.depth,
+                               most_attribute(view.rules.alpha_max));
     // Both are among the first attributes of a frame.
     if (first == 0 && view.frame.normal.data) of.normal = splat_normal(seen.camera, seen.scene, seen.i);
     const float* features = seen.scene.features.at(seen.i);
-    for (unsigned r = 0; r < rows; ++r) to[i * rows + r] = row(view, r, i, of, features);
+    for (unsigned r = 0; r < rows; ++r) to[i * rows + r] = row(view, r, of, features);
   }
 
  private:
   struct Geometry {
-    RayDepth along_ray;
+    float depth = 0;
+    RayDepth along_ray{};
     vec3 normal{0};
   };
 
   /// What is not finite counts as 0. Larger magnitudes than `most_attribute` are cut to it.
-  SWIFTGS_HD AttributeRow row(const View& view, unsigned r, std::size_t i, const Geometry& of,
-                              const float* features) const {
+  SWIFTGS_HD AttributeRow row(const View& view, unsigned r, const Geometry& of, const float* features) const {
     const float largest = 3.4028234663852886e38f, most = most_attribute(view.rules.alpha_max);
-    const float depth = splats.depths[i];
     AttributeRow out;
     for (unsigned c = 0; c < AttributeRow::channels; ++c) {
       const Attribute from = attribute(view, first + int(r * AttributeRow::channels + c));
@@ -70,7 +69,7 @@ struct SplatAttributes {
           value = of.normal[from.channel];
           break;
         case Attribute::Of::squared_depth:
-          value = depth * depth < most ? depth * depth : most;  // it may be infinite
+          value = of.depth * of.depth < most ? of.depth * of.depth : most;  // it may be infinite
           break;
         case Attribute::Of::feature:
           value = features[from.channel];

@@ -21,6 +21,7 @@
 #include <swiftgs/frame_plan.hpp>
 #include <swiftgs/hidden_stage.hpp>
 #include <swiftgs/message.hpp>
+#include <swiftgs/modelled_views.hpp>
 #include <swiftgs/pick_stage.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/recorded_frames.hpp>
@@ -84,7 +85,7 @@ class BoundRenderer {
   void render_into(const PlacedScenes& asked, Span<const View> views, Measures measures = {}) {
     for (const View& view : views) validate(view);
     last_ = LastFrame::none;
-    views = parts_.of(views);
+    views = modelled_.of(parts_.of(views), asked);
     check_ready(backend());
     const PlacedScenes scenes = store_scenes(backend(), asked, views, scene_storage_);
     const FrameKey key = FrameKey::of(scenes, views);
@@ -205,7 +206,7 @@ class BoundRenderer {
     trim_parts(b, raster_counts_, hidden_, attributes_, view_storage_, scene_storage_, recorded_, resident_,
                picking_);
     if constexpr (requires { b.trim(); }) b.trim();
-    views_ = {}, parts_ = {}, tiles_ = {}, capacity_ = {}, coarse_capacity_ = {};
+    views_ = {}, parts_ = {}, modelled_ = {}, tiles_ = {}, capacity_ = {}, coarse_capacity_ = {};
     counted_ = false;
   }
 
@@ -375,6 +376,7 @@ class BoundRenderer {
   ResidentFrames<B> resident_;
   PickStage<B> picking_;
   PanoramaParts parts_;      ///< of the last frame that was not recorded
+  ModelledViews modelled_;   ///< of these parts
   std::vector<View> views_;  ///< of `render_resident` and `render`
   std::array<typename B::TimePoint, 4> points_{};
   bool counted_ = false, timed_ = false;

@@ -191,7 +191,8 @@ class Contributions {
       throw CapacityError("pixels of all views", pixels, max_contribution_pixels);
 
     check_ready(stages_.backend());
-    const FramePlan plan(store_views(stages_.backend(), parts_.of({&view, 1}), views_), scenes_);
+    const Span<const View> parts = modelled_.of(parts_.of({&view, 1}), scenes_);
+    const FramePlan plan(store_views(stages_.backend(), parts, views_), scenes_);
     const bool shaded = colours_may_overflow_ || centre_is_extreme(view.camera);
     const auto add = [&](const RasterJob& job) { add_contributions(stages_.backend(), {job, sums_.data()}); };
     stages_.run(plan, shaded, add, [](std::size_t) {});
@@ -236,6 +237,7 @@ class Contributions {
   PlacedScenes scenes_;               ///< `own_`, or in `scene_storage_`
   bool colours_may_overflow_ = true;  ///< unknown of placed scenes, so assumed
   PanoramaParts parts_;
+  ModelledViews modelled_;
   ViewStorage<B> views_;
   typename B::template Buffer<std::uint64_t> sums_;
   std::uint64_t pixels_ = 0;

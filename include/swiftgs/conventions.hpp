@@ -2,14 +2,45 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <string_view>
 
 #include <swiftgs/message.hpp>
 
 namespace swiftgs {
 
+/// What orders the splats of a frame.
+enum class SplatOrder {
+  depth,     ///< as `Conventions::depth` measures it
+  distance,  ///< from the camera's centre
+};
+
+/// The values in which splats are blended. Frames have the same kind of values whichever it is.
+enum class ColourSpace {
+  srgb,    ///< encoded for a display, as photographs are
+  linear,  ///< linear light; each pixel is encoded when it is finished
+};
+
+/// How a scene was trained to be drawn. Readers take it from the file; frames follow it wherever
+/// `Conventions` leave it to the scene.
+struct RenderingModel {
+  /// What was trained.
+  enum class Kernel {
+    ellipsoid,  ///< 3D Gaussians
+    disk,       ///< 2D Gaussians in space, drawn as 3D ones that are flat: not as they were trained
+  };
+
+  float blur = 0.3f;         ///< as `Conventions::blur` @units{pixels^2}
+  bool antialiased = false;  ///< as `Conventions::antialiased`
+  SplatOrder order = SplatOrder::depth;
+  ColourSpace colours = ColourSpace::srgb;
+  Kernel kernel = Kernel::ellipsoid;
+
+  bool operator==(const RenderingModel&) const = default;
+};
+
 /// The numbers that define "the same image". `Conventions::gsplat()` and `Conventions::inria()` are
-/// exact presets.
+/// exact presets. What is optional is as the scene was trained unless it is set.
 struct Conventions {
   /// Limits of x/z and y/z where the projection is linearised, in tangents.
   enum class JacobianClamp {
@@ -23,7 +54,8 @@ struct Conventions {
                          ///< touches
   };
 
-  /// What orders splats, is compared with the planes, and is drawn as depth.
+  /// What is compared with the planes and with occluders, and is drawn as depth. Orders splats, unless
+  /// `order` says otherwise.
   enum class Depth {
     of_lens,   ///< z of perspective and orthographic lenses, distance of those that see behind the camera
     z,         ///< along the camera's axis
@@ -42,8 +74,14 @@ struct Conventions {
   bool cull_at_near = false;  ///< so is one exactly on the near plane
   float far_plane = 1e10f;    ///< a Gaussian further than this is culled
   JacobianClamp clamp = JacobianClamp::around_image;
-  float blur = 0.3f;         ///< added to both variances of a splat @units{pixels^2}
-  bool antialiased = false;  ///< scale opacity by sqrt(det without blur / det with blur), Mip-Splatting
+  std::optional<float> blur{};  ///< added to both variances of a splat @units{pixels^2}
+  /// Scale opacity by sqrt(det without blur / det with blur), Mip-Splatting.
+  std::optional<bool> antialiased{};
+  /// A frame has one order: without one here, by distance if a scene that it shows was trained so. A view
+  /// with an occluder is ordered by depth, since a list of splats ends at the occluder.
+  std::optional<SplatOrder> order{};
+  /// A frame has one kind of values to blend in: without one here, its scenes must agree.
+  std::optional<ColourSpace> colours{};
   float min_compensation = 2.5e-5f;  ///< least ratio of determinants in that root
   float alpha_min = 1.0f / 255;      ///< a pixel skips a Gaussian with less alpha
   float alpha_max = 0.99f;           ///< alpha is cut here
@@ -74,13 +112,32 @@ struct Conventions {
 /// more than a float holds.
 inline constexpr float least_depth = 1e-26f;
 
+namespace detail {
+inline bool is_blur(float blur) { return blur >= 0 && blur < std::numeric_limits<float>::infinity(); }
+}  // namespace detail
+
+/// `conventions` with nothing left to the scene, which was trained for `model`.
+inline Conventions as_trained(Conventions conventions, const RenderingModel& model) {
+  if (!conventions.blur) conventions.blur = model.blur;
+  if (!conventions.antialiased) conventions.antialiased = model.antialiased;
+  if (!conventions.order) conventions.order = model.order;
+  if (!conventions.colours) conventions.colours = model.colours;
+  return conventions;
+}
+
+/// Throws `std::invalid_argument` if no frame can follow `model`.
+inline void validate(const RenderingModel& model) {
+  if (!detail::is_blur(model.blur))
+    detail::refuse("scene: the blur of its model is ", model.blur, ", expected 0 or more");
+}
+
 /// Throws `std::invalid_argument` that names the first invalid number.
 inline void validate(const Conventions& c) {
   const auto require = [](bool holds, const char* expected) {
     if (!holds) detail::refuse("conventions: expected ", expected);
   };
   require(c.near_plane >= 0 && c.near_plane < c.far_plane, "a near plane of 0 or more before the far plane");
-  require(c.blur >= 0 && c.blur < std::numeric_limits<float>::infinity(), "a blur of 0 or more");
+  require(!c.blur || detail::is_blur(*c.blur), "a blur of 0 or more");
   require(c.min_compensation >= 0 && c.min_compensation <= 1, "a least compensation of 0 to 1");
   // Exponentials in base 2 end where normal floats do.
   require(c.alpha_min >= std::numeric_limits<float>::min() && c.alpha_min <= c.alpha_max && c.alpha_max <= 1,

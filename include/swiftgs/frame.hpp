@@ -14,11 +14,12 @@
 
 /// @file
 /// Frames, and their memory. Colours of a frame are in the scene's own values: those of the photographs that
-/// it was trained with, usually sRGB-encoded for a display. The library converts them only where
-/// `FrameView::conversion` says so. Copy them as they are to an image with encoded values in memory, for
-/// example R8G8B8A8_SRGB. A shader that writes them to an sRGB framebuffer needs linear light, because the
-/// hardware encodes it; so does a shader that adds them to linear light: let it decode, or
-/// `Conversion::srgb_to_linear`. Splats are blended in the scene's values.
+/// it was trained with, usually sRGB-encoded for a display. A scene that was trained in linear light
+/// (`RenderingModel::colours`) is blended in it, and its frames are sRGB-encoded too. Otherwise the library
+/// converts colours only where `FrameView::conversion` says so. Copy them as they are to an image with
+/// encoded values in memory, for example R8G8B8A8_SRGB. A shader that writes them to an sRGB framebuffer
+/// needs linear light, because the hardware encodes it; so does a shader that adds them to linear light: let
+/// it decode, or `Conversion::srgb_to_linear`. Splats are blended in the scene's values.
 
 namespace swiftgs {
 

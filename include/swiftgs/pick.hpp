@@ -133,7 +133,7 @@ struct PickPixel {
       const SplatShape& shape = job.splats.shapes[id];
       if (is_hidden(job.colours[id]) || !row_touched(shape, first_x, centre.y)) continue;
       const float alpha = alpha_at(shape, centre, job.view.rules);
-      if (alpha > 0 && !picker.offer(alpha, job.splats.depths[id], job.splats.gaussians[id])) break;
+      if (alpha > 0 && !picker.offer(alpha, job.colours[id].depth, job.splats.gaussians[id])) break;
     }
     job.to[std::size_t(y - job.y) * job.pitch + std::size_t(x - job.x)] = picker.picked();
   }

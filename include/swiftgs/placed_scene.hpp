@@ -111,7 +111,7 @@ SWIFTGS_HD inline double eye_focal(const ViewConstants& camera, const Similarity
 /// `set_pairs`.
 SWIFTGS_HD inline ViewConstants eye(const ViewConstants& camera, const PlacedScene& placed) {
   ViewConstants out = camera;
-  out.opacity = placed.opacity;
+  out.opacity = placed.opacity, out.follow(placed.scene.model);
   const Similarity& pose = placed.world_from_scene;
   if (pose.is_identity()) return out;  // to the sign of its zeros
   for (int row = 0; row < 3; ++row) {

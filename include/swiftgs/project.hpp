@@ -265,9 +265,19 @@ SWIFTGS_HD inline bool is_opaque_enough(const ViewConstants& v, float opacity) {
   return opacity >= v.alpha_min && opacity < INFINITY;
 }
 
-/// Depth of a point in camera space, as it is sorted and shown.
+/// Depth of a point in camera space.
 SWIFTGS_HD inline float depth_of(const ViewConstants& v, const dvec3& p) {
   return float(v.depth_scale * (v.depth_is_distance ? std::sqrt(dot(p, p)) : p.z));
+}
+
+/// Drawn depth of a splat whose order is by `order`.
+SWIFTGS_HD SWIFTGS_NOINLINE inline float depth_beside_order(const ViewConstants& v, vec3 mean) {
+  const CameraPoint at(v, mean);
+  return depth_of(v, {at.p[0], at.p[1], at.p[2]});
+}
+SWIFTGS_HD inline float drawn_depth(const ViewConstants& v, const SceneView& scene, std::size_t i,
+                                    float order) {
+  return v.order_is_distance ? depth_beside_order(v, scene.means[i]) : order;
 }
 
 /// `project_shape` of views that are `through_lens`.
@@ -286,7 +296,8 @@ SWIFTGS_HD inline ProjectedShape project_through_lens(const ViewConstants& v, co
   const SplatFactor f = needs_double(by, g.scale, mean)
                             ? factor_in_double(v, LensSlopes<double>{at.du, at.dv, v.fx, v.fy}, g)
                             : factor(ImageAxes<float>(v, by, g.scale, g.rotation), v.blur);
-  return visible_shape(v, mean, f, opacity, depth);
+  const float order = v.order_is_distance ? float(v.depth_scale * std::sqrt(dot(p, p))) : depth;
+  return visible_shape(v, mean, f, opacity, order);
 }
 
 /// `project_shape` of other views.

@@ -11,6 +11,7 @@
 #include <swiftgs/backend.hpp>
 #include <swiftgs/frame_plan.hpp>
 #include <swiftgs/message.hpp>
+#include <swiftgs/modelled_views.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/plane/attributes.hpp>
 #include <swiftgs/tiles.hpp>
@@ -32,8 +33,10 @@ class RecordedFrames {
   void prepare(B& b, const PlacedScenes& scenes, Span<const View> views) {
     reserved_.reset();
     for (const PlacedScene& placed : scenes.each()) validate(placed);
-    set_views(b, views);
+    take_views(b, views, scenes);
     scenes_ = {}, alone_ = scenes.is_alone();
+    models_.clear();
+    for (const PlacedScene& placed : scenes.each()) models_.push_back(placed.scene.model);
     scenes_ =
         store_scenes(b, scenes, views_.each, scene_storage_, alone_ ? ViewAccess::any : ViewAccess::stored);
   }
@@ -43,18 +46,7 @@ class RecordedFrames {
   void reserve(const Reservation& reserved) { reserved_ = reserved; }
   /// Throws `std::invalid_argument`, and changes nothing, for invalid views and for views that differ from
   /// the reserved ones in more than may change.
-  void set_views(B& b, Span<const View> views) {
-    for (const View& view : views) validate(view), detail::check_tiles(view);
-    PanoramaParts parts;
-    views = parts.of(views);
-    if (reserved_) check_suits(views);
-    check_ready(b);
-    const bool through_lens = reserved_ && views_.through_lens;
-    views_ = {};
-    views_ = store_views(b, views, view_storage_, ViewAccess::stored);
-    views_.through_lens |= through_lens;
-    parts_ = std::move(parts);
-  }
+  void set_views(B& b, Span<const View> views) { take_views(b, views, scenes_); }
 
   /// The same for placed scenes.
   void set_scenes(B& b, const PlacedScenes& scenes) {
@@ -67,6 +59,7 @@ class RecordedFrames {
       if (scenes.each()[i].size() != scenes_.each()[i].size())
         detail::refuse("set_scenes: placed scene ", i, " has ", scenes.each()[i].size(),
                        " Gaussians, expected ", scenes_.each()[i].size(), " as reserved");
+    check_models(scenes);
     for (const View& view : views_.each) check_shown(scenes, view);
     check_ready(b);
     if (scenes.each().data == scenes_.each().data) return;  // changed where they are
@@ -94,6 +87,7 @@ class RecordedFrames {
   FramePlan plan(const PlacedScenes& scenes, FrameReport* report) const {
     detail::require_for_render(reserved_ && views_.size() != 0, "reserve before record");
     detail::require_for_render(report != nullptr, "memory for the report");
+    check_models(scenes);
     if (scenes.gaussians() > reserved_->gaussians)
       throw CapacityError("Gaussians in a recorded frame", scenes.gaussians(), reserved_->gaussians);
     return FramePlan(views_, scenes, {reserved_->capacity, true, report});
@@ -102,6 +96,28 @@ class RecordedFrames {
   static auto buffers(auto& self) { return std::tie(self.view_storage_, self.scene_storage_); }
 
  private:
+  void take_views(B& b, Span<const View> views, const PlacedScenes& scenes) {
+    for (const View& view : views) validate(view), detail::check_tiles(view);
+    PanoramaParts parts;
+    ModelledViews modelled;
+    views = modelled.of(parts.of(views), scenes);
+    if (reserved_) check_suits(views);
+    check_ready(b);
+    const bool through_lens = reserved_ && views_.through_lens;
+    views_ = {};
+    views_ = store_views(b, views, view_storage_, ViewAccess::stored);
+    views_.through_lens |= through_lens;
+    parts_ = std::move(parts);
+  }
+
+  /// Stored views follow the models of the scenes that were reserved for.
+  void check_models(const PlacedScenes& scenes) const {
+    for (std::size_t i = 0; i < scenes.size() && i < models_.size(); ++i)
+      if (scenes.each()[i].scene.model != models_[i])
+        detail::refuse("record: placed scene ", i,
+                       " was trained for another rendering model, expected that of the one reserved for");
+  }
+
   void check_suits(Span<const View> views) const {
     if (views.size != views_.size())
       detail::refuse("set_views: the number of views is ", views.size, ", expected ", views_.size(),
@@ -134,7 +150,8 @@ class RecordedFrames {
   Views views_;          ///< in `view_storage_`
   PlacedScenes scenes_;  ///< in `scene_storage_`
   PanoramaParts parts_;
-  bool alone_ = false;  ///< whether the reservation was for a scene alone
+  bool alone_ = false;                  ///< whether the reservation was for a scene alone
+  std::vector<RenderingModel> models_;  ///< of the scenes of the reservation
   std::optional<Reservation> reserved_;
 };
 

@@ -24,7 +24,8 @@ namespace swiftgs {
 /// What a frame is rendered with, beside scene and camera.
 struct RenderSettings {
   Conventions conventions;
-  /// RGB in the scene's own values, shown where transmittance is left; has no part in alpha.
+  /// RGB in the frame's values before its `conversion`, sRGB-encoded of most scenes; shown where
+  /// transmittance is left; has no part in alpha.
   vec3 background{0};
   Outputs outputs;     ///< of `render`; `render_into` computes what its frame points to
   bool count = false;  ///< fill all of `Statistics`, which costs some time

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <swiftgs/api.hpp>
+#include <swiftgs/conventions.hpp>
 #include <swiftgs/count.hpp>
 #include <swiftgs/finite.hpp>
 #include <swiftgs/harmonics.hpp>
@@ -32,7 +33,7 @@ struct Scene {
   std::vector<vec3> sh0;              ///< @shape{N} SH coefficient of band 0, RGB
   std::vector<float> sh_rest;     ///< @shape{N, sh_rest_count(sh_degree), 3} bands 1 and up, RGB innermost
   int sh_degree = 0;              ///< 0 to 3: the bands that are stored
-  bool antialiased = false;       ///< trained with Mip-Splatting's opacity compensation
+  RenderingModel model{};         ///< how it was trained to be drawn, which frames follow
   std::vector<float> features{};  ///< @shape{N, feature_channels} whatever else is drawn of a Gaussian
   int feature_channels = 0;
   /// Where the means' zero lies in the world: a Gaussian is at origin + mean. Other than 0 in scenes so far
@@ -46,7 +47,7 @@ struct Scene {
 /// A scene without Gaussians that is otherwise like `scene`.
 inline Scene empty_like(const Scene& scene) {
   Scene out;
-  out.sh_degree = scene.sh_degree, out.antialiased = scene.antialiased;
+  out.sh_degree = scene.sh_degree, out.model = scene.model;
   out.feature_channels = scene.feature_channels, out.origin = scene.origin;
   return out;
 }
@@ -94,6 +95,7 @@ struct SceneView {
   int feature_channels = 0;
   bool any_rotations = false;  ///< quaternions of any length, drawn as `normalised` makes them
   bool plain_colours = false;  ///< `sh0` holds colours, drawn as `sh0_of` makes coefficients of them
+  RenderingModel model{};      ///< what frames follow where their conventions leave it to the scene
 
   /// Renderers reuse what they learnt from frames of the same identity: which sort and which tiles are
   /// quicker, nothing that changes a bit. Every upload has its own, shared by its copies, and an update keeps
@@ -134,8 +136,9 @@ void for_each_array(const F& f, First&& first, More&&... more) {
 }
 
 /// Throws `std::invalid_argument` unless all arrays of `scene` have the lengths that its count and degree ask
-/// for, and its origin lies within the range of float.
+/// for, its origin lies within the range of float, and frames can follow its model.
 inline void validate(const Scene& scene) {
+  validate(scene.model);
   if (scene.sh_degree < 0 || scene.sh_degree > max_sh_degree)
     detail::refuse("scene: sh_degree is ", scene.sh_degree, ", expected 0 to 3");
   if (scene.feature_channels < 0 || scene.feature_channels > max_feature_channels)
@@ -245,7 +248,8 @@ inline int used_sh_degree(const Scene& scene) { return used_sh_degree(scene, 0, 
 /// A view of `scene`, which must outlive it. Throws `std::invalid_argument` as `validate` does.
 inline SceneView view(const Scene& scene) {
   validate(scene);
-  SceneView out{.sh_degree = used_sh_degree(scene), .feature_channels = scene.feature_channels};
+  SceneView out{
+      .sh_degree = used_sh_degree(scene), .feature_channels = scene.feature_channels, .model = scene.model};
   for_each_array(
       [&](const char*, std::size_t each, const auto& values, auto& rows) {
         if (each != 0) rows = {values.data(), scene.size(), each * sizeof(*values.data())};

@@ -45,6 +45,7 @@ struct SceneArrays {
   bool logit_opacities = false;  ///< `opacities` are before the sigmoid
   bool any_rotations = false;    ///< quaternions of any length, which are normalised; zeros are the identity
   bool plain_colours = false;    ///< `sh0` holds colours in place of coefficients
+  RenderingModel model{};        ///< how they were trained to be drawn; updates do not look at it
 };
 
 namespace detail {
@@ -96,7 +97,8 @@ inline SceneView view(const SceneArrays& arrays) {
   SceneView out{.sh_degree = arrays.sh_degree,
                 .feature_channels = arrays.feature_channels,
                 .any_rotations = arrays.any_rotations,
-                .plain_colours = arrays.plain_colours};
+                .plain_colours = arrays.plain_colours,
+                .model = arrays.model};
   const auto look = [&](const char* name, std::size_t floats, const FloatArray& array, auto& rows) {
     const std::size_t stride = array.stride != 0 ? std::size_t(array.stride) : floats * sizeof(float);
     if (stride > std::numeric_limits<std::uint32_t>::max())
@@ -323,6 +325,7 @@ bool would_be_finite(const B& backend, const SceneArrays& arrays) {
 template <class B>
 void copy_scene(const B& backend, const SceneArrays& arrays, Scene& scene) {
   scene.sh_degree = arrays.sh_degree, scene.feature_channels = arrays.feature_channels;
+  scene.model = arrays.model;
   for_each_array([&](const char*, std::size_t each, auto& values) { values.resize(each * arrays.count); },
                  scene);
   copy_arrays(backend, arrays,

@@ -33,9 +33,10 @@ struct SWIFTGS_API ShadeSplats {
 
   SWIFTGS_HD void operator()(std::size_t i) const {
     const auto seen = scenes.see(views[splats.view(i)].camera, splats.gaussians[i]);
-    colours[i] = splat_colour(project_colour(seen.camera, seen.scene, seen.i), splats.depths[i]);
+    const float depth = drawn_depth(seen.camera, seen.scene, seen.i, splats.depths[i]);
+    colours[i] = splat_colour(project_colour(seen.camera, seen.scene, seen.i), depth);
     if (!is_hidden(colours[i])) return;
-    colours[i] = large_splat_colour(seen.camera, seen.scene, seen.i, splats.depths[i]);
+    colours[i] = large_splat_colour(seen.camera, seen.scene, seen.i, depth);
     if (is_hidden(colours[i])) note_hidden();
   }
 

@@ -37,7 +37,7 @@ inline constexpr float largest_variance = 1e36f;
 /// Gaussians.
 struct SplatsView {
   Span<const SplatShape> shapes;
-  Span<const float> depths;                ///< as `Conventions::depth` has it, > 0
+  Span<const float> depths;                ///< what orders them, as `Conventions::order` has it, > 0
   Span<const std::uint32_t> gaussians;     ///< index of each splat's Gaussian in the scene
   const std::uint16_t* of_view = nullptr;  ///< index of each splat's view; null: all are of the first
   const std::uint32_t* exact = nullptr;    ///< as `Count::exact`; null: the arrays hold splats alone

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
@@ -45,10 +46,13 @@ struct ShownScenes {
 struct View {
   ViewConstants camera{};
   BlendRules rules{};
-  vec3 background{0};  ///< RGB in the scene's own values
+  vec3 background{0};  ///< as `RenderSettings::background`
   TileGrid grid{};     ///< covers `frame`
   FrameView frame{};
   ShownScenes shows{};
+  // As of `Conventions`: `ModelledViews` takes what is left to the scenes from them.
+  bool order_of_scenes = false;
+  std::optional<ColourSpace> colours = ColourSpace::srgb;
   int panorama_part = 0;  ///< as of its camera: a frame draws a view that spans several parts as several
 
   /// Pixel of the image that is the first of `frame`.
@@ -84,6 +88,7 @@ inline View make_view(const Camera& camera, const Conventions& conventions, cons
   view.grid.stride = std::uint32_t(view.grid.columns.size());
   view.camera.left = float(first.x), view.camera.right = float(first.x + frame.width);
   view.camera.top = float(first.y), view.camera.bottom = float(first.y + frame.height);
+  view.order_of_scenes = !conventions.order, view.colours = conventions.colours;
   view.panorama_part = panorama_part(camera);
   if (view.panorama_part > 0)
     view.camera.panorama_middle = (first.x / view.panorama_part + 0.5) * view.panorama_part;

@@ -37,26 +37,28 @@ struct PairConstants {
 /// scene, whose world is the scene's own space.
 /// The pose stays in double: rounding it to float moves splats by more than all later arithmetic does.
 struct ViewConstants {
-  double rotation[3][3];           ///< rows: world to camera
-  float axes[3][3];                ///< the rotation in float
-  double centre[3];                ///< camera centre in the world
-  double depth_scale;              ///< depths for a unit of camera space; 1 but of a placed scene's eye
-  float opacity;                   ///< of all Gaussians; 1 but of a placed scene's eye
-  float focal_x, focal_y;          ///< fx and fy in float @units{pixels}
-  double fx, fy;                   ///< @units{pixels}
-  PairConstants pairs;             ///< by `set_pairs`
-  double cx, cy;                   ///< @units{pixels}
-  float width, height;             ///< of the image @units{pixels}
-  float left, top, right, bottom;  ///< part of it that is shown @units{pixels}
-  float tan_x_min, tan_x_max;      ///< limits of x/z where the projection is linearised
+  double rotation[3][3];  ///< rows: world to camera
+  float axes[3][3];       ///< the rotation in float
+  double centre[3];       ///< camera centre in the world
+  double depth_scale;     ///< depths for a unit of camera space; 1 but of a placed scene's eye
+  float opacity;          ///< of all Gaussians; 1 but of a placed scene's eye
+  float blur;             ///< @units{pixels^2}
+  bool antialiased;
+  bool blur_of_scene, antialiased_of_scene;  ///< `follow` sets these two
+  float focal_x, focal_y;                    ///< fx and fy in float @units{pixels}
+  double fx, fy;                             ///< @units{pixels}
+  PairConstants pairs;                       ///< by `set_pairs`
+  double cx, cy;                             ///< @units{pixels}
+  float width, height;                       ///< of the image @units{pixels}
+  float left, top, right, bottom;            ///< part of it that is shown @units{pixels}
+  float tan_x_min, tan_x_max;                ///< limits of x/z where the projection is linearised
   float tan_y_min, tan_y_max;
   float near_plane, far_plane;  ///< kept where near_plane < z <= far_plane
-  float blur;                   ///< @units{pixels^2}
   float min_compensation;
   float alpha_min;
-  bool antialiased;
-  bool through_lens;       ///< not a pinhole whose depth is z, and so projected by `project_through_lens`
+  bool through_lens;       ///< not a pinhole that takes z alone, and so projected by `project_through_lens`
   bool depth_is_distance;  ///< rather than z
+  bool order_is_distance;  ///< rather than depth
   bool depth_along_ray;    ///< rather than means' depths
   double turn;             ///< all around, of a panorama; 0 of other images @units{pixels}
   double panorama_middle;  ///< column whose nearest copy of a splat a panorama shows
@@ -80,6 +82,13 @@ struct ViewConstants {
   SWIFTGS_HD void set_pairs() {
     for (unsigned k = 0; k < pair_count; ++k) set_pair(k);
   }
+
+  /// Takes what is left to the scene from the model of the one that is seen.
+  SWIFTGS_HD void follow(const RenderingModel& model) {
+    if (blur_of_scene) blur = model.blur;
+    if (antialiased_of_scene) antialiased = model.antialiased;
+  }
+  SWIFTGS_HD void order_by_distance() { through_lens = order_is_distance = true; }
 
   /// Column of the copy of a panorama's column `x` that is nearest to `panorama_middle`.
   SWIFTGS_HD double nearest_copy(double x) const {
@@ -136,7 +145,8 @@ inline bool depth_is_distance(LensModel model, const Conventions& conventions) {
   return conventions.depth == Conventions::Depth::distance;
 }
 
-/// Throws `std::invalid_argument` for an invalid `camera` or `conventions`.
+/// Throws `std::invalid_argument` for an invalid `camera` or `conventions`. What `conventions` leave to the
+/// scene is as of a scene that says nothing.
 inline ViewConstants view_constants(const Camera& camera, const Conventions& conventions) {
   validate(camera);
   validate(conventions);
@@ -157,29 +167,34 @@ inline ViewConstants view_constants(const Camera& camera, const Conventions& con
   v.left = v.top = 0, v.right = v.width, v.bottom = v.height;
 
   const double half_x = 0.5 * camera.width / camera.fx, half_y = 0.5 * camera.height / camera.fy;
+  LensLimits tangents{.fold_squared = INFINITY};
   if (conventions.clamp == Conventions::JacobianClamp::around_image) {
-    v.tan_x_min = float(-(camera.cx / camera.fx + 0.3 * half_x));
-    v.tan_x_max = float((camera.width - camera.cx) / camera.fx + 0.3 * half_x);
-    v.tan_y_min = float(-(camera.cy / camera.fy + 0.3 * half_y));
-    v.tan_y_max = float((camera.height - camera.cy) / camera.fy + 0.3 * half_y);
+    tangents.least_u = -(camera.cx / camera.fx + 0.3 * half_x);
+    tangents.most_u = (camera.width - camera.cx) / camera.fx + 0.3 * half_x;
+    tangents.least_v = -(camera.cy / camera.fy + 0.3 * half_y);
+    tangents.most_v = (camera.height - camera.cy) / camera.fy + 0.3 * half_y;
   } else {
-    v.tan_x_max = float(1.3 * half_x), v.tan_x_min = -v.tan_x_max;
-    v.tan_y_max = float(1.3 * half_y), v.tan_y_min = -v.tan_y_max;
+    tangents.most_u = 1.3 * half_x, tangents.least_u = -tangents.most_u;
+    tangents.most_v = 1.3 * half_y, tangents.least_v = -tangents.most_v;
   }
+  v.tan_x_min = float(tangents.least_u), v.tan_x_max = float(tangents.most_u);
+  v.tan_y_min = float(tangents.least_v), v.tan_y_max = float(tangents.most_v);
   // A strict comparison serves both presets: z >= near is z > the float before near.
   const float near_plane = std::fmax(conventions.near_plane, least_depth);
   v.near_plane = conventions.cull_at_near ? near_plane : std::nextafter(near_plane, 0.0f);
   // A depth that no float holds would be infinite, and 0 * depth not a number.
   v.far_plane = std::fmin(conventions.far_plane, std::numeric_limits<float>::max());
-  v.blur = conventions.blur;
+  v.blur_of_scene = !conventions.blur, v.antialiased_of_scene = !conventions.antialiased;
+  const Conventions whole = as_trained(conventions, {});
+  v.blur = *whole.blur, v.antialiased = *whole.antialiased;
   v.min_compensation = conventions.min_compensation;
   v.alpha_min = conventions.alpha_min;
-  v.antialiased = conventions.antialiased;
   v.lens = camera.lens;
   v.depth_is_distance = depth_is_distance(camera.lens.model, conventions);
   v.depth_along_ray = conventions.depth_at == Conventions::DepthAt::ray;
   v.through_lens = !camera.lens.is_pinhole() || v.depth_is_distance;
-  if (v.through_lens) v.limits = lens_limits(camera, conventions);
+  v.limits = camera.lens.is_pinhole() ? tangents : lens_limits(camera, conventions);
+  if (*whole.order == SplatOrder::distance && !v.depth_is_distance) v.order_by_distance();
   if (camera.lens.model == LensModel::equirectangular) v.turn = turn_of(camera);
   v.panorama_middle = 0.5 * camera.width;
   return v;

@@ -117,15 +117,15 @@ TEST_CASE("cli convert: the text and the results tell what was read, left out an
 TEST_CASE("cli convert: what a format leaves out is told of the file that is written") {
   const Place place;
   Scene scene = place.a;
-  scene.antialiased = true;
+  scene.model.antialiased = true;
   write_scene(place / "b.ply", scene);
   const Outcome outcome = run_noting(place, "convert b.ply b.splat --json b.json");
   CHECK(contains(outcome.err, "swiftgs: b.splat: "));
   check_holds(outcome.out,
               {"\nread              300          0      3 ", "\nwritten           300          0      0 "});
   const json result = json_in(place / "b.json");
-  check_members(result["inputs"][0], R"({"sh_degree": 3, "antialiased": true})");
-  check_members(result["output"], R"({"sh_degree": 0, "antialiased": false})");
+  check_members(result["inputs"][0], R"({"sh_degree": 3, "model": "antialiased=yes"})");
+  check_members(result["output"], R"({"sh_degree": 0, "model": ""})");
   CHECK(result["notes"].size() >= 2);
 }
 
@@ -144,17 +144,18 @@ TEST_CASE("cli convert: --level chooses the level of detail of a streamed SOG") 
   fails(place, "lod-meta.json b.ply --level 2", "expected level 2 of detail, found 2 levels, 0 to 1");
 }
 
-TEST_CASE("cli convert: antialiased scenes and others are joined only where an option says what they are") {
+TEST_CASE("cli convert: scenes of different models are joined only where an option says one for all") {
   const Place place;
   Scene other = place.a;
-  other.antialiased = true;
+  other.model.antialiased = true;
   write_scene(place / "other.ply", other);
-  fails(place, "a.ply other.ply b.ply", "other.ply: expected a scene that is not antialiased as a.ply");
+  fails(place, "a.ply other.ply b.ply",
+        "other.ply: expected the rendering model of a.ply, the usual one, found antialiased=yes");
   for (const std::string said : {"yes", "no"}) {
-    run(place, "convert a.ply other.ply b.ply --antialiased " + said);
+    run(place, "convert a.ply other.ply b.ply --model antialiased=" + said);
     const Scene joined = load_scene(place / "b.ply");
     CHECK(joined.size() == 600);
-    CHECK(joined.antialiased == (said == "yes"));
+    CHECK(joined.model.antialiased == (said == "yes"));
   }
 }
 
@@ -197,7 +198,8 @@ TEST_CASE("cli convert: bad arguments are one line, and nothing is written") {
   const Place place;
   fails(place, "a.ply", "expected one or more scenes to read and a file to write");
   fails(place, "a.ply -", "-: expected a file to write, such as /dev/stdout");
-  fails(place, "a.ply b.ply --antialiased maybe", "--antialiased maybe: expected yes or no");
+  fails(place, "a.ply b.ply --model antialiased=maybe",
+        "model: 'antialiased=maybe' is not known; expected antialiased=yes or no");
   fails(place, "a.ply b.ply --spz-write-frame up", "--spz-write-frame 'up': expected specified, rub");
   fails(place, "a.ply b.xyz", "b.xyz: expected a scene's name that ends in one of");
   fails(place, "a.ply b.ply --format xyz", ".xyz: expected a scene's name");

@@ -96,10 +96,10 @@ TEST_CASE("cli prune: a scene of one Gaussian and a scene of none stay what they
 TEST_CASE("cli prune: a scene that was trained with anti-aliasing stays one") {
   const TemporaryFolder place;
   swiftgs::Scene scene = swiftgs::make_builtin_scene(50);
-  scene.antialiased = true;
+  scene.model.antialiased = true;
   write_scene(place / "scene.ply", scene);
   run(place, "prune scene.ply --keep 0.5 --score opacity-volume --out small.ply");
-  CHECK(swiftgs::load_scene(place / "small.ply").antialiased);
+  CHECK(swiftgs::load_scene(place / "small.ply").model.antialiased);
 }
 
 TEST_CASE("cli prune: nothing is written in the place of what is read or of another result") {

@@ -46,12 +46,12 @@ void check_same(const Scene& a, std::size_t i, const Scene& b, std::size_t j) {
 
 TEST_CASE("edit: a subset has all that its Gaussians had") {
   Scene scene = with_features(random_scene(10, 2, 3), 5);
-  scene.antialiased = true;
+  scene.model.antialiased = true;
   const Scene part = subset(scene, {7, 2});
   validate(part);
   REQUIRE(part.size() == 2);
   CHECK(part.sh_degree == 2);
-  CHECK(part.antialiased);
+  CHECK(part.model.antialiased);
   for (std::size_t i = 0; i < 2; ++i) check_same(part, i, scene, i == 0 ? 7 : 2);
   CHECK(subset(scene, {}).size() == 0);
   CHECK_THROWS_AS(subset(scene, {10}), std::invalid_argument);
@@ -139,13 +139,13 @@ TEST_CASE("edit: scenes are joined in order, with the higher degree") {
 
 TEST_CASE("edit: an antialiased scene is not joined with another") {
   Scene plain = random_scene(2, 0, 1), antialiased = random_scene(2, 0, 2), none;
-  antialiased.antialiased = true;
+  antialiased.model.antialiased = true;
   CHECK_THROWS_AS(append(plain, antialiased), std::invalid_argument);
   CHECK(plain.size() == 2);
   append(plain, none);
-  CHECK_FALSE(plain.antialiased);
+  CHECK_FALSE(plain.model.antialiased);
   append(none, antialiased);
-  CHECK(none.antialiased);
+  CHECK(none.model.antialiased);
   CHECK(none.size() == 2);
 }
 

@@ -100,7 +100,7 @@ TEST_CASE("edit: rotating harmonics and direction together keeps the colour") {
 TEST_CASE("edit: a movement takes along means, shapes and nothing else") {
   Random random(7);
   Scene before = random_scene(200, 3, 11);
-  before.antialiased = true;
+  before.model.antialiased = true;
   const Similarity by = random_similarity(random, 2.5);
   Scene after = before;
   transform(after, by);
@@ -113,7 +113,7 @@ TEST_CASE("edit: a movement takes along means, shapes and nothing else") {
   }
   CHECK(after.opacities == before.opacities);
   CHECK((after.sh0 == before.sh0));
-  CHECK(after.antialiased);
+  CHECK(after.model.antialiased);
 
   transform(after, inverse(by));
   for (std::size_t i = 0; i < before.size(); ++i) {

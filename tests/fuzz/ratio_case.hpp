@@ -138,11 +138,11 @@ inline StressCase ratio_case(const std::uint8_t* data, std::size_t size) {
 /// Writes the scene to stderr.
 inline void print(const StressCase& drawn) {
   const Camera& c = drawn.camera;
-  const Conventions& k = drawn.conventions;
+  const Conventions k = as_trained(drawn.conventions, drawn.scene.model);
   std::fprintf(stderr,
                "%dx%d f %.9g %.9g c %.9g %.9g t %.9g %.9g %.9g blur %g antialiased %d near %g sh %d\n",
                c.width, c.height, c.fx, c.fy, c.cx, c.cy, c.translation.x, c.translation.y, c.translation.z,
-               double(k.blur), int(k.antialiased), double(k.near_plane), drawn.scene.sh_degree);
+               double(*k.blur), int(*k.antialiased), double(k.near_plane), drawn.scene.sh_degree);
   for (std::size_t i = 0; i < drawn.scene.size(); ++i) {
     const vec3 m = drawn.scene.means[i], s = drawn.scene.scales[i];
     const Quaternion q = drawn.scene.rotations[i];

@@ -94,10 +94,6 @@ TEST_CASE("gltf: an error inside SPZ names the buffer view") {
 
 TEST_CASE("gltf: what a scene does not carry is noted once") {
   GltfParts parts = encode_gltf(some_scene(3, 3));
-  parts.extension() = {{"kernel", "customShape"},
-                       {"colorSpace", "lin_rec709_display"},
-                       {"projection", "fish\neye"},
-                       {"sortingMethod", "zDepth"}};
   parts.primitive()["attributes"]["COLOR_0"] = 0;
   parts.primitive()["attributes"]["_LABEL"] = 0;
   parts.primitive()["attributes"]["KHR_gaussian_splatting:SH_DEGREE_4_COEF_0"] = 0;
@@ -111,13 +107,61 @@ TEST_CASE("gltf: what a scene does not carry is noted once") {
   CHECK(file.stored == 6);
   const std::string all = all_notes(file.notes);
   for (const char* part :
-       {"\"lin_rec709_display\"", "\"customShape\"", "\"fish\\neye\"", "\"zDepth\"", "\"_LABEL\"",
-        "above degree 3", "Animations", "\"EXT_unheard_of\"", "left out: 2.", "2 scenes"}) {
+       {"\"_LABEL\"", "above degree 3", "Animations", "\"EXT_unheard_of\"", "left out: 2.", "2 scenes"}) {
     CAPTURE(part);
     CHECK(contains(all, part));
     CHECK(all.find(part) == all.rfind(part));
   }
-  CHECK(file.notes.size() == 10);
+  CHECK(file.notes.size() == 6);
+}
+
+TEST_CASE("gltf: the scene has the rendering model that the extension names") {
+  const auto model_of = [](const json& extension) {
+    GltfParts parts = encode_gltf(some_scene(3, 0));
+    parts.extension() = extension;
+    const SceneFile file = read(glb(parts));
+    CHECK(file.notes.empty());
+    return file.scene.model;
+  };
+  const RenderingModel by_distance{.order = SplatOrder::distance};
+  const RenderingModel linear{.order = SplatOrder::distance, .colours = ColourSpace::linear};
+  const json srgb = {{"kernel", "ellipse"}, {"colorSpace", "srgb_rec709_display"}};
+  CHECK(model_of(srgb) == by_distance);
+  CHECK(model_of({{"kernel", "ellipse"}}) == by_distance);
+  CHECK(model_of({{"kernel", "ellipse"}, {"colorSpace", "lin_rec709_display"}}) == linear);
+  CHECK(model_of({{"colorSpace", "BT.709-linear"}}) == linear);
+  CHECK(model_of({{"sortingMethod", "zDepth"}, {"projection", "perspective"}}) == RenderingModel());
+  CHECK(model_of({{"hints", {{"sortingMethod", "zDepth"}}}}) == RenderingModel());
+}
+
+TEST_CASE("gltf: a rendering model that no frame follows is refused by name") {
+  for (const auto& [key, value] : std::map<std::string, std::string>{{"kernel", "customShape"},
+                                                                     {"colorSpace", "Display-P3"},
+                                                                     {"projection", "fish\neye"},
+                                                                     {"sortingMethod", "none"}}) {
+    CAPTURE(key);
+    GltfParts parts = encode_gltf(some_scene(3, 0));
+    parts.extension()[key] = value;
+    const std::string complaint = complaint_about(glb(parts));
+    CHECK(contains(complaint, "the " + key + " of Gaussians to be one of "));
+    CHECK(contains(complaint, json(value).dump()));
+  }
+  GltfParts parts = encode_gltf(some_scene(3, 0));
+  parts.extension()["sortingMethod"] = 3;
+  CHECK(contains(complaint_about(glb(parts)), "'sortingMethod' to be a string"));
+}
+
+TEST_CASE("gltf: primitives of different models are joined as far as one frame can draw them") {
+  GltfParts parts = encode_gltf(some_scene(3, 0));
+  json second = parts.primitive();
+  second["extensions"]["KHR_gaussian_splatting"]["sortingMethod"] = "zDepth";
+  parts.root["meshes"][0]["primitives"].push_back(second);
+  const SceneFile file = read(glb(parts));
+  CHECK(file.scene.model.order == SplatOrder::distance);
+  CHECK(contains(all_notes(file.notes), "all are by distance"));
+  parts.root["meshes"][0]["primitives"][1]["extensions"]["KHR_gaussian_splatting"]["colorSpace"] =
+      "lin_rec709_display";
+  CHECK(contains(complaint_about(glb(parts)), "Gaussians of one 'colorSpace'"));
 }
 
 TEST_CASE("gltf: opacities outside their range are clamped and counted") {

@@ -160,7 +160,7 @@ TEST_CASE("layouts: Brush sorts properties by name") {
           {.before = "comment Exported from Brush\ncomment Vertical axis: y\ncomment SH degree: 2\ncomment "
                      "SplatRenderMode: mip\n"}));
   check_plain(file);
-  CHECK(file.scene.antialiased);
+  CHECK(file.scene.model.antialiased);
   CHECK(file.scene.sh_degree == 2);
   CHECK(file.scene.sh_rest[3 * 7 + 1] == doctest::Approx(0.15));  // green, the last coefficient
   CHECK(file.notes.empty());

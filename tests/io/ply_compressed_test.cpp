@@ -85,7 +85,7 @@ TEST_CASE("compressed ply: harmonics change from channel-major to RGB innermost"
 TEST_CASE("compressed ply: comments say what the Gaussians are") {
   CompressedPly file;
   file.before = "comment SplatRenderMode: mip\n";
-  CHECK(read(file.text()).scene.antialiased);
+  CHECK(read(file.text()).scene.model.antialiased);
   file.before = "comment SplatRenderMode: 2dgs\n";
   const SceneFile flat = read(file.text());
   CHECK(flat.scene.scales[0].z == 0);
@@ -134,11 +134,11 @@ TEST_CASE("compressed ply: elements that do not fit each other are refused") {
 TEST_CASE("compressed ply: what is written is read back to within half a step for every degree") {
   for (int degree = 0; degree <= 3; ++degree) {
     Scene scene = some_scene(1000, degree);
-    scene.antialiased = degree % 2 == 1;
+    scene.model.antialiased = degree % 2 == 1;
     const Written written = written_and_read(scene);
     const Scene& back = written.scene();
     CHECK(written.notes.empty());
-    CHECK(back.antialiased == scene.antialiased);
+    CHECK(back.model.antialiased == scene.model.antialiased);
     const Scene expected = order_spatially(scene);
     REQUIRE(back.size() == expected.size());
     for (std::size_t first = 0; first < 1000; first += 256) {

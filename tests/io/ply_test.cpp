@@ -114,17 +114,20 @@ TEST_CASE("ply: the last comment on the render model counts and a third scale is
   const std::string mip = "comment SplatRenderMode: mip\n", flat = "comment SplatRenderMode: 2dgs\n",
                     on = "comment antialiased 1\n", off = "comment antialiased 0\n",
                     usual = "comment SplatRenderMode: default\n";
-  const std::pair<std::string, bool> cases[] = {{"", false},         {mip, true},       {on, true},
-                                                {on + usual, false}, {off + mip, true}, {on + off, false},
-                                                {flat, false},       {flat + mip, true}};
+  const std::pair<std::string, bool> cases[] = {
+      {"", false},         {mip, true},        {on, true},
+      {on + usual, false}, {off + mip, true},  {on + off, false},
+      {flat, false},       {flat + mip, true}, {"comment splatrendermode: MIP\n", true}};
   for (const auto& [comments, antialiased] : cases) {
     CAPTURE(comments);
     const SceneFile file = read(ply(plain_gaussian(), {.before = comments}));
-    CHECK(file.scene.antialiased == antialiased);
+    CHECK(file.scene.model.antialiased == antialiased);
     CHECK(file.scene.scales[0] ==
           vec3(std::exp(-1.0f), std::exp(-2.0f), comments == flat ? 0 : std::exp(-3.0f)));
-    REQUIRE(file.notes.size() == (comments == flat ? 1 : 0));
-    if (comments == flat) CHECK(contains(file.notes[0], "third scale is not used"));
+    CHECK((file.scene.model.kernel == RenderingModel::Kernel::disk) == (comments == flat));
+    REQUIRE(file.notes.size() == (comments == flat ? 2 : 0));
+    if (comments == flat)
+      CHECK(contains(all_notes(file.notes), "third scale of the Gaussians, which are flat, is not used"));
   }
 }
 
@@ -214,11 +217,11 @@ TEST_CASE("ply: a zero quaternion is the identity and any other becomes a unit o
 TEST_CASE("ply: what is written is read back for every degree") {
   for (int degree = 0; degree <= 3; ++degree) {
     Scene scene = some_scene(300, degree);
-    scene.antialiased = degree % 2 == 1;
+    scene.model.antialiased = degree % 2 == 1;
     scene.opacities[0] = 0, scene.opacities[1] = 1;
     scene.scales[0] = vec3(1, 2, 0);
     const Scene found = write_and_read(scene, ".ply").scene();
-    CHECK(found.antialiased == scene.antialiased);
+    CHECK(found.model.antialiased == scene.model.antialiased);
     CHECK(found.means == scene.means);
     CHECK(found.sh0 == scene.sh0);
     CHECK(found.sh_rest == scene.sh_rest);

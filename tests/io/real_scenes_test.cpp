@@ -24,7 +24,7 @@ void check_scene(const std::string& name, const std::string& cameras_path, std::
   CHECK(file.dropped_nonfinite == 0);
   CHECK(file.scene.size() == gaussians);
   CHECK(file.scene.sh_degree == 3);
-  CHECK(!file.scene.antialiased);
+  CHECK(!file.scene.model.antialiased);
   const auto cameras = load_cameras(folder / cameras_path);
   CHECK(cameras.size() == views);
   for (const Camera& camera : cameras) {

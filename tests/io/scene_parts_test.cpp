@@ -23,7 +23,7 @@ using namespace swiftgs;
 namespace {
 
 bool same_bits(const Scene& a, const Scene& b) {
-  bool same = a.sh_degree == b.sh_degree && a.antialiased == b.antialiased && a.origin == b.origin;
+  bool same = a.sh_degree == b.sh_degree && a.model == b.model && a.origin == b.origin;
   for_each_array(
       [&](const char*, std::size_t, const auto& one, const auto& other) {
         same = same && std::ranges::equal(std::as_bytes(std::span(one)), std::as_bytes(std::span(other)));

@@ -154,7 +154,7 @@ inline Written write_and_read(const Scene& scene, const std::string& ending, Sce
   CHECK(written.bytes == written.content.size());
   CHECK(written.gaussians == written.scene().size());
   CHECK(written.sh_degree == written.scene().sh_degree);
-  CHECK(written.antialiased == written.scene().antialiased);
+  CHECK(written.model == written.scene().model);
   return written;
 }
 

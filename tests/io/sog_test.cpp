@@ -41,7 +41,7 @@ TEST_CASE("sog: both versions and every degree are decoded within their quantisa
       if (version == 2) scene.opacities[3] = 1, scene.opacities[4] = scene.opacities[5] = 0;
       const SceneFile file = read(encode_sog(scene, version));
       check_whole(file, "SOG version " + std::to_string(version), scene.size());
-      CHECK(!file.scene.antialiased);
+      CHECK(!file.scene.model.antialiased);
       check_decoded(scene, file.scene, version);
     }
 }
@@ -127,11 +127,11 @@ TEST_CASE("sog: the render model is kept or noted") {
   SogParts parts = encode_sog(some_scene(5, 0), 2);
   const Scene plain = read(parts).scene;
   parts.meta["model"] = "antialiased";
-  CHECK(read(parts).scene.antialiased);
+  CHECK(read(parts).scene.model.antialiased);
   CHECK(read(parts).notes.empty());
   parts.meta["model"] = "2dgs";
   const SceneFile flat = read(parts);
-  CHECK(!flat.scene.antialiased);
+  CHECK(!flat.scene.model.antialiased);
   REQUIRE(flat.notes.size() == 1);
   CHECK(contains(flat.notes[0], "flat"));
   for (std::size_t i = 0; i < plain.size(); ++i)
@@ -140,7 +140,7 @@ TEST_CASE("sog: the render model is kept or noted") {
   REQUIRE(read(parts).notes.size() == 1);
   CHECK(contains(read(parts).notes[0], "'4dgs'"));
   parts.meta.erase("model"), parts.meta["antialias"] = true;
-  CHECK(read(parts).scene.antialiased);
+  CHECK(read(parts).scene.model.antialiased);
 }
 
 TEST_CASE("sog: labels and rotations without a meaning are counted") {

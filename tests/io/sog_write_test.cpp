@@ -53,12 +53,12 @@ TEST_CASE("sog: what is written is read back for every degree") {
   for (int degree = 0; degree <= 3; ++degree) {
     CAPTURE(degree);
     Scene scene = some_scene(2500, degree);
-    scene.antialiased = degree % 2 == 1;
+    scene.model.antialiased = degree % 2 == 1;
     simplify_harmonics(scene, 2000);  // of which the palette has room for 2048
     scene = order_spatially(scene);
     const Scene found = written_and_read(scene);
     const Difference apart = difference(scene, found);
-    CHECK(found.antialiased == scene.antialiased);
+    CHECK(found.model.antialiased == scene.model.antialiased);
     CHECK(found.sh_rest == scene.sh_rest);
     check_means(scene, found);
     check_rotations(scene, found);

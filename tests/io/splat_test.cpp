@@ -85,7 +85,7 @@ TEST_CASE("splat: what is written is read back with every byte rounded to the ne
   for (vec3& colour : scene.sh0) colour *= 0.5f / 0.2821f;
   scene.rotations[0] = {1, 0, 0, 0};
   scene.rotations[1] = {0, 0, 0, -1};
-  scene.antialiased = true;
+  scene.model.antialiased = true;
   const Written written = write_and_read(scene, ".splat");
   CHECK(written.file.format == ".splat");
   CHECK(written.content.size() == 500 * 32);

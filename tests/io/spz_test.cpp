@@ -37,7 +37,7 @@ TEST_CASE("spz: every version and degree is decoded within its quantisation") {
       SpzParts parts = encode_spz(scene, version);
       parts.flags = std::uint8_t(degree % 2);
       const SceneFile file = read_spz(pack_spz(parts));
-      CHECK(file.scene.antialiased == (degree % 2 == 1));
+      CHECK(file.scene.model.antialiased == (degree % 2 == 1));
       check_whole(file, "SPZ version " + std::to_string(version), scene.size());
       const Difference apart = difference(scene, file.scene);
       CHECK(apart.scales < 1e-5);

@@ -29,10 +29,10 @@ TEST_CASE("spz: what is written is read back to within half a step") {
       CAPTURE(version);
       CAPTURE(degree);
       Scene scene = some_scene(300, degree);
-      scene.antialiased = degree % 2 == 1;
+      scene.model.antialiased = degree % 2 == 1;
       const Written written = write_and_read(scene, ".spz", {.spz_version = version});
       CHECK(written.file.format == "SPZ version " + std::to_string(version));
-      CHECK(written.scene().antialiased == scene.antialiased);
+      CHECK(written.scene().model.antialiased == scene.model.antialiased);
       CHECK(written.notes.empty());
       check_rounded(scene, written.scene());
     }

@@ -77,7 +77,8 @@ class Conventions(_Sized):
     _fields_ = [("size", c_uint32), ("near_plane", c_float), ("cull_at_near", c_int32), ("far_plane", c_float),
                 ("clamp", c_int32), ("blur", c_float), ("antialiased", c_int32), ("min_compensation", c_float),
                 ("alpha_min", c_float), ("alpha_max", c_float), ("stop", c_float), ("stop_at_equal", c_int32),
-                ("footprint", c_int32), ("depth", c_int32), ("first_alpha", c_float), ("depth_at", c_int32)]
+                ("footprint", c_int32), ("depth", c_int32), ("first_alpha", c_float), ("depth_at", c_int32), ("order", c_int32),
+                ("colours", c_int32)]
 
 
 class StoredDepth(ctypes.Structure):
@@ -182,13 +183,15 @@ class Gaussians(_Sized):
     _fields_ = [("size", c_uint32), ("sh_degree", c_int32), ("count", c_uint64), ("means", Array),
                 ("scales", Array), ("rotations", Array), ("opacities", Array), ("sh0", Array), ("sh_rest", Array),
                 ("memory", c_int32), ("raw", c_uint32), ("antialiased", c_int32), ("feature_channels", c_int32),
-                ("stream", c_void_p), ("features", Array), ("origin", c_double * 3)]
+                ("stream", c_void_p), ("features", Array), ("origin", c_double * 3), ("blur", c_float),
+                ("order", c_int32), ("colours", c_int32), ("kernel", c_int32)]
 
 
 class SceneInfo(_Sized):
     _fields_ = [("size", c_uint32), ("sh_degree", c_int32), ("count", c_uint64), ("stored", c_uint64),
                 ("dropped", c_uint64), ("lower", c_float * 3), ("upper", c_float * 3), ("antialiased", c_int32),
-                ("feature_channels", c_int32), ("format", c_char_p), ("origin", c_double * 3)]
+                ("feature_channels", c_int32), ("format", c_char_p), ("origin", c_double * 3), ("blur", c_float),
+                ("order", c_int32), ("colours", c_int32), ("kernel", c_int32)]
 
 
 class SceneBounds(_Sized):

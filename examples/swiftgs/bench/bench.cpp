@@ -141,7 +141,7 @@ class Matrix {
           session.harmonics = harmonics_;
           session.gaussians = std::make_shared<const Scene>(variant(original, count, factor));
           session.scene = {name_of(input), session.gaussians->size(), original.size(),
-                           factor,         original.sh_degree,        original.antialiased};
+                           factor,         original.sh_degree,        original.model.antialiased};
           results.scenes.push_back(session.scene);
           for_each_view_set(input, drawn.camera, session, [&] {
             progress.clear();
@@ -198,7 +198,7 @@ class Matrix {
           view.scale = scale, view.conventions = conventions, view.planes = options_.planes;
           session.views = views_of(input.cameras, view, "");
           place_views(session.views, *session.gaussians, camera);
-          session.settings = settings_for(settings_of(view), *session.gaussians);
+          session.settings = settings_of(view);
           session.scale = scale, session.conventions = conventions;
           run();
         }

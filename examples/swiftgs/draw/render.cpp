@@ -117,7 +117,6 @@ void render(RenderOptions options) {
   const auto scene = drawn.gaussians[0];
   place_views(views, drawn);
   use_lens(views, options.lens, *scene);
-  settings = settings_for(settings, *scene);
   if (options.format == "png" && settings.outputs.alpha && settings.background != vec3(0))
     throw std::invalid_argument("--background " + options.view.background +
                                 ": expected 0,0,0 in a PNG with alpha, whose colours are straight");

@@ -13,11 +13,11 @@
 #include <swiftgs/sort/adaptive.hpp>
 
 #include "bench/measure.hpp"
-#include "draw/choice.hpp"
 #include "commands.hpp"
+#include "draw/choice.hpp"
+#include "draw/renderer_words.hpp"
 #include "options.hpp"
 #include "progress.hpp"
-#include "draw/renderer_words.hpp"
 #include "read/scene_input.hpp"
 #include "read/views.hpp"
 
@@ -46,7 +46,7 @@ void calibrate(const CalibrateOptions& options) {
       views_of(read_cameras_of(options.scene, options.view.cameras, notes), options.view, "every:5");
   const DrawnScene drawn = load_to_draw(options.scene, notes);
   place_views(views, *drawn.gaussians, drawn.camera);
-  const RenderSettings settings = settings_for(settings_of(options.view), *drawn.gaussians);
+  const RenderSettings settings = settings_of(options.view);
   standard->set_scene(drawn.gaussians);
   early->share_scene(*standard);
 

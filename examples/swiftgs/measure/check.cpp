@@ -138,7 +138,6 @@ void check(const CheckOptions& options) {
   const DrawnScene drawn = load_to_draw(options.scene, notes);
   task.scene = drawn.gaussians;
   place_views(task.views, *task.scene, drawn.camera);
-  task.settings = settings_for(task.settings, *task.scene);
   task.photos =
       photographs_of(task.views, cameras, photos_of(options.scene, options.view, options.photos), notes);
   if (task.photos.empty() && !options.photos.empty())

@@ -14,19 +14,19 @@
 #include <swiftgs/io/replace_file.hpp>
 #include <swiftgs/pruning.hpp>
 
-#include "draw/choice.hpp"
 #include "commands.hpp"
-#include "read/distinct_files.hpp"
-#include "notes.hpp"
-#include "options.hpp"
+#include "draw/choice.hpp"
+#include "draw/team.hpp"
 #include "measure/photos.hpp"
-#include "progress.hpp"
 #include "measure/prune_judge.hpp"
 #include "measure/prune_result.hpp"
-#include "result_file.hpp"
+#include "notes.hpp"
+#include "options.hpp"
+#include "progress.hpp"
+#include "read/distinct_files.hpp"
 #include "read/scene_input.hpp"
-#include "draw/team.hpp"
 #include "read/views.hpp"
+#include "result_file.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -122,7 +122,6 @@ void prune(const PruneOptions& options) {
   std::vector<View> views = by_contribution ? views_of(cameras, view, training_views) : std::vector<View>();
   const auto scene = load_to_draw(options.scene, notes).gaussians;
   place_views(views, *scene, std::nullopt), place_views(held_out.views, *scene, std::nullopt);
-  held_out.settings = settings_for(held_out.settings, *scene);
   if (Team::here().leads()) require_replaceable(options.out);
   ResultFile json(options.json);
 

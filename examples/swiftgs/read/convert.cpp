@@ -14,6 +14,7 @@
 #include <unistd.h>
 
 #include <swiftgs/edit.hpp>
+#include <swiftgs/io/model_text.hpp>
 #include <swiftgs/io/replace_file.hpp>
 #include <swiftgs/pruning.hpp>
 
@@ -42,7 +43,6 @@ struct ConvertOptions {
   std::string format, json;
   int spz_version = 4;
   std::string spz_write_frame = "specified";
-  std::string antialiased;  ///< yes, no, or empty: as the files say
 };
 
 /// The edits that the options ask for, checked before anything is read.
@@ -99,8 +99,6 @@ Edits edits_of(const ConvertOptions& options) {
   require_keep(options.keep);
   if (options.spz_version != 3 && options.spz_version != 4)
     throw std::invalid_argument("--spz-version " + std::to_string(options.spz_version) + ": expected 3 or 4");
-  if (!options.antialiased.empty() && options.antialiased != "yes" && options.antialiased != "no")
-    throw std::invalid_argument("--antialiased " + options.antialiased + ": expected yes or no");
   Edits edits;
   for (const std::string& text : options.transforms)
     edits.transforms.emplace_back("--transform " + text, similarity_named(text));
@@ -122,7 +120,7 @@ SceneFile read(const ConvertOptions& options, const std::string& name, ConvertPr
                     .stored = file.stored,
                     .gaussians = file.scene.size(),
                     .sh_degree = file.scene.sh_degree,
-                    .antialiased = file.scene.antialiased,
+                    .model = text_of(file.scene.model),
                     .seconds = seconds_since(begin)};
   progress.clear();
   say_notes(name, file.notes, result.head.notes);
@@ -186,17 +184,19 @@ Inputs read_all(const ConvertOptions& options, const std::vector<std::string>& i
   for (const std::string& name : inputs) {
     SceneFile file = read(options, name, progress, result);
     Scene& scene = file.scene;
-    if (!options.antialiased.empty()) scene.antialiased = options.antialiased == "yes";
     if (all.empty()) {
       all.push_back(std::move(scene));
       continue;
     }
     Scene& last = all.back();
-    if (scene.size() != 0 && last.size() != 0 && scene.antialiased != last.antialiased) {
-      const auto words = [](bool antialiased) { return antialiased ? "antialiased" : "not antialiased"; };
-      throw std::invalid_argument(name + ": expected a scene that is " + words(last.antialiased) + " as " +
-                                  inputs.front() + ", found one that is " + words(scene.antialiased) +
-                                  "; --antialiased yes or no decides");
+    if (scene.size() != 0 && last.size() != 0 && scene.model != last.model) {
+      const auto words = [](const RenderingModel& model) {
+        const std::string text = text_of(model);
+        return text.empty() ? std::string("the usual one") : text;
+      };
+      throw std::invalid_argument(name + ": expected the rendering model of " + inputs.front() + ", " +
+                                  words(last.model) + ", found " + words(scene.model) +
+                                  "; --model says one for all");
     }
     if (scene.size() == 0 || last.size() == 0 || scene.origin == last.origin)
       append(last, scene);
@@ -254,7 +254,7 @@ void convert(const ConvertOptions& options) {
                    .stored = scene.size(),
                    .gaussians = written.gaussians,
                    .sh_degree = written.sh_degree,
-                   .antialiased = written.antialiased,
+                   .model = text_of(written.model),
                    .seconds = seconds_since(begin)};
   say_notes(out, written.notes, result.head.notes);
   if (!json.is_standard_output() && !to_standard_output) print_table(result);
@@ -295,8 +295,6 @@ void add_convert(CLI::App& app) {
                    "Axes of an .spz file to write: specified (RUB), rub, rdf, luf, or raw (a PLY's, which\n"
                    "programs expect that take its numbers unchanged)")
       ->capture_default_str();
-  command->add_option("--antialiased", options->antialiased,
-                      "Say of all scenes that they are antialiased: yes or no [as their files say]");
   command->add_option("--degree", options->degree, "Highest degree of harmonics to keep")
       ->capture_default_str();
   command->add_option("--transform", options->transforms, "Moves the scene")->allow_extra_args(false);

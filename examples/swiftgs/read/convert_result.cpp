@@ -10,14 +10,9 @@ namespace swiftgs::cli {
 namespace {
 
 Json json_of(const ConvertedFile& file) {
-  return {{"file", file.name},
-          {"file_format", file.format},
-          {"bytes", file.bytes},
-          {"stored", file.stored},
-          {"gaussians", file.gaussians},
-          {"sh_degree", file.sh_degree},
-          {"antialiased", file.antialiased},
-          {"seconds", rounded(file.seconds, 4)}};
+  return {{"file", file.name},     {"file_format", file.format},         {"bytes", file.bytes},
+          {"stored", file.stored}, {"gaussians", file.gaussians},        {"sh_degree", file.sh_degree},
+          {"model", file.model},   {"seconds", rounded(file.seconds, 4)}};
 }
 
 void print_file(const char* verb, const ConvertedFile& file) {

@@ -17,7 +17,7 @@ struct ConvertedFile {
   std::uint64_t stored = 0;   ///< Gaussians in a file that was read, or in the scene that was written
   std::size_t gaussians = 0;  ///< of them read or written
   int sh_degree = 0;
-  bool antialiased = false;
+  std::string model;  ///< as `text_of` has it
   double seconds = 0;
 };
 

@@ -14,6 +14,7 @@
 #include <swiftgs/error.hpp>
 #include <swiftgs/harmonic_packing.hpp>
 #include <swiftgs/io/cameras.hpp>
+#include <swiftgs/io/model_text.hpp>
 #include <swiftgs/parallel.hpp>
 
 #include "commands.hpp"
@@ -141,7 +142,8 @@ void print_info(const std::string& name, const SceneFile& file, double seconds, 
   if (const KeptHarmonics harmonics(scene); harmonics.bytes > 0)
     std::printf("%-15s %s, %.3g bytes a Gaussian on a device\n", "harmonics", harmonics.format.c_str(),
                 harmonics.bytes);
-  std::printf("%-15s %s\n", "anti-aliased", scene.antialiased ? "yes" : "no");
+  const std::string model = text_of(scene.model);
+  std::printf("%-15s %s\n", "model", model.empty() ? "usual" : model.c_str());
   for (const std::string& note : file.notes) std::printf("%-15s %s\n", "note", note.c_str());
 }
 
@@ -163,7 +165,7 @@ std::string to_json(const std::string& scene, const std::string& path, const Sce
             {"sh_degree", file.scene.sh_degree},
             {"used_sh_degree", used_sh_degree(file.scene)},
             {"harmonics", {{"kept", harmonics.format}, {"bytes_a_gaussian", rounded(harmonics.bytes, 4)}}},
-            {"antialiased", file.scene.antialiased},
+            {"model", text_of(file.scene.model)},
             {"origin", {file.scene.origin.x, file.scene.origin.y, file.scene.origin.z}}};
   Json percentiles{{"percent", Json::array()}};
   for (const double part : quantiles) percentiles["percent"].push_back(100 * part);

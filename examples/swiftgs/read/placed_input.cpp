@@ -76,12 +76,6 @@ DrawnScenes load_to_place(const std::vector<ListedScene>& scenes, const SceneOpt
       DrawnScene read = load_to_draw(options, said);
       if (files.empty()) drawn.camera = read.camera;
       files.push_back(listed.file), drawn.gaussians.push_back(std::move(read.gaussians));
-      const bool antialiased = drawn.gaussians.back()->antialiased;
-      if (antialiased != drawn.gaussians[0]->antialiased)
-        say_notes(listed.file,
-                  {"The scene was trained " + std::string(antialiased ? "with" : "without") +
-                   " anti-aliasing, and is drawn as the first one was trained."},
-                  said);
     }
     drawn.placements.push_back(
         placement_of(listed, known, drawn.gaussians[known]->origin, drawn.gaussians[0]->origin));

@@ -7,10 +7,11 @@
 #include <utility>
 
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/io/model_text.hpp>
 
+#include "draw/team.hpp"
 #include "notes.hpp"
 #include "suggestion.hpp"
-#include "draw/team.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -55,14 +56,18 @@ SceneFile load(const SceneOptions& options, const swiftgs::Progress& progress) {
   const SceneReadOptions read{.spz_frame = spz_frame_named(options.spz_frame, "--spz-frame"),
                               .level = options.level,
                               .progress = progress};
+  (void)model_from(options.model);  // before a large file is read
   const std::optional<std::size_t> size = builtin_size(options.scene);
-  if (!size) {
-    const std::filesystem::path file = capture_of(options).scene;
-    Team::here().require_same_file(file.string());
-    return read_scene(file, read);
-  }
   SceneFile file;
+  if (!size) {
+    const std::filesystem::path path = capture_of(options).scene;
+    Team::here().require_same_file(path.string());
+    file = read_scene(path, read);
+    file.scene.model = model_from(options.model, file.scene.model);
+    return file;
+  }
   file.scene = make_builtin_scene(*size);
+  file.scene.model = model_from(options.model);
   file.format = "built in";
   file.stored = *size;
   return file;

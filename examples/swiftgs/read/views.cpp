@@ -232,9 +232,4 @@ RenderSettings settings_of(const ViewOptions& options) {
   return settings;
 }
 
-RenderSettings settings_for(RenderSettings settings, const Scene& scene) {
-  settings.conventions.antialiased = scene.antialiased;
-  return settings;
-}
-
 }  // namespace swiftgs::cli

@@ -59,9 +59,6 @@ void place_views(std::vector<View>& views, const Scene& scene, const std::option
 /// What `options` say about conventions and background.
 RenderSettings settings_of(const ViewOptions& options);
 
-/// The same for `scene`: anti-aliased if it was trained so.
-RenderSettings settings_for(RenderSettings settings, const Scene& scene);
-
 /// The same, with the times of stages.
 inline RenderSettings timed(RenderSettings settings) {
   settings.time = true;

@@ -55,13 +55,14 @@ Json json_of(const Camera& c) {
           {"lens", json_of(c.lens)}};
 }
 
-Json json_of(const Conventions& k) {
+Json json_of(const Conventions& given) {
+  const Conventions k = as_trained(given, {});
   return {{"near_plane", k.near_plane},
           {"cull_at_near", k.cull_at_near},
           {"far_plane", k.far_plane},
           {"clamp", k.clamp == Conventions::JacobianClamp::around_image ? "around_image" : "around_centre"},
-          {"blur", k.blur},
-          {"antialiased", k.antialiased},
+          {"blur", *k.blur},
+          {"antialiased", *k.antialiased},
           {"min_compensation", k.min_compensation},
           {"alpha_min", k.alpha_min},
           {"alpha_max", k.alpha_max},

@@ -56,7 +56,7 @@ void view(ViewCommand options) {
   const DrawnScenes drawn = load_to_place(listed, options.scene, notes);
   place_views(views, drawn);
   const Scene& first = *drawn.gaussians[0];
-  const RenderSettings settings = settings_for(settings_of(options.view), first);
+  const RenderSettings settings = settings_of(options.view);
   std::vector<ShownScene> scenes = shown_scenes(listed, drawn);
   const std::string title = "SwiftGS - " + scenes[0].name;
   const double radius = robust_bounds(first).radius * scenes[0].placement.world_from_scene.scale;

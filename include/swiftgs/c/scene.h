@@ -102,7 +102,17 @@ typedef struct swiftgs_gaussians {
   void* stream;            ///< of arrays on a device: a `cudaStream_t` that has them ready; NULL: the default
   swiftgs_array features;  ///< @shape{N, feature_channels} whatever else is drawn of a Gaussian
   double origin[3];        ///< where the means' zero lies in the world; renderers do not look at it
+  float blur;              ///< that it was trained with; 0: the usual 0.3; negative: none @units{pixels^2}
+  int32_t order;           ///< `SWIFTGS_ORDER_...` that it was trained with
+  int32_t colours;         ///< `SWIFTGS_COLOURS_...` that it was trained with
+  int32_t kernel;          ///< `SWIFTGS_KERNEL_...`
 } swiftgs_gaussians;
+
+/// What was trained.
+enum {
+  SWIFTGS_KERNEL_ELLIPSOID = 0,  ///< 3D Gaussians
+  SWIFTGS_KERNEL_DISK = 1        ///< 2D Gaussians, drawn as 3D ones that are flat: not as they were trained
+};
 
 /// Copies arrays into a scene. Arrays of a device are brought to the host; the copy waits for `stream`. To
 /// draw them on that device, use `swiftgs_renderer_set_gaussians`. A Gaussian with a NaN or an infinity stays
@@ -131,6 +141,10 @@ typedef struct swiftgs_scene_info {
   /// Where the means' zero lies in the world, other than 0 in scenes far from the world's zero. Frames know
   /// nothing of it: add rotation origin to the translation of each camera of the world.
   double origin[3];
+  float blur;       ///< that it was trained with @units{pixels^2}
+  int32_t order;    ///< `SWIFTGS_ORDER_...` that it was trained with
+  int32_t colours;  ///< `SWIFTGS_COLOURS_...` that it was trained with
+  int32_t kernel;   ///< `SWIFTGS_KERNEL_...`
 } swiftgs_scene_info;
 
 /// Fills `info`, whose size is set. Reads all means.

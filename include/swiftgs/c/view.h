@@ -15,15 +15,16 @@ extern "C" {
 #endif
 
 /// The numbers that define "the same image". `swiftgs_conventions_named` fills them in. A zero is a zero
-/// here, not a default; members that a smaller `size` leaves out are those of gsplat.
+/// here, not a default; members that a smaller `size` leaves out are those of gsplat. Presets leave four
+/// members to the scene, `SWIFTGS_OF_SCENE`: they are as it was trained.
 typedef struct swiftgs_conventions {
   uint32_t size;           ///< `sizeof(swiftgs_conventions)`
   float near_plane;        ///< a Gaussian nearer than this is culled
   int32_t cull_at_near;    ///< 1: so is one exactly on the near plane
   float far_plane;         ///< a Gaussian further than this is culled
   int32_t clamp;           ///< `SWIFTGS_CLAMP_...`
-  float blur;              ///< added to both variances of a splat @units{pixels^2}
-  int32_t antialiased;     ///< 1: scale opacity as Mip-Splatting does; for scenes whose info says so
+  float blur;              ///< added to both variances of a splat; or of the scene @units{pixels^2}
+  int32_t antialiased;     ///< 1: scale opacity as Mip-Splatting does; or of the scene
   float min_compensation;  ///< least ratio of determinants in that
   float alpha_min;         ///< a pixel skips a Gaussian with less alpha
   float alpha_max;         ///< alpha is cut here
@@ -33,6 +34,8 @@ typedef struct swiftgs_conventions {
   int32_t depth;           ///< `SWIFTGS_DEPTH_...`
   float first_alpha;       ///< a pixel's first depth is of the Gaussian that takes its alpha above
   int32_t depth_at;        ///< `SWIFTGS_DEPTH_AT_...`
+  int32_t order;           ///< `SWIFTGS_ORDER_...`, or of the scene; by depth in views with an occluder
+  int32_t colours;         ///< `SWIFTGS_COLOURS_...`, or of the scene: in which colours are blended
 } swiftgs_conventions;
 
 /// Limits of x/z and y/z where the projection is linearised, in tangents.
@@ -44,7 +47,19 @@ enum {
   SWIFTGS_FOOTPRINT_ALPHA = 0,              ///< every pixel where alpha is at least `alpha_min`
   SWIFTGS_FOOTPRINT_THREE_SIGMA_SQUARE = 1  ///< only those in tiles that the square of 3 sigma touches
 };
-/// What orders splats, is compared with the planes, and is drawn as depth. In units of the scene.
+/// In place of a number of `swiftgs_conventions`: as the scene was trained.
+enum { SWIFTGS_OF_SCENE = -1 };
+/// What orders the splats of a frame.
+enum {
+  SWIFTGS_ORDER_DEPTH = 0,    ///< as `depth` measures it
+  SWIFTGS_ORDER_DISTANCE = 1  ///< from the camera's centre
+};
+/// The values in which splats are blended. Images have the same kind of values whichever it is.
+enum {
+  SWIFTGS_COLOURS_SRGB = 0,   ///< encoded for a display, as photographs are
+  SWIFTGS_COLOURS_LINEAR = 1  ///< linear light; each pixel is encoded when it is finished
+};
+/// What is compared with the planes and with occluders, and is drawn as depth. In units of the scene.
 enum {
   SWIFTGS_DEPTH_OF_LENS = 0,  ///< z of perspective and orthographic lenses, distance of the others
   SWIFTGS_DEPTH_Z = 1,        ///< along the camera's axis

@@ -149,8 +149,8 @@ inline void append(Scene& scene, const Scene& more) {
   validate(scene), validate(more);
   if (more.size() == 0) return;
   if (&scene == &more) return append(scene, Scene(more));
-  if (scene.size() != 0 && scene.antialiased != more.antialiased)
-    throw std::invalid_argument("append: expected both scenes antialiased or neither, got one of each");
+  if (scene.size() != 0 && scene.model != more.model)
+    throw std::invalid_argument("append: expected scenes of one rendering model, got two");
   if (scene.size() != 0 && scene.feature_channels != more.feature_channels)
     detail::refuse("append: expected scenes with equally many feature channels, got ", scene.feature_channels,
                    " and ", more.feature_channels);
@@ -173,7 +173,7 @@ inline void append(Scene& scene, const Scene& more) {
   for_each_array([](const char*, std::size_t, auto& to,
                     const auto& from) { to.insert(to.end(), from.begin(), from.end()); },
                  scene, more);
-  scene.antialiased = more.antialiased, scene.feature_channels = more.feature_channels;
+  scene.model = more.model, scene.feature_channels = more.feature_channels;
   scene.origin = more.origin;
 }
 

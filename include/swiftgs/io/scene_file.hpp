@@ -11,6 +11,7 @@
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/camera.hpp>
+#include <swiftgs/conventions.hpp>
 #include <swiftgs/io/progress.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/scene_part.hpp>
@@ -81,13 +82,13 @@ struct SceneWriteOptions {
   Progress progress{};
 };
 
-/// What a file holds of a scene. A format may hold fewer bands, or not say whether a scene is antialiased.
+/// What a file holds of a scene. A format may hold fewer bands, or less of the scene's model.
 struct WrittenScene {
   std::string format;       ///< as `SceneFile::format`
   std::uint64_t bytes = 0;  ///< of the file
   std::size_t gaussians = 0;
   int sh_degree = 0;
-  bool antialiased = false;
+  RenderingModel model{};
   std::vector<std::string> notes{};  ///< what was left out or changed, with counts, a sentence each
 };
 

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <swiftgs/colours.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/splats.hpp>
@@ -34,10 +35,11 @@ struct SplatPicks {
 };
 
 /// Writes the planes that `picks` tell about at column x of row y.
-SWIFTGS_HD inline void store_picks(const FrameView& frame, const SplatsView& splats, std::size_t x,
-                                   std::size_t y, const SplatPicks& picks) {
+SWIFTGS_HD inline void store_picks(const FrameView& frame, const SplatsView& splats,
+                                   Span<const SplatColour> colours, std::size_t x, std::size_t y,
+                                   const SplatPicks& picks) {
   const auto depth = [&](std::uint32_t splat) {
-    return splat == SplatPicks::none ? 0.0f : splats.depths[splat];
+    return splat == SplatPicks::none ? 0.0f : colours[splat].depth;
   };
   const auto id = [&](std::uint32_t splat) {
     return splat == SplatPicks::none ? no_gaussian : splats.gaussians[splat];

@@ -73,7 +73,7 @@ SWIFTGS_HD inline void store_pixel(const RasterJob& job, const View& view, std::
 /// Writes the planes of picked splats at column x of row y.
 SWIFTGS_HD inline void store_picks(const RasterJob& job, const View& view, std::size_t x, std::size_t y,
                                    const SplatPicks& picks) {
-  store_picks(view.frame, job.splats, x, y, picks);
+  store_picks(view.frame, job.splats, job.colours.each, x, y, picks);
   if (!view.camera.depth_along_ray) return;
   const auto depth = [&](std::uint32_t splat) {
     return splat == SplatPicks::none ? 0.0f : job.attributes.ray_depth(splat).at(place_of(view, x, y));

@@ -117,9 +117,12 @@ inline void move_camera(Random& random, StressCase& drawn) {
   const std::array<double*, 7> numbers{
       &c.fx, &c.fy, &c.cx, &c.cy, &c.translation.x, &c.translation.y, &c.translation.z};
   switch (random.below(6)) {
-    case 0:
-      move_number(random, drawn.conventions.blur);
+    case 0: {
+      float blur = *as_trained(drawn.conventions, drawn.scene.model).blur;
+      move_number(random, blur);
+      drawn.conventions.blur = blur;
       return;
+    }
     case 1:
       c.fy = c.fx;
       return;

@@ -90,7 +90,12 @@ struct SharedCamera {
     const unsigned k = threadIdx.x;
     if (k >= pose_words && k < words) of_camera[k] = reinterpret_cast<const std::uint32_t*>(&camera)[k];
     auto& eye = reinterpret_cast<ViewConstants&>(of_camera);
-    if (k == 0) eye.opacity = placed.opacity, eye.depth_scale = pose.scale;
+    if (k == 0) {
+      eye.opacity = placed.opacity, eye.depth_scale = pose.scale;
+      eye.blur = camera.blur, eye.antialiased = camera.antialiased;
+      eye.blur_of_scene = camera.blur_of_scene, eye.antialiased_of_scene = camera.antialiased_of_scene;
+      eye.follow(placed.scene.model);
+    }
     if (k < 9) {
       const int row = int(k / 3), column = int(k % 3);
       const double element = moved ? eye_rotation(camera, pose, row, column) : camera.rotation[row][column];

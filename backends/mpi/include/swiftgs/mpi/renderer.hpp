@@ -16,6 +16,7 @@
 
 #include <swiftgs/attribute_stage.hpp>
 #include <swiftgs/message.hpp>
+#include <swiftgs/modelled_views.hpp>
 #include <swiftgs/mpi/counters.hpp>
 #include <swiftgs/mpi/direct_link.hpp>
 #include <swiftgs/mpi/identity.hpp>
@@ -38,8 +39,9 @@ namespace swiftgs {
 /// Part r of a scene holds Gaussians that follow those of part r - 1 in the order of the scene (`part_of`).
 /// Of several placed scenes each rank gives its parts, placed alike: Gaussians are numbered rank by rank, and
 /// of equal depths the lower rank's is in front. All functions that render are collective, and all ranks ask
-/// for the same planes of the same views. If one rank fails, all throw: that rank its own error, the others
-/// `RankError`; the renderers stay usable. After an `MpiError` the program must end.
+/// for the same planes of the same views; the orders and colours that these leave to the scenes must agree.
+/// If one rank fails, all throw: that rank its own error, the others `RankError`; the renderers stay usable.
+/// After an `MpiError` the program must end.
 template <class B, class Sort, class Raster, class Bounds>
 requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRenderer {
  public:
@@ -192,6 +194,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     complete_ = false;
     std::optional<FramePlan> whole;
     failure.guard([&] {
+      views = modelled_.of(views, part);
       scenes_ = store_scenes(backend(), part, views, scene_storage_);
       mine.gaussians = scenes_.gaussians();
       whole = project_part(views, mine);
@@ -326,7 +329,11 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     Splats<B>& splats = exchange_.joined();
     mine.drawn = splats.count, mine.bytes = memory();
     if (strip.views.empty()) return {};
-    for (std::size_t i = 0; i < strip.views.size(); ++i) strip.views[i].frame = drawn_[i].frame;
+    for (std::size_t i = 0; i < strip.views.size(); ++i) {
+      FrameView& frame = strip.views[i].frame;
+      const Conversion conversion = frame.conversion;  // as the scene's model has it
+      frame = drawn_[i].frame, frame.conversion = conversion;
+    }
     const Views stored = store_views(backend(), {strip.views.data(), strip.views.size()}, strip_storage_);
     shapes.join();
     exchange_.shapes_arrived(backend(), strip);
@@ -422,6 +429,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   TileChoice tiles_;
   FrameKey key_;                 ///< of the views alone
   PanoramaParts parts_;          ///< of the views
+  ModelledViews modelled_;       ///< of the caller's views
   Views whole_;                  ///< those parts, in `whole_storage_`
   std::vector<View> views_;      ///< of cameras
   std::uint32_t asked_for_ = 0;  ///< planes of `views_` point to it, and nobody reads it

@@ -1,0 +1,226 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Frames follow the rendering models of their scenes, on every backend.
+#include <cmath>
+#include <cstddef>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/reference.hpp>
+#include <swiftgs/reference/planes.hpp>
+
+#include "policies/backends.hpp"
+#include "policies/planes.hpp"
+#include "policies/views.hpp"
+
+using namespace swiftgs;
+using namespace swiftgs::test;
+
+namespace {
+
+constexpr RenderingModel mip{.blur = 0.1f, .antialiased = true};
+constexpr RenderingModel by_distance{.order = SplatOrder::distance};
+constexpr RenderingModel linear{.colours = ColourSpace::linear};
+constexpr RenderingModel all{0.1f, true, SplatOrder::distance, ColourSpace::linear};
+
+Scene scene_of(const RenderingModel& model) {
+  Scene scene = make_builtin_scene(3'000);
+  scene.model = model;
+  return scene;
+}
+
+/// From the side, so that orders by depth and by distance differ.
+Camera wide_camera() {
+  Camera camera = scaled(builtin_camera(), 0.08);
+  camera.fx *= 0.4, camera.fy *= 0.4;
+  return camera;
+}
+
+RenderSettings depths_by(const Conventions& conventions, vec3 background = vec3(0)) {
+  RenderSettings settings;
+  settings.conventions = conventions, settings.background = background;
+  settings.outputs = {.alpha = true, .depth = true, .first_depth = true, .median_depth = true};
+  return settings;
+}
+
+template <class B>
+Frame draw(BoundRenderer<B>& renderer, const Scene& scene, const Conventions& conventions,
+           vec3 background = vec3(0)) {
+  const auto on = renderer.backend().upload(scene);
+  return renderer.render(on, wide_camera(), depths_by(conventions, background));
+}
+
+/// Scenes, each at a pose, where backend `B` reads them, and as the reference does.
+template <class B>
+struct Several {
+  Several(const B& backend, const std::vector<std::pair<Scene, Similarity>>& scenes) {
+    for (const auto& [scene, pose] : scenes) {
+      uploaded.push_back(backend.upload(scene));
+      placed.push_back({uploaded.back().view(), pose});
+      for_reference.push_back({scene, pose});
+    }
+  }
+
+  std::vector<typename B::SceneOn> uploaded;
+  std::vector<PlacedScene> placed;
+  std::vector<ReferenceScene> for_reference;
+};
+
+bool same(const Frame& a, const Frame& b) {
+  return a.colour == b.colour && a.alpha == b.alpha && a.depth == b.depth && a.first_depth == b.first_depth &&
+         a.median_depth == b.median_depth;
+}
+
+double rms(const std::vector<float>& a, const std::vector<double>& b) {
+  double sum = 0;
+  REQUIRE(a.size() == b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(sum / double(a.size()));
+}
+
+double rms(const Frame& a, const Frame& b) {
+  return rms(a.colour, std::vector<double>(b.colour.begin(), b.colour.end()));
+}
+
+}  // namespace
+
+SWIFTGS_CONTRACT("model: a scene is drawn as it was trained, as if conventions said so") {
+  Usual<B> renderer(make_backend<B>());
+  const Frame usual = draw(renderer, scene_of({}), {});
+  for (const RenderingModel& model : {mip, by_distance, linear, all}) {
+    const Frame followed = draw(renderer, scene_of(model), {});
+    CHECK(same(followed, draw(renderer, scene_of({}), as_trained({}, model))));
+    CHECK(rms(followed, usual) > 1e-3);
+    CHECK(same(usual, draw(renderer, scene_of(model), as_trained({}, {}))));
+  }
+}
+
+SWIFTGS_CONTRACT("model: frames are those of the reference, in depths of the lens and over a background") {
+  Usual<B> renderer(make_backend<B>());
+  const vec3 background(0.2f, 0.5f, 0.9f);
+  for (const RenderingModel& model : {RenderingModel(), mip, by_distance, linear, all}) {
+    const Scene scene = scene_of(model);
+    const Frame found = draw(renderer, scene, {}, background);
+    const ReferenceFrame expected = render_reference(scene, wide_camera(), {}, dvec3(background));
+    CHECK(rms(found.colour, expected.colour) < 1e-5);
+    CHECK(rms(found.depth, expected.depth) < 1e-3);
+    const ReferencePlanes planes = render_reference_planes(scene, wide_camera(), {});
+    std::size_t apart = 0;
+    for (std::size_t i = 0; i < found.median_depth.size(); ++i)
+      apart += std::abs(found.median_depth[i] - planes.median_depth[i]) > 1e-4 * planes.median_depth[i];
+    CHECK(apart < found.median_depth.size() / 500);
+  }
+}
+
+SWIFTGS_CONTRACT("model: each of several placed scenes has its own blur and compensation") {
+  Usual<B> renderer(make_backend<B>());
+  const Scene plain = scene_of({}), filtered = scene_of(mip);
+  const Similarity aside{dmat3(1.0), 0.5, dvec3(0.3, -0.2, 0.7)};
+  using Scenes = std::vector<std::pair<Scene, Similarity>>;
+  for (const Scenes& scenes : {Scenes{{plain, {}}, {filtered, aside}}, Scenes{{filtered, {}}, {plain, {}}},
+                               Scenes{{filtered, aside}}}) {
+    const Several<B> on(renderer.backend(), scenes);
+    const auto reference = [&](const Conventions& conventions) {
+      return render_reference(span_of(on.for_reference), wide_camera(), conventions).colour;
+    };
+    const Frame found = renderer.render(on.placed, wide_camera(), depths_by({}));
+    CHECK(rms(found.colour, reference({})) < 1e-5);
+    for (const bool antialiased : {false, true}) {
+      Conventions one;
+      one.antialiased = antialiased, one.blur = antialiased ? 0.1f : 0.3f;
+      const Frame alike = renderer.render(on.placed, wide_camera(), depths_by(one));
+      CHECK(rms(alike.colour, reference(one)) < 1e-5);
+      CHECK((rms(alike, found) > 1e-3) == !(antialiased && scenes.size() == 1));
+    }
+  }
+}
+
+SWIFTGS_CONTRACT("model: one order and one kind of colours rule a frame") {
+  Usual<B> renderer(make_backend<B>());
+  const Scene plain = scene_of({}), distant = scene_of(by_distance), light = scene_of(linear);
+  const Several<B> on(renderer.backend(), {{plain, {}}, {distant, {dmat3(1.0), 0.5, dvec3(1, 0, 2)}}});
+  Conventions distance;
+  distance.order = SplatOrder::distance;
+  CHECK(same(renderer.render(on.placed, wide_camera(), depths_by({})),
+             renderer.render(on.placed, wide_camera(), depths_by(distance))));
+
+  const Several<B> mixed(renderer.backend(), {{plain, {}}, {light, {}}});
+  CHECK_THROWS_WITH_AS(renderer.render(mixed.placed, wide_camera(), depths_by({})),
+                       doctest::Contains("scenes of sRGB-encoded colours and of linear ones"),
+                       std::invalid_argument);
+  Conventions said;
+  said.colours = ColourSpace::linear;
+  CHECK(renderer.render(mixed.placed, wide_camera(), depths_by(said)).colour.size() > 0);
+}
+
+SWIFTGS_CONTRACT("model: linear light is stored as it is where a frame wants it so") {
+  Usual<B> renderer(make_backend<B>());
+  const Camera camera = wide_camera();
+  const auto draw_as = [&](const RenderingModel& model, Conversion conversion) {
+    const auto on = renderer.backend().upload(scene_of(model));
+    auto memory =
+        to_backend(renderer.backend(), std::vector<float>(3 * std::size_t(camera.width * camera.height)));
+    FrameView frame{.width = camera.width, .height = camera.height, .conversion = conversion};
+    frame.colour = {memory.data(), 12 * camera.width};
+    renderer.render_into(on, camera, {}, frame);
+    return to_host(renderer.backend(), std::as_const(memory).span());
+  };
+  // The same coefficients, blended alike: a scene that says nothing has them as they are.
+  CHECK(draw_as(linear, Conversion::srgb_to_linear) == draw_as({}, Conversion::as_is));
+  CHECK(draw_as(linear, Conversion::as_is) == draw_as({}, Conversion::linear_to_srgb));
+  CHECK(draw_as(linear, Conversion::linear_to_srgb) == draw_as({}, Conversion::linear_to_srgb));
+}
+
+SWIFTGS_CONTRACT("model: a view with an occluder is ordered by depth, and refuses to be told otherwise") {
+  Usual<B> renderer(make_backend<B>());
+  const Camera camera = wide_camera();
+  const auto occluder =
+      to_backend(renderer.backend(), std::vector<float>(std::size_t(camera.width * camera.height), 6.0f));
+  const auto draw_behind = [&](const RenderingModel& model, const Conventions& conventions) {
+    const auto on = renderer.backend().upload(scene_of(model));
+    auto memory =
+        to_backend(renderer.backend(), std::vector<float>(3 * std::size_t(camera.width * camera.height)));
+    FrameView frame{.width = camera.width, .height = camera.height};
+    frame.colour = {memory.data(), 12 * camera.width}, frame.occluder = {occluder.data(), 4 * camera.width};
+    renderer.render_into(on, camera, depths_by(conventions), frame);
+    return to_host(renderer.backend(), std::as_const(memory).span());
+  };
+  CHECK(draw_behind(by_distance, {}) == draw_behind({}, {}));
+  Conventions distance;
+  distance.order = SplatOrder::distance;
+  CHECK_THROWS_WITH_AS(draw_behind({}, distance), doctest::Contains("expected order by depth"),
+                       std::invalid_argument);
+}
+
+SWIFTGS_CONTRACT("model: recorded frames follow the scenes that they were reserved for") {
+  Usual<B> renderer(make_backend<B>());
+  const Camera camera = wide_camera();
+  for (const RenderingModel& model : {mip, by_distance, all}) {
+    const auto on = renderer.backend().upload(scene_of(model));
+    const auto other = renderer.backend().upload(scene_of({}));
+    auto memory =
+        to_backend(renderer.backend(), std::vector<float>(3 * std::size_t(camera.width * camera.height)));
+    FrameView frame{.width = camera.width, .height = camera.height};
+    frame.colour = {memory.data(), 12 * camera.width};
+    const View view = make_view(camera, {}, frame);
+    Report<B> report;
+    renderer.reserve(on, {&view, 1});
+    renderer.record(on.view(), report.data());
+    CHECK(to_host(renderer.backend(), std::as_const(memory).span()) ==
+          draw(renderer, scene_of(model), {}).colour);
+    renderer.reserve(on, {&view, 1});
+    CHECK_THROWS_WITH_AS(renderer.record(other.view(), report.data()), doctest::Contains("rendering model"),
+                         std::invalid_argument);
+  }
+}
+
+TEST_CASE("model: an impossible blur is refused") {
+  for (const float blur : {-0.1f, INFINITY, NAN}) {
+    Scene scene = scene_of({.blur = blur});
+    CHECK_THROWS_AS(validate(scene), std::invalid_argument);
+  }
+}
