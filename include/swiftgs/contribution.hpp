@@ -25,6 +25,7 @@
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/error.hpp>
+#include <swiftgs/modelled_views.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
 #include <swiftgs/sort/early.hpp>

@@ -39,12 +39,12 @@ struct PairConstants {
 struct ViewConstants {
   double rotation[3][3];  ///< rows: world to camera
   float axes[3][3];       ///< the rotation in float
+  float blur;             ///< @units{pixels^2}
   double centre[3];       ///< camera centre in the world
   double depth_scale;     ///< depths for a unit of camera space; 1 but of a placed scene's eye
   float opacity;          ///< of all Gaussians; 1 but of a placed scene's eye
-  float blur;             ///< @units{pixels^2}
   bool antialiased;
-  bool blur_of_scene, antialiased_of_scene;  ///< `follow` sets these two
+  bool blur_of_scene, antialiased_of_scene;  ///< `follow` takes these from the scene
   float focal_x, focal_y;                    ///< fx and fy in float @units{pixels}
   double fx, fy;                             ///< @units{pixels}
   PairConstants pairs;                       ///< by `set_pairs`

@@ -58,7 +58,8 @@ TEST_CASE("model: PLY files keep it, other formats say what they leave out") {
            {.antialiased = model.antialiased,
            .kernel = model.antialiased ? RenderingModel().kernel : model.kernel}},
           {".splat", {}}}) {
-      CAPTURE(ending), CAPTURE(text_of(model));
+      CAPTURE(ending);
+      CAPTURE(text_of(model));
       scene.model = model;
       const Written written = write_and_read(scene, ending);
       CHECK(written.scene().model == holds);

@@ -263,11 +263,11 @@ inline std::optional<OracleSplat> project_gaussian(const WorldGaussian& g, std::
   if (!found) return {};
   const ImageFactor& f = *found;
 
-  const Triangle l(f, *k.blur), sharp(f, 0);
+  const Triangle l(f, k.blur.value_or(0.3f)), sharp(f, 0);
   if (!(l.determinant() > 0) || l.xx() > largest_variance || l.yy() > largest_variance) return {};
   s.l00 = l.l00, s.l10 = l.l10, s.l11 = l.l11;
   s.opacity = Real(scene.opacities[g.i]) * g.placed.opacity;
-  if (*k.antialiased)
+  if (k.antialiased.value_or(false))
     s.opacity *= std::sqrt(std::max(Real(k.min_compensation), sharp.determinant() / l.determinant()));
   bound_shape(f, l, sharp, k, s);
   set_footprint(s, l, camera, k);

@@ -123,7 +123,7 @@ inline void bound_shape(const ImageFactor& f, const Triangle& l, const Triangle&
     }
   }
   xx += 4 * unit * l.xx(), yy += 4 * unit * l.yy(), det_sharp += 4 * unit * sharp.determinant();
-  const Real det = det_sharp + *k.blur * (xx + yy) + 8 * unit * l.determinant();
+  const Real det = det_sharp + k.blur.value_or(0.3f) * (xx + yy) + 8 * unit * l.determinant();
 
   s.x_weight = l.yy() / l.determinant(), s.y_weight = 1 / l.yy(), s.shear = l.xy() / l.yy();
   // The rotations here lose digits of long double too, as many as the splat is long in widths.
@@ -132,7 +132,7 @@ inline void bound_shape(const ImageFactor& f, const Triangle& l, const Triangle&
   s.doubt.x_weight = s.doubt.y_weight + det / l.determinant() + own;
   s.doubt.shear = xy / l.yy() + std::abs(s.shear) * s.doubt.y_weight;
   s.doubt.opacity = 8 * unit;
-  if (*k.antialiased) {
+  if (k.antialiased.value_or(false)) {
     const Real ratio = sharp.determinant() / l.determinant();
     s.doubt.opacity +=
         (det_sharp + ratio * det) / l.determinant() / std::max(ratio, Real(k.min_compensation));
