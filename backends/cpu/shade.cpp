@@ -98,7 +98,7 @@ HWY_INLINE hn::Vec<F32x4> SumBands(const HarmonicRow& row, const float (*HWY_RES
 /// Colours of `count` Gaussians of a scene, whose ids less `first_id` are their places in it. The basis is
 /// evaluated for one Gaussian per lane. The sum over coefficients takes one Gaussian at a time, because only
 /// its own coefficients lie together. Returns whether any splat is hidden.
-bool ShadeRange(const ViewConstants& v, const SceneView& scene, std::uint32_t first_id,
+bool ShadeRange(const ViewConstants& v, const SceneView& scene, const Tint& tint, std::uint32_t first_id,
                 const std::uint32_t* HWY_RESTRICT ids, const float* HWY_RESTRICT depths, std::size_t count,
                 SplatColour* HWY_RESTRICT colours) {
   const F32 d;
@@ -140,11 +140,12 @@ bool ShadeRange(const ViewConstants& v, const SceneView& scene, std::uint32_t fi
       const auto channel = [&](int c) { return 0.5f + float(sh::c0) * sh0[c] + rgb[c]; };
       const vec3 colour(channel(0), channel(1), channel(2));
       const float depth = drawn_depth(v, scene, id, depths[first + k]);
-      colours[first + k] = splat_colour(colour, depth);
-      if (is_hidden(colours[first + k])) {
-        colours[first + k] = large_splat_colour(v, scene, id, depth);
-        some_hidden = some_hidden || is_hidden(colours[first + k]);
+      SplatColour splat = splat_colour(colour, depth);
+      if (is_hidden(splat)) {
+        splat = large_splat_colour(v, scene, id, depth);
+        some_hidden = some_hidden || is_hidden(splat);
       }
+      colours[first + k] = tinted(splat, tint);
     }
   }
   return some_hidden;
@@ -173,8 +174,8 @@ Shading<Cpu> shade(Cpu& cpu, const FramePlan& plan, const Splats<Cpu>& splats, C
       const std::uint32_t first = placed.first_gaussian;
       const std::size_t behind = std::size_t(first) + placed.size();
       until = std::size_t(std::lower_bound(ids + begin, ids + end, behind) - ids);
-      if (HWY_DYNAMIC_DISPATCH(ShadeRange)(eye(plan.views[view].camera, placed), placed.scene, first,
-                                           ids + begin, splats.depths.data() + begin, until - begin,
+      if (HWY_DYNAMIC_DISPATCH(ShadeRange)(eye(plan.views[view].camera, placed), placed.scene, placed.tint,
+                                           first, ids + begin, splats.depths.data() + begin, until - begin,
                                            colours.each.data() + begin))
         std::atomic_ref(*hidden).store(1, std::memory_order_relaxed);
     }

@@ -210,7 +210,7 @@ __global__ void __launch_bounds__(shade_threads)
     SplatColour colour = splat_colour(rgb, depth);
     if (is_hidden(colour)) colour = large_splat_colour(seen.camera, scene, i, depth);
     if (first + lane_index() < splats) {
-      colours[at] = colour;
+      colours[at] = tinted(colour, seen.tint);
       if (is_hidden(colour)) *hidden = 1;
     }
     __syncwarp();  // before the coefficients are overwritten

@@ -104,7 +104,8 @@ void read_clip(const JsonEntry& clip, ListedScene& scene) {
 }
 
 ListedScene scene_of(const JsonEntry& entry) {
-  expect_members(entry, {"file", "rotation", "scale", "translation", "opacity", "first", "count", "clip"});
+  expect_members(entry,
+                 {"file", "rotation", "scale", "translation", "opacity", "tint", "first", "count", "clip"});
   ListedScene scene;
   scene.file = entry.string("file");
   if (scene.file.empty()) entry.fail("a name in 'file'");
@@ -113,7 +114,11 @@ ListedScene scene_of(const JsonEntry& entry) {
   if (entry.has("scale")) pose.scale = entry.number("scale");
   if (entry.has("translation")) pose.translation = entry.vector("translation");
   if (entry.has("opacity")) scene.opacity = float(entry.number("opacity"));
-  if (const char* const expected = swiftgs::detail::unmet_of_placing(pose, scene.opacity, {}))
+  if (entry.has("tint")) {
+    const std::vector<double> numbers = numbers_in(entry, entry.member("tint"), 4, "tint");
+    scene.tint = {vec3(three(numbers)), float(numbers[3])};
+  }
+  if (const char* const expected = swiftgs::detail::unmet_of_placing(pose, scene.opacity, {}, scene.tint))
     entry.fail(expected);
   scene.first = whole_number(entry, "first", 0);
   if (entry.has("count")) scene.count = whole_number(entry, "count");

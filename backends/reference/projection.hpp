@@ -268,7 +268,10 @@ inline bool shade(Splat& splat, const Scene& scene, std::size_t i, const View& v
   const vec3& m = scene.means[i];
   const Eigen::Vector3d direction = Eigen::Vector3d(m.x, m.y, m.z) - view.centre;
   const Eigen::Vector3d sum = colour(scene, i, direction.stableNormalized());
-  splat.colour = sum.cwiseMax(0.0);
+  const Tint& tint = view.placed.tint;
+  const double amount = tint.amount;
+  for (int c = 0; c < 3; ++c)
+    splat.colour[c] = (1 - amount) * std::max(sum[c], 0.0) + amount * double(tint.colour[c]);
   return sum.cwiseAbs().maxCoeff<Eigen::PropagateNaN>() <= double(std::numeric_limits<float>::max());
 }
 

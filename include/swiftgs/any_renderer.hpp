@@ -31,6 +31,7 @@ struct Placement {
   Similarity world_from_scene{};
   float opacity = 1;
   Clip clip{};
+  Tint tint{};
   /// Number of the first Gaussian that shows. Views skip chunks of the range if it is a multiple of
   /// `chunk_size`; others are drawn too, and take longer.
   std::size_t first = 0;
@@ -295,7 +296,7 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
     std::vector<Placement> placements;
   };
   void add(Placed& placed, const Placement& p) {
-    placed.each.push_back({view_of(p), p.world_from_scene, p.opacity, p.clip});
+    placed.each.push_back({view_of(p), p.world_from_scene, p.opacity, p.clip, p.tint});
     placed.placements.push_back(p);
   }
 

@@ -154,15 +154,15 @@ class BoundRenderer {
   void set_views(Span<const View> views) { recorded_.set_views(backend(), views); }
 
   /// Sets what `record(report)` renders, in stream order: the placed scenes of the latest `reserve`, moved,
-  /// clipped or made fainter, or others of as many Gaussians. Recorded work that runs again renders them too.
-  /// Throws `std::invalid_argument`, and changes nothing, if more changes, or if `reserve` was called for a
-  /// scene alone (one placed scene where it stands by itself is that).
+  /// clipped, tinted or made fainter, or others of as many Gaussians. Recorded work that runs again renders
+  /// them too. Throws `std::invalid_argument`, and changes nothing, if more changes, or if `reserve` was for
+  /// a scene alone (one placed scene where it stands by itself is that).
   void set_scenes(const PlacedScenes& scenes) { recorded_.set_scenes(backend(), scenes); }
 
   /// The placed scenes that `record(report)` renders, in memory of the backend, until the next `reserve` or
-  /// `trim`: work in stream order may write poses, opacities and clips there, and nothing else, for frames
-  /// that are recorded or run again later. A device does not draw one that is not valid (NaN, no rotation),
-  /// see `refused_scenes`; a host throws. Null on a device for a scene alone.
+  /// `trim`: work in stream order may write poses, opacities, clips and tints there, and nothing else, for
+  /// frames that are recorded or run again later. A device does not draw one that is not valid (NaN, no
+  /// rotation), see `refused_scenes`; a host throws. Null on a device for a scene alone.
   PlacedScene* recorded_scenes() { return recorded_.stored_scenes(); }
   /// Which of them the last recorded frame did not draw, of those that its views show; complete when it
   /// returns.

@@ -23,6 +23,7 @@
 #include <swiftgs/scene.hpp>
 #include <swiftgs/similarity.hpp>
 #include <swiftgs/span.hpp>
+#include <swiftgs/tint.hpp>
 #include <swiftgs/view_constants.hpp>
 #include <swiftgs/views.hpp>
 
@@ -35,11 +36,13 @@ struct PlacedScene {
   Similarity world_from_scene{};
   float opacity = 1;  ///< times the opacities of its Gaussians, 0 to 1
   Clip clip{};
+  Tint tint{};
 
   // The library sets what follows.
   std::uint32_t first_gaussian = 0;  ///< Gaussians of the placed scenes before it
   std::uint32_t first_chunk = 0;     ///< chunks of these
-  /// 1: a device did not draw it, since its pose, opacity or clip is not valid. Others may have written them.
+  /// 1: a device did not draw it, since its pose, opacity, clip or tint is not valid. Others may have written
+  /// them.
   mutable std::uint32_t refused = 0;
 
   SWIFTGS_HD std::size_t size() const { return scene.size(); }
@@ -47,17 +50,19 @@ struct PlacedScene {
     return std::uint32_t((scene.size() + chunk_size - 1) / chunk_size);
   }
   /// Whether a frame can draw it.
-  SWIFTGS_HD bool is_valid() const { return !detail::unmet_of_placing(world_from_scene, opacity, clip); }
+  SWIFTGS_HD bool is_valid() const {
+    return !detail::unmet_of_placing(world_from_scene, opacity, clip, tint);
+  }
   /// Whether a frame shows it as it shows the scene alone.
   SWIFTGS_HD bool is_plain() const {
-    return world_from_scene.is_identity() && opacity == 1 && clip.shows_all();
+    return world_from_scene.is_identity() && opacity == 1 && clip.shows_all() && tint.is_none();
   }
 };
 
 /// Throws `std::invalid_argument` where nothing can be rendered of `placed`. Reads no Gaussian.
 inline void validate(const PlacedScene& placed) {
   validate(placed.scene);
-  detail::validate_placing(placed.world_from_scene, placed.opacity, placed.clip);
+  detail::validate_placing(placed.world_from_scene, placed.opacity, placed.clip, placed.tint);
 }
 
 /// Gaussians [first, first + count) of `scene`. Where `first` is no
@@ -134,6 +139,7 @@ struct SeenGaussian {
   Camera camera;
   const SceneView& scene;
   std::size_t i;  ///< in the scene
+  Tint tint{};
 };
 
 /// The only scene of a frame, where it stands by itself. Loops read scenes as this or as `SeveralScenes`.
@@ -162,7 +168,7 @@ struct SeveralScenes {
   }
   SWIFTGS_HD SeenGaussian<ViewConstants> see(const ViewConstants& camera, std::uint32_t number) const {
     const PlacedScene& placed = of_gaussian(number);
-    return {eye(camera, placed), placed.scene, number - placed.first_gaussian};
+    return {eye(camera, placed), placed.scene, number - placed.first_gaussian, placed.tint};
   }
 
  private:

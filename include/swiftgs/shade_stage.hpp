@@ -12,6 +12,7 @@
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/project.hpp>
 #include <swiftgs/splats.hpp>
+#include <swiftgs/tint.hpp>
 
 namespace swiftgs {
 
@@ -20,6 +21,11 @@ SWIFTGS_HD inline SplatColour large_splat_colour(const ViewConstants& camera, co
                                                  std::size_t i, float depth) {
   const vec3 direction = view_direction(camera, scene.means[i]);
   return splat_colour(large_sh_colour(scene.sh_degree, sh0_of(scene, i), scene.sh_rest[i], direction), depth);
+}
+
+/// The colour of a splat under a tint. A splat that is hidden stays so.
+SWIFTGS_HD inline SplatColour tinted(const SplatColour& colour, const Tint& tint) {
+  return tint.is_none() ? colour : SplatColour{tint.mixed_into(colour.rgb), colour.depth};
 }
 
 /// Evaluates the colour of splat i: the only place that reads spherical harmonics.
@@ -34,10 +40,10 @@ struct SWIFTGS_API ShadeSplats {
   SWIFTGS_HD void operator()(std::size_t i) const {
     const auto seen = scenes.see(views[splats.view(i)].camera, splats.gaussians[i]);
     const float depth = drawn_depth(seen.camera, seen.scene, seen.i, splats.depths[i]);
-    colours[i] = splat_colour(project_colour(seen.camera, seen.scene, seen.i), depth);
-    if (!is_hidden(colours[i])) return;
-    colours[i] = large_splat_colour(seen.camera, seen.scene, seen.i, depth);
-    if (is_hidden(colours[i])) note_hidden();
+    SplatColour colour = splat_colour(project_colour(seen.camera, seen.scene, seen.i), depth);
+    if (is_hidden(colour)) colour = large_splat_colour(seen.camera, seen.scene, seen.i, depth);
+    if (is_hidden(colour)) note_hidden();
+    colours[i] = tinted(colour, seen.tint);
   }
 
  private:

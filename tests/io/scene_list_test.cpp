@@ -28,7 +28,7 @@ const std::string whole = R"([{"file": "room.spz"},
   {"file": "things/chair.ply", "rotation": [0, 0, 3, 0], "scale": 0.5, "translation": [1e7, -2.5, 3],
    "opacity": 0.25, "clip": {"half_spaces": [[1, 2, -3, 4], [0, 0, 1, -1]], "sphere": [1, 2, 3, 4.5]}},
   {"rotation": [[0, -1, 0], [1, 0, 0], [0, 0, 1]], "clip": {"box": [-1, -2, -3, 4, 5, 6]}, "file": "room.spz",
-   "first": 256, "count": 3e3}])";
+   "first": 256, "count": 3e3, "tint": [1, 0.5, 0, 0.75]}])";
 
 }  // namespace
 
@@ -39,6 +39,7 @@ TEST_CASE("scene list: scenes have what their objects say and the defaults of wh
   CHECK(scenes[0].file == "room.spz");
   CHECK(scenes[0].world_from_scene.is_identity());
   CHECK(scenes[0].opacity == 1);
+  CHECK(scenes[0].tint.is_none());
   CHECK(scenes[0].first == 0);
   CHECK_FALSE(scenes[0].count);
   CHECK(scenes[0].half_spaces.empty());
@@ -58,6 +59,8 @@ TEST_CASE("scene list: scenes have what their objects say and the defaults of wh
   const ListedScene& turned = scenes[2];
   CHECK(turned.first == 256);
   CHECK(turned.count == 3000);
+  CHECK(turned.tint.colour == vec3(1, 0.5f, 0));
+  CHECK(turned.tint.amount == 0.75f);
   CHECK(turned.world_from_scene(dvec3(1, 2, 3)) == dvec3(-2, 1, 3));
   REQUIRE(turned.half_spaces.size() == 6);
   const auto shows = [&](const dvec3& p) {
@@ -89,14 +92,19 @@ TEST_CASE("scene list: what is wrong is named with its place") {
   const auto refuses = [&](const std::string& members, const std::string& message) {
     says(with_members(members), "byte 1: expected " + message);
   };
-  refuses(R"("opacty": 1)",
-          "the members file, rotation, scale, translation, opacity, first, count, clip, found 'opacty'");
+  refuses(
+      R"("opacty": 1)",
+      "the members file, rotation, scale, translation, opacity, tint, first, count, clip, found 'opacty'");
   refuses(R"("first": -1)", "'first' to be a whole number of at least 0");
   refuses(R"("first": 0.5)", "'first' to be a whole number of at least 0");
   refuses(R"("count": "all")", "'count' to be a whole number of at least 0");
   refuses(R"("count": 0)", "'count' to be 1 or more");
   refuses(R"("opacity": 1.5)", "an opacity of 0 to 1");
   refuses(R"("opacity": "no")", "a number in 'opacity'");
+  refuses(R"("tint": [1, 0, 0, 1.5])", "a tint with an amount of 0 to 1");
+  refuses(R"("tint": [1, -1, 0, 1])", "a tint with a finite colour of 0 or more");
+  refuses(R"("tint": [1, 1e39, 0, 1])", "a tint with a finite colour of 0 or more");
+  refuses(R"("tint": [1, 0, 0])", "4 numbers in 'tint'");
   refuses(R"("scale": 0)", "a finite scale above 0");
   refuses(R"("translation": [1, 2])", "three numbers in 'translation'");
   refuses(R"("rotation": [1, 2])", "'rotation' to be a quaternion w, x, y, z or three rows of three numbers");

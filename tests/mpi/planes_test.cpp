@@ -76,7 +76,8 @@ TEST_CASE("mpi planes: placed scenes of which each rank holds parts have the bit
     uploaded.push_back(one.backend().upload(part_of(room, part)));
     uploaded.push_back(one.backend().upload(part_of(thing, part)));
     const SceneView of_room = uploaded[uploaded.size() - 2].view(), of_thing = uploaded.back().view();
-    return std::vector<PlacedScene>{{of_room}, {of_thing, beside}, {of_thing, {.scale = 0.2}, 0.7f}};
+    return std::vector<PlacedScene>{
+        {of_room}, {of_thing, beside}, {of_thing, {.scale = 0.2}, 0.7f, {}, {vec3(1, 0, 0.5f), 0.4f}}};
   };
   std::vector<PlacedScene> all;  // numbered rank by rank
   for (std::size_t rank = 0; rank < std::size_t(ranks_here().size()); ++rank)

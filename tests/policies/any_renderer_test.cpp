@@ -223,12 +223,17 @@ struct TwoScenes {
   std::vector<Placement> placements(double aside) const {
     return {{.scene = 1, .world_from_scene = moved(0.6, dvec3(aside, 0.2, 1))},
             {.first = 128},
-            {.scene = 1, .opacity = 0.5f, .clip = Clip::sphere(vec3(0, 0, 5), 4), .first = 7, .count = 100}};
+            {.scene = 1,
+             .opacity = 0.5f,
+             .clip = Clip::sphere(vec3(0, 0, 5), 4),
+             .tint = {vec3(1, 0, 0.5f), 0.4f},
+             .first = 7,
+             .count = 100}};
   }
   std::vector<PlacedScene> placed(double aside) const {
     std::vector<PlacedScene> out;
     for (const Placement& p : placements(aside))
-      out.push_back({uploaded[p.scene].view(), p.world_from_scene, p.opacity, p.clip});
+      out.push_back({uploaded[p.scene].view(), p.world_from_scene, p.opacity, p.clip, p.tint});
     out[1].scene = range_of(out[1].scene, 128, 172), out[2].scene = range_of(out[2].scene, 7, 100);
     return out;
   }
@@ -392,6 +397,7 @@ SWIFTGS_CONTRACT("any renderer: what cannot be placed is refused and changes not
   refuse({.first = std::size_t(-1)},
          "place: placement 1 shows all Gaussians from number 18446744073709551615 on,");
   refuse({.clip = Clip::sphere(vec3(0), -1)}, "placed scene: expected a clip with a radius of 0 or more");
+  refuse({.tint = {vec3(1), 2}}, "placed scene: expected a tint with an amount of 0 to 1");
 
   const std::vector<AskedView> asked = different_views();
   PlacedViews drawn(backend, asked), expected(backend, asked);

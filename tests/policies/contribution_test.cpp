@@ -37,7 +37,7 @@ std::vector<double> reference_weights(List list, const Camera& camera, const Con
   std::vector<ReferenceScene> placed;
   std::vector<vec3*> colours;  // of all Gaussians
   for (Placed& p : list) {
-    placed.push_back({p.scene, p.pose, p.opacity, p.clip});
+    placed.push_back({p.scene, p.pose, p.opacity, p.clip, p.tint});
     for (vec3& colour : p.scene.sh0) colours.push_back(&colour);
   }
   std::vector<double> weights(colours.size());

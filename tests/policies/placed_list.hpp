@@ -7,8 +7,10 @@
 #include <swiftgs/clip.hpp>
 #include <swiftgs/edit/transform.hpp>
 #include <swiftgs/placed_scene.hpp>
+#include <swiftgs/reference/placed.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/similarity.hpp>
+#include <swiftgs/tint.hpp>
 
 #include "policies/random_splats.hpp"
 
@@ -20,8 +22,15 @@ struct Placed {
   Similarity pose{};
   float opacity = 1;
   Clip clip{};
+  Tint tint{};
 };
 using List = std::vector<Placed>;
+
+inline std::vector<ReferenceScene> for_reference(const List& list) {
+  std::vector<ReferenceScene> out;
+  for (const Placed& p : list) out.push_back({p.scene, p.pose, p.opacity, p.clip, p.tint});
+  return out;
+}
 
 inline Similarity pose_of(Random& random, double scale, dvec3 to) {
   const Quaternion q = random_rotation(random);
@@ -45,7 +54,7 @@ struct ListOn {
   ListOn(const B& backend, const List& list) {
     for (const Placed& p : list) {
       uploaded.push_back(backend.upload(p.scene));
-      placed.push_back({uploaded.back().view(), p.pose, p.opacity, p.clip});
+      placed.push_back({uploaded.back().view(), p.pose, p.opacity, p.clip, p.tint});
     }
   }
 

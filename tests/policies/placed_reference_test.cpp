@@ -43,19 +43,14 @@ List list_of_scales(const Scene& each) {
   none.feature_channels = each.feature_channels;
   const Placed small = placed_by(each, pose_of(1, 1e-3, dvec3(0.3, -0.2, 0.7)));
   const Placed large = placed_by(each, pose_of(2, 1e3, dvec3(-5, 2, 40)));
-  const Placed faint = placed_by(each, pose_of(3, 0.7, dvec3(0.1, 0.2, 1)), 0.3f);
+  Placed faint = placed_by(each, pose_of(3, 0.7, dvec3(0.1, 0.2, 1)), 0.3f);
+  faint.tint = {vec3(1, 0.5f, 0.25f), 0.625f};
   return {moved(small, dvec3(0.2, 0.1, 0.3)),
           {each, {}, 0.6f},
           {none},
           moved(large, dvec3(-0.3, 0.1, 0.05)),
           moved(faint, dvec3(0, -0.2, -0.2)),
           placed_by(each, pose_of(4, 30, dvec3(9, 0.1, 0)))};
-}
-
-std::vector<ReferenceScene> for_reference(const List& list) {
-  std::vector<ReferenceScene> out;
-  for (const Placed& p : list) out.push_back({p.scene, p.pose, p.opacity, p.clip});
-  return out;
 }
 
 ReferencePlanes reference_of(const List& list, const Camera& camera, const Conventions& conventions,

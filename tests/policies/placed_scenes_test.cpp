@@ -80,7 +80,13 @@ constexpr Defect defects[] = {
     {"clip with a finite centre", [](PlacedScene& p) { p.clip.centre.y = nan_f; }},
     {"clip with a finite centre", [](PlacedScene& p) { p.clip.centre.y = INFINITY, p.clip.radius = 1; }},
     {"clip with a radius of 0 or more", [](PlacedScene& p) { p.clip.radius = nan_f; }},
-    {"clip with a radius of 0 or more", [](PlacedScene& p) { p.clip.radius = -1; }}};
+    {"clip with a radius of 0 or more", [](PlacedScene& p) { p.clip.radius = -1; }},
+    {"tint with an amount of 0 to 1", [](PlacedScene& p) { p.tint.amount = nan_f; }},
+    {"tint with an amount of 0 to 1", [](PlacedScene& p) { p.tint.amount = -0.1f; }},
+    {"tint with an amount of 0 to 1", [](PlacedScene& p) { p.tint.amount = 1.1f; }},
+    {"tint with a finite colour of 0 or more", [](PlacedScene& p) { p.tint.colour.y = nan_f; }},
+    {"tint with a finite colour of 0 or more", [](PlacedScene& p) { p.tint.colour.z = INFINITY; }},
+    {"tint with a finite colour of 0 or more", [](PlacedScene& p) { p.tint.colour.x = -0.1f; }}};
 
 }  // namespace
 
@@ -211,10 +217,13 @@ SWIFTGS_CONTRACT("placed scenes: recorded frames follow them where they go, and 
   Usual<B> renderer(memory.backend(2)), other(test::make_backend<B>());
   const auto still = backend.upload(scene_of_all(900, 5)), part = backend.upload(scene_of_all(300, 6));
   const auto at = [&](int i) {
-    return std::vector<PlacedScene>{
-        {still.view()},
-        {part.view(), moved(1, dvec3(0.1 * i, 0.2, 0.5)), i % 3 == 2 ? 0.5f : 1},
-        {part.view(), moved(0.5), 1, i % 2 == 1 ? Clip::sphere(vec3(0), 5) : Clip()}};
+    return std::vector<PlacedScene>{{still.view()},
+                                    {part.view(), moved(1, dvec3(0.1 * i, 0.2, 0.5)), i % 3 == 2 ? 0.5f : 1},
+                                    {part.view(),
+                                     moved(0.5),
+                                     1,
+                                     i % 2 == 1 ? Clip::sphere(vec3(0), 5) : Clip(),
+                                     {vec3(1, 0.1f, 0), 0.2f * float(i)}}};
   };
   const Camera camera = turned_camera(90, 70, 0.1);
   PlanesOn<B> on(renderer.backend(), camera.width, camera.height, all_planes(channels), 0);
@@ -289,6 +298,7 @@ SWIFTGS_CONTRACT("placed scenes: recorded ones that others write to are drawn wh
     std::vector<PlacedScene> wanted = good;
     wanted[1].world_from_scene = moved(0.8 + 0.1 * i), wanted[1].opacity = 0.5f;
     wanted[2].clip = Clip::box(vec3(-1), vec3(2, float(i), 9)), wanted[0].world_from_scene = moved(1.1);
+    wanted[std::size_t(i)].tint = {vec3(0, 0.3f, 2), 0.5f};
     for (const std::size_t which : {0, 1, 2}) write(which, wanted[which]);
     CHECK(draws(wanted));
     CHECK(renderer.refused_scenes().empty());

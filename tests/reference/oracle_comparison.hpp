@@ -99,7 +99,7 @@ inline void check(Case c) {
   std::vector<ReferenceScene> each{{c.scene}};
   for (Placed& p : c.more) {
     p.scene = with_features(std::move(p.scene), 2, 2);
-    each.push_back({p.scene, p.pose, p.opacity, p.clip});
+    each.push_back({p.scene, p.pose, p.opacity, p.clip, p.tint});
   }
   const Span<const ReferenceScene> scenes{each.data(), each.size()};
   const Span<const float> occluder{c.occluder.data(), c.occluder.size()};

@@ -103,8 +103,10 @@ inline void set_colour(OracleSplat& s, const WorldGaussian& g, const Camera& cam
       const Real v = k == 0 ? scene.sh0[g.i][int(c)] : scene.sh_rest[3 * (g.i * rest + k - 1) + c];
       sum += basis[k] * v, sizes += std::abs(v);
     }
-    s.colour[c] = std::max(Real(0), sum);
-    s.doubt.colour[c] = sizes * (4 * direction + 32 * unit);
+    const Tint& tint = g.placed.tint;
+    const Real amount = tint.amount, tinting = amount * tint.colour[int(c)];
+    s.colour[c] = (1 - amount) * std::max(Real(0), sum) + tinting;
+    s.doubt.colour[c] = sizes * (4 * direction + 32 * unit) + tinting * 4 * unit;
   }
 }
 

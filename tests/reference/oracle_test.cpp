@@ -177,6 +177,7 @@ TEST_CASE("reference: placed scenes agree with the oracle through every lens") {
       for (vec3& size : cut.scene.scales) size /= float(scale);
       cut.clip = Clip::sphere(vec3(0, 0, float(2 / scale)), float(2 / scale));
       cut.clip.half_space_count = 1, cut.clip.half_spaces[0] = vec4(1, 0.5f, 0.2f, float(0.3 / scale));
+      cut.tint = {vec3(2, 0, 0.75f), 0.3f};
       c.more.push_back(cut);
       for (const Camera& camera : cameras_through({model, {}})) {
         c.camera = camera;

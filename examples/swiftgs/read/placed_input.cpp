@@ -30,7 +30,10 @@ bool is_list(const std::string& name) {
 /// Of positions and in a world from which origins were subtracted.
 Placement placement_of(const ListedScene& listed, std::size_t scene, const dvec3& origin,
                        const dvec3& of_world) {
-  Placement p{.scene = scene, .world_from_scene = listed.world_from_scene, .opacity = listed.opacity};
+  Placement p{.scene = scene,
+              .world_from_scene = listed.world_from_scene,
+              .opacity = listed.opacity,
+              .tint = listed.tint};
   p.world_from_scene.translation = listed.world_from_scene(origin) - of_world;
   for (const HalfSpace& half : listed.half_spaces)
     p.clip.half_spaces[p.clip.half_space_count++] =

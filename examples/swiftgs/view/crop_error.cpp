@@ -30,7 +30,7 @@ std::vector<double> colours_of(const std::vector<ShownScene>& shown, const Camer
       parts.push_back(subset(*scene, kept));
       scene = &parts.back();
     }
-    scenes.push_back({*scene, p.world_from_scene, p.opacity, p.clip});
+    scenes.push_back({*scene, p.world_from_scene, p.opacity, p.clip, p.tint});
   }
   return render_reference({scenes.data(), scenes.size()}, camera, settings.conventions,
                           dvec3(settings.background))

@@ -10,6 +10,7 @@
 #include <swiftgs/api.hpp>
 #include <swiftgs/edit/select.hpp>
 #include <swiftgs/similarity.hpp>
+#include <swiftgs/tint.hpp>
 
 namespace swiftgs {
 
@@ -19,6 +20,7 @@ struct ListedScene {
   std::string file;  ///< as the list has it: relative to the list's folder
   Similarity world_from_scene{};
   float opacity = 1;
+  Tint tint{};
   std::vector<HalfSpace> half_spaces{};  ///< at most `Clip::max_half_spaces`
   std::optional<Sphere> sphere{};
   std::uint64_t first = 0;               ///< number of the first Gaussian that shows
@@ -29,6 +31,7 @@ struct ListedScene {
 /// - `rotation`, a quaternion w, x, y, z of any length or three rows of three numbers, `scale` above 0, and
 ///   `translation`, which make p_world = scale rotation p + translation,
 /// - `opacity`, 0 to 1, which the Gaussians' opacities are multiplied by,
+/// - `tint` [red, green, blue, amount], a `Tint`,
 /// - `first` and `count`: the range of Gaussians that shows, as they are numbered in memory,
 /// - `clip`, an object of `box` [x, y, z, x, y, z], two corners; `sphere` [x, y, z, radius]; and
 /// `half_spaces`,

@@ -5,6 +5,7 @@
 #include <swiftgs/placing.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/similarity.hpp>
+#include <swiftgs/tint.hpp>
 
 namespace swiftgs {
 
@@ -14,12 +15,13 @@ struct ReferenceScene {
   Similarity world_from_scene{};
   float opacity = 1;
   Clip clip{};
+  Tint tint{};
 };
 
 /// Throws `std::invalid_argument` as `validate` of a `PlacedScene`.
 inline void validate(const ReferenceScene& placed) {
   validate(placed.scene);
-  detail::validate_placing(placed.world_from_scene, placed.opacity, placed.clip);
+  detail::validate_placing(placed.world_from_scene, placed.opacity, placed.clip, placed.tint);
 }
 
 }  // namespace swiftgs

@@ -19,6 +19,8 @@ BANDS = "mpi/mpi_strips_test"
 EXCHANGE = "mpi/launch -n 3 mpi/mpi_frames_test"
 PLACED = "policies/contract_placed_test --test-case=*reference*Serial*"
 CPU_PLACED = "policies/contract_placed_test --test-case=*reference*Cpu*"
+TINT = "policies/contract_placed_test --test-case=tint*Serial*"
+CPU_TINT = "policies/contract_placed_test --test-case=tint*Cpu*"
 HARMONICS = "policies/contract_harmonics_test --test-case=*Serial*"
 CPU_HARMONICS = "policies/contract_harmonics_test --test-case=*Cpu*"
 PACKING = "policies/contract_harmonics_test"
@@ -104,6 +106,12 @@ NAMED = [
         ("a view shows the frame's first scenes", "return {each().data[- + first-],")),
     *defects("placed", In(I + "project_stage.hpp", test=PLACED),
         ("clips count for nothing", "[-clip.shows(scene.means[i])-]{+true+} ?")),
+    *defects("placed", In(I + "tint.hpp", test=TINT),
+        ("a tint adds its colour", "fma(amount, colour[c], [-(1 - amount) * -]from[c])"),
+        ("a tint has one channel's colour", "colour[[-c-]{+0+}]")),
+    *defects("placed", In(I + "shade_stage.hpp", test=TINT),
+        ("a tint shows hidden splats", "SplatColour{tint.mixed_into(colour.rgb), [-colour.depth-]{+1.0f+}}"),
+        ("tints count for nothing", "colours[i] = [-tinted(colour, seen.tint)-]{+colour+};")),
     *defects("placed", In(I + "clip.hpp", test=PLACED),
         ("a sphere shows what touches twice its radius", "<= {+4 * +}radius * radius"),
         ("of half-spaces the last is left out", "i < half_space_count{+ - 1+}; ++i) {\n      const vec4")),
@@ -123,7 +131,12 @@ NAMED = [
     *defects("cpu placed", In("backends/cpu/shade.cpp", test=CPU_PLACED),
         ("harmonics are seen from the camera in the world",
          "([-eye(plan.views[view].camera, placed)-]{+plan.views[view].camera+}, placed.scene,")),
+    *defects("cpu placed", In("backends/cpu/shade.cpp", test=CPU_TINT),
+        ("tints count for nothing", "[-tinted(splat, tint)-]{+splat+}")),
     *defects("reference", In("backends/reference/projection.hpp", test=REFERENCE),
+        ("a tint is mixed into colours before they are cut",
+         "splat.colour[c] = [-(1 - amount) * std::max(sum[c], 0.0) + amount * double(tint.colour[c])-]"
+         "{+std::max((1 - amount) * sum[c] + amount * double(tint.colour[c]), 0.0)+};"),
         ("the camera's centre in a placed scene is not divided by its scale", "translation[- / scale-];"),
         ("placed Gaussians are as large as in their scenes", "return view.[-scale * view.-]rotation * axes")),
     # Vectors of the Cpu.
