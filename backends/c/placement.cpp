@@ -46,10 +46,12 @@ Placement to_placement(const swiftgs_placement& from) {
   to.clip = to_clip(from);
   to.first = std::size_t(from.first);
   if (from.count != 0) to.count = std::size_t(from.count);
+  to.tint = {vec3(from.tint[0], from.tint[1], from.tint[2]), from.tint_amount};
   return to;
 }
 
 static_assert(sizeof(dmat3) == 9 * sizeof(double) && sizeof(dvec3) == 3 * sizeof(double));
+static_assert(offsetof(Tint, amount) == 3 * sizeof(float));
 
 /// Addresses alone: the memory may be a device's.
 swiftgs_recorded_scenes to_struct(Span<PlacedScene> scenes) {
@@ -61,7 +63,8 @@ swiftgs_recorded_scenes to_struct(Span<PlacedScene> scenes) {
           .rotation = &first.world_from_scene.rotation[0].x,
           .scale = &first.world_from_scene.scale,
           .translation = &first.world_from_scene.translation.x,
-          .opacity = &first.opacity};
+          .opacity = &first.opacity,
+          .tint = &first.tint.colour.x};
 }
 
 void require_count(const char* call, std::size_t count, std::size_t scenes) {

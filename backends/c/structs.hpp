@@ -37,6 +37,8 @@ inline constexpr std::uint32_t first_size<swiftgs_image> = offsetof(swiftgs_imag
 template <>
 inline constexpr std::uint32_t first_size<swiftgs_placement> = offsetof(swiftgs_placement, first);
 template <>
+inline constexpr std::uint32_t first_size<swiftgs_recorded_scenes> = offsetof(swiftgs_recorded_scenes, tint);
+template <>
 inline constexpr std::uint32_t first_size<swiftgs_statistics> = offsetof(swiftgs_statistics,
                                                                          intersections_hidden);
 template <>

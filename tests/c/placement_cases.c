@@ -98,6 +98,18 @@ void test_placed(void) {
   CHECK_OK(swiftgs_renderer_place(d->renderer, both, 1));
   CHECK(draws(d, second));
 
+  /* One of before tints shows the range without one. */
+  both[0].size = offsetof(swiftgs_placement, tint), both[0].first = 0, both[0].count = half;
+  both[0].tint[0] = 1, both[0].tint_amount = 0.5f;
+  CHECK_OK(swiftgs_renderer_place(d->renderer, both, 1));
+  CHECK(draws(d, second));
+  both[0].size = sizeof(both[0]);
+  CHECK_OK(swiftgs_renderer_place(d->renderer, both, 1));
+  CHECK(!draws(d, second));
+  both[0].tint_amount = 0;
+  CHECK_OK(swiftgs_renderer_place(d->renderer, both, 1));
+  CHECK(draws(d, second));
+
   /* Another scene takes the place of all, and another renderer shares it. */
   swiftgs_scene* const scene = make_scene();
   CHECK_OK(swiftgs_renderer_set_scene(d->renderer, scene));
@@ -181,12 +193,16 @@ void test_placed_recorded(void) {
   double* const x = (double*)((char*)scenes.translation + scenes.stride);
   CHECK(x[0] == 0.5 && scenes.translation[0] == 0 && scenes.scale[0] == 1 && scenes.opacity[0] == 1);
   for (int i = 0; i < 9; ++i) CHECK(scenes.rotation[i] == (i % 4 == 0));
+  for (int i = 0; i < 4; ++i) CHECK(scenes.tint[i] == 0);
   both[1].translation[0] = 0, both[0].transparency = 0.75;
+  both[1].tint[1] = 2, both[1].tint_amount = 0.25f;
   both[1].rotation[1] = 1, both[1].rotation[5] = 1, both[1].rotation[6] = 1, both[1].scale = 0.5;
   CHECK_OK(swiftgs_renderer_place(d->renderer, both, 2));
   float* const turned = draw_plain(d->renderer, &d->camera);
   CHECK(!same_floats(turned, before, floats));
   x[0] = 0, scenes.opacity[0] = 0.25f;
+  float* const tint = (float*)((char*)scenes.tint + scenes.stride);
+  tint[1] = 2, tint[3] = 0.25f;
   double* const rotation = (double*)((char*)scenes.rotation + scenes.stride);
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column)
@@ -238,9 +254,13 @@ void test_placed_errors(void) {
   REFUSE(wrong.transparency = NAN, "swiftgs_placement: transparency is nan");
   REFUSE(wrong.half_space_count = 7, "placed scene: expected a clip of 0 to 6 half-spaces");
   REFUSE(wrong.radius = -1, "placed scene: expected a clip with a radius of 0 or more");
+  REFUSE(wrong.tint_amount = 1.5f, "placed scene: expected a tint with an amount of 0 to 1");
+  REFUSE(wrong.tint_amount = NAN, "placed scene: expected a tint with an amount of 0 to 1");
+  REFUSE(wrong.tint[2] = INFINITY, "placed scene: expected a tint with a finite colour of 0 or more");
+  REFUSE(wrong.tint[0] = -1, "placed scene: expected a tint with a finite colour of 0 or more");
   REFUSE((wrong.first = half, wrong.count = 1), "place: placement 0 shows 1 Gaussians from number");
   REFUSE(wrong.first = half + 1, "placement 0 shows all Gaussians from number");
-  REFUSE(wrong.size = 8, "swiftgs_placement: size is 8, expected 256");
+  REFUSE(wrong.size = 8, "swiftgs_placement: size is 8, expected 272");
 #undef REFUSE
   const swiftgs_placement two[2] = {zeros, wrong};
   CHECK_INVALID(swiftgs_renderer_place(renderer, two, 2), "swiftgs_placement: size of number 1 is 8");

@@ -285,6 +285,7 @@ TEST_CASE("c: placed scenes have the bits of the C++ interface") {
   placements[1].clip.half_space_count = 2, placements[1].clip.half_spaces[0] = vec4(1, 0.5f, -0.25f, 0.75f),
   placements[1].clip.half_spaces[1] = vec4(0, 1, 0, 2);
   placements[1].first = 100, placements[1].count = 2500;
+  placements[1].tint = {vec3(0.25f, 0.5f, 2), 0.3f};
   both.cpp->place({placements, 2});
 
   swiftgs_placement given[] = {sized<swiftgs_placement>(), sized<swiftgs_placement>()};
@@ -297,7 +298,8 @@ TEST_CASE("c: placed scenes have the bits of the C++ interface") {
   for (int k = 0; k < 3; ++k)
     given[1].translation[k] = p.world_from_scene.translation[k], given[1].centre[k] = p.clip.centre[k];
   for (int k = 0; k < 8; ++k) given[1].half_spaces[k] = p.clip.half_spaces[k / 4][k % 4];
-  given[1].first = p.first, given[1].count = p.count;
+  given[1].first = p.first, given[1].count = p.count, given[1].tint_amount = p.tint.amount;
+  for (int k = 0; k < 3; ++k) given[1].tint[k] = p.tint.colour[k];
   REQUIRE(swiftgs_renderer_place(both.c.get(), given, 2) == SWIFTGS_OK);
   const Frame frame =
       both.compare(builtin_camera(width, height), {}, camera_of_c(), conventions_named("gsplat"));

@@ -8,7 +8,7 @@ import pytest
 
 import swiftgs
 from conftest import HEIGHT, WIDTH, arrays_of, decibels
-from swiftgs import Clip, NOTHING, Placement
+from swiftgs import Clip, NOTHING, Placement, Tint
 
 
 def part_of(scene, chosen):
@@ -139,6 +139,29 @@ def test_clips_and_opacities_choose_what_shows(renderer, scene, camera, expected
     assert renderer.render(camera, alpha=True).alpha.max() == 0
 
 
+def test_tints_are_mixed_into_colours_and_show_a_pick(renderer, camera, expected):
+    renderer.render(camera)
+    i = renderer.pick(WIDTH // 2, HEIGHT // 2).gaussian
+
+    def highlighted(tint):
+        renderer.place([Placement(count=i), Placement(first=i, count=1, tint=tint), Placement(first=i + 1)])
+        return renderer.render(camera).colour
+
+    assert np.array_equal(highlighted(Tint((9, 0, 9), 0)), expected.colour)
+    shown = highlighted(Tint((9, 0, 9), 1))
+    assert shown[HEIGHT // 2, WIDTH // 2, 0] > expected.colour[HEIGHT // 2, WIDTH // 2, 0] + 0.1
+
+    def tinted(tint):
+        renderer.place([Placement(tint=tint)])
+        return renderer.render(camera, alpha=True)
+
+    whole = tinted(Tint((0.25, 0, 2), 1))
+    assert np.allclose(whole.colour, whole.alpha[..., None] * np.float32([0.25, 0, 2]), rtol=1e-5, atol=1e-6)
+    part = tinted(Tint(np.array([0.25, 0, 2]), np.float32(0.25)))
+    assert np.array_equal(part.alpha, expected.alpha)
+    assert np.allclose(part.colour, 0.75 * expected.colour + 0.25 * whole.colour, rtol=1e-5, atol=1e-6)
+
+
 def test_images_show_ranges_of_placed_scenes(placing, parts, camera):
     wanted = []
     for some in ([0], [1, 2], [0, 1, 2]):
@@ -189,6 +212,13 @@ def test_what_cannot_be_placed_is_refused_and_changes_nothing(placing, renderer,
             ([Placement(first=1 << 64)], ValueError, "expected a number that its Placement can hold"),
             ([Placement(opacity=1.1)], ValueError, "opacity is 1.1, expected 0 to 1"),
             ([Placement(opacity=float("nan"))], ValueError, "opacity is nan, expected 0 to 1"),
+            ([Placement(tint=(1, 0, 0))], TypeError, "tint is of type tuple, expected swiftgs.Tint"),
+            ([Placement(tint=Tint((1, 2)))], ValueError, r"colour has the shape \(2,\), expected \(3,\)"),
+            ([Placement(tint=Tint((1, 0, -1)))], ValueError, r"colour is \[1.0, 0.0, -1.0\], expected 0 or more"),
+            ([Placement(tint=Tint((1, np.nan, 0)))], ValueError, "colour is .1.0, nan, 0.0., expected finite numbers"),
+            ([Placement(tint=Tint((1, 1e39, 0)))], swiftgs.InvalidArgument, "expected a tint with a finite colour"),
+            ([Placement(tint=Tint(amount=-0.1))], ValueError, "amount is -0.1, expected 0 to 1"),
+            ([Placement(tint=Tint(amount=float("nan")))], ValueError, "amount is nan, expected 0 to 1"),
             ([Placement(clip=(1, 2))], TypeError, "clip is of type tuple, expected swiftgs.Clip"),
             ([Placement(clip=Clip(np.ones((7, 4))))], ValueError, "half_spaces are 7, expected 6 at most"),
             ([Placement(clip=Clip([[1, 2, 3]]))], ValueError, r"half_spaces has the shape \(1, 3\), expected \(1, 4\)"),
@@ -280,17 +310,19 @@ def test_recorded_frames_follow_what_is_written_to_their_poses(placing, camera):
     assert 100 < report.visible <= 2000 < report.intersections and report.overflowed is False
 
     scenes = placing.recorded_scenes
-    assert [array.shape for array in scenes] == [(3, 3, 3), (3,), (3, 3), (3,)]
+    assert [array.shape for array in scenes] == [(3, 3, 3), (3,), (3, 3), (3,), (3, 4)]
     assert np.allclose(scenes.rotations[1] * scenes.scales[1], pose(0.5, angle=0.3)[:3, :3])
     assert scenes.translations.tolist() == [[0, 0, 0], [0.2, 0, 0.1], [0, 0, 0]]
-    assert scenes.opacities.tolist() == [1, 0.75, 1]
+    assert scenes.opacities.tolist() == [1, 0.75, 1] and scenes.tints.tolist() == [[1, 1, 1, 0]] * 3
     moved = pose(1.25, (-0.3, 0.2, 0), -0.4)
-    placing.place([Placement(0, moved, opacity=0.5), Placement(1, pose(0.5, (0.2, 0, 0.1), 0.3)), Placement(2)])
+    placing.place([Placement(0, moved, opacity=0.5), Placement(1, pose(0.5, (0.2, 0, 0.1), 0.3)),
+                   Placement(2, tint=Tint((0, 2, 0.5), 0.75))])
     wanted = placing.render(camera).colour
     placing.record()
     assert not np.array_equal(frame.colour, wanted)
     scenes.rotations[0], scenes.scales[0] = moved[:3, :3] / 1.25, 1.25
     scenes.translations[0], scenes.opacities[:2] = moved[:3, 3], (0.5, 1)
+    scenes.tints[2] = 0, 2, 0.5, 0.75
     placing.record()
     assert decibels(frame.colour, wanted) > 80 and placing.refused_scenes == []
     placing.set_recorded_scenes()

@@ -14,7 +14,7 @@ from ._errors import (Cancelled, CapacityError, DeviceError, Error, FileError, F
                       InvalidArgument, OrderError, OutOfMemory, Unavailable)
 from ._frame import Frame, load_image
 from ._gsplat import rasterization
-from ._placement import Clip, Placement, RecordedScenes
+from ._placement import Clip, Placement, RecordedScenes, Tint
 from ._renderer import (Memory, Picked, Renderer, RendererEntry, Report, Statistics, Times, find_renderer,
                         list_renderers)
 from ._scene import Scene, SceneBounds, load
@@ -25,6 +25,6 @@ __all__ = [
     "Camera", "Cameras", "Cancelled", "CapacityError", "Clip", "Conventions", "DeviceArray", "DeviceError", "Error",
     "FileError", "FormatError", "Frame", "InternalError", "InvalidArgument", "LentArray", "Memory", "NOTHING",
     "OrbitView", "OrderError", "OutOfMemory", "Picked", "Placement", "RecordedScenes", "Renderer", "RendererEntry",
-    "Report", "Scene", "SceneBounds", "Statistics", "StoredDepth", "Times", "Unavailable", "find_renderer",
-    "list_renderers", "load", "load_cameras", "load_image", "rasterization"
+    "Report", "Scene", "SceneBounds", "Statistics", "StoredDepth", "Times", "Tint", "Unavailable",
+    "find_renderer", "list_renderers", "load", "load_cameras", "load_image", "rasterization"
 ]

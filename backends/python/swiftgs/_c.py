@@ -13,7 +13,7 @@ from typing import Any
 
 from ._errors import exception_of
 
-ABI_MAJOR, ABI_MINOR = 1, 10
+ABI_MAJOR, ABI_MINOR = 1, 11
 
 MEASURE_COUNTS, MEASURE_TIMES = 1, 2
 HOST, DEVICE = 0, 1
@@ -125,12 +125,13 @@ class Placement(_Sized):
     _fields_ = [("size", c_uint32), ("half_space_count", c_int32), ("scene", c_uint64), ("rotation", c_double * 9),
                 ("scale", c_double), ("translation", c_double * 3), ("transparency", c_double),
                 ("half_spaces", c_float * 24), ("centre", c_float * 3), ("radius", c_float), ("first", c_uint64),
-                ("count", c_uint64)]
+                ("count", c_uint64), ("tint", c_float * 3), ("tint_amount", c_float)]
 
 
 class RecordedScenes(_Sized):
     _fields_ = [("size", c_uint32), ("reserved", c_uint32), ("count", c_uint64), ("stride", c_int64),
-                ("rotation", c_void_p), ("scale", c_void_p), ("translation", c_void_p), ("opacity", c_void_p)]
+                ("rotation", c_void_p), ("scale", c_void_p), ("translation", c_void_p), ("opacity", c_void_p),
+                ("tint", c_void_p)]
 
 
 class Capacity(_Sized):

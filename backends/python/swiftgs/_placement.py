@@ -59,6 +59,22 @@ class Clip:
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
+class Tint:
+    """A colour that is mixed into those of a scene's Gaussians, such as a highlight."""
+
+    colour: Any = (1, 1, 1)  #: RGB, in the scene's own values, 0 or more
+    amount: float = 0  #: 0 to 1: 0 leaves the Gaussians' colours, 1 shows `colour` in their place
+
+    def _fill(self, struct: Any) -> None:
+        colour = _floats(self.colour, (3,), "colour")
+        if not (colour >= 0).all():
+            raise ValueError(f"colour is {colour.tolist()}, expected 0 or more")
+        if not 0 <= self.amount <= 1:
+            raise ValueError(f"amount is {self.amount}, expected 0 to 1")
+        struct.tint[:], struct.tint_amount = colour.tolist(), float(self.amount)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
 class Placement:
     """How a frame shows one of a renderer's scenes, or a range of its Gaussians.
 
@@ -75,6 +91,7 @@ class Placement:
     clip: Clip = Clip()  #: by default all shows
     first: int = 0  #: number of the first Gaussian that shows; multiples of 128 are drawn fastest
     count: Optional[int] = None  #: how many Gaussians show, 1 or more; None: all from `first` on
+    tint: Tint = Tint()  #: by default colours stay as they are
 
     def _struct(self) -> Any:
         scene = operator.index(self.scene)
@@ -84,12 +101,15 @@ class Placement:
             raise ValueError(f"opacity is {self.opacity}, expected 0 to 1")
         if not isinstance(self.clip, Clip):
             raise TypeError(f"clip is of type {type(self.clip).__name__}, expected swiftgs.Clip")
+        if not isinstance(self.tint, Tint):
+            raise TypeError(f"tint is of type {type(self.tint).__name__}, expected swiftgs.Tint")
         first, count = operator.index(self.first), 0 if self.count is None else operator.index(self.count)
         if first < 0 or count < (self.count is not None):
             raise ValueError(f"first is {first} and count is {self.count}, expected first of 0 or more and count of 1 "
                              "or more, or None")
         struct = _c.Placement(scene=scene, transparency=1 - float(self.opacity), first=first, count=count)
         self.clip._fill(struct)
+        self.tint._fill(struct)
         if self.world_from_scene is not None:
             self._fill_pose(struct)
         return struct
@@ -117,6 +137,7 @@ class RecordedScenes(NamedTuple):
     scales: Any  #: [N] in float64, above 0
     translations: Any  #: [N, 3] in float64, world position of the scene's zero
     opacities: Any  #: [N] in float32, what opacities are multiplied by, 0 to 1
+    tints: Any  #: [N, 4] in float32, RGB that is mixed into colours, 0 or more, and its amount, 0 to 1
 
     @classmethod
     def _of(cls, struct: Any, handle: _c.Handle, device: Optional[int], stream: int) -> "RecordedScenes":
@@ -127,4 +148,5 @@ class RecordedScenes(NamedTuple):
 
         # Columns lie one after the other.
         return cls(lent(struct.rotation, "f8", (3, 3), (8, 24)), lent(struct.scale, "f8"),
-                   lent(struct.translation, "f8", (3,), (8,)), lent(struct.opacity, "f4"))
+                   lent(struct.translation, "f8", (3,), (8,)), lent(struct.opacity, "f4"),
+                   lent(struct.tint, "f4", (4,), (4,)))

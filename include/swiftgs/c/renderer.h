@@ -130,6 +130,8 @@ typedef struct swiftgs_placement {
   float radius;              ///< 0: no sphere
   uint64_t first;            ///< number of the first Gaussian that shows; multiples of 128 are drawn fastest
   uint64_t count;            ///< how many Gaussians show; 0: all from there on
+  float tint[3];             ///< RGB that is mixed into colours, in the scene's own values, 0 or more
+  float tint_amount;         ///< 0 to 1: 0 leaves the Gaussians' colours, 1 shows `tint` in their place
 } swiftgs_placement;
 
 /// Replaces Gaussians [first, first + count) of a scene of the renderer by those of `gaussians`, whose arrays
@@ -215,6 +217,7 @@ typedef struct swiftgs_recorded_scenes {
   double* scale;        ///< @shape{N} above 0
   double* translation;  ///< @shape{N, 3} world position of the scene's zero
   float* opacity;       ///< @shape{N} what opacities are multiplied by, 0 to 1
+  float* tint;          ///< @shape{N, 4} RGB that is mixed into colours, and its amount, 0 to 1
 } swiftgs_recorded_scenes;
 
 /// Fills `scenes`, whose size is set. Work in the order of the renderer's stream may write these numbers: the
