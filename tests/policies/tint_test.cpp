@@ -51,7 +51,8 @@ TEST_CASE("tint: a mix of finite colours is finite, and at an amount of 1 the ti
   Random random(1);
   for (int i = 0; i < 100'000; ++i) {
     const auto colour = [&] {
-      return vec3(random.f(0, 1) < 0.75f ? random.f(0, 2) : largest, float(random.scale(1e-44, 3e38)), largest);
+      return vec3(random.f(0, 1) < 0.75f ? random.f(0, 2) : largest, float(random.scale(1e-44, 3e38)),
+                  largest);
     };
     Tint tint{colour(), random.f(0, 1)};
     const vec3 from = colour(), mixed = tint.mixed_into(from);

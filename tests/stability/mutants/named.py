@@ -133,10 +133,11 @@ NAMED = [
          "([-eye(plan.views[view].camera, placed)-]{+plan.views[view].camera+}, placed.scene,")),
     *defects("cpu placed", In("backends/cpu/shade.cpp", test=CPU_TINT),
         ("tints count for nothing", "[-tinted(splat, tint)-]{+splat+}")),
-    *defects("reference", In("backends/reference/projection.hpp", test=REFERENCE),
+    *defects("reference", In("backends/reference/projection.hpp", test=TINT),
         ("a tint is mixed into colours before they are cut",
          "splat.colour[c] = [-(1 - amount) * std::max(sum[c], 0.0) + amount * double(tint.colour[c])-]"
-         "{+std::max((1 - amount) * sum[c] + amount * double(tint.colour[c]), 0.0)+};"),
+         "{+std::max((1 - amount) * sum[c] + amount * double(tint.colour[c]), 0.0)+};")),
+    *defects("reference", In("backends/reference/projection.hpp", test=REFERENCE),
         ("the camera's centre in a placed scene is not divided by its scale", "translation[- / scale-];"),
         ("placed Gaussians are as large as in their scenes", "return view.[-scale * view.-]rotation * axes")),
     # Vectors of the Cpu.
