@@ -140,11 +140,11 @@ inline Scene with_degree(Scene scene, int degree) {
 }
 
 /// Adds the Gaussians of `more` behind those of `scene`, which comes to have the higher degree of both. A
-/// `more` without Gaussians changes nothing; a `scene` without any takes over whether `more` is antialiased,
-/// its feature channels and its origin; any other keeps its origin, and `more` is moved to it in double.
-/// Linear in the number of added Gaussians, on average, if the degree stays. Throws `std::invalid_argument`
-/// as `validate` does, if only one of both was trained with the opacity compensation that `antialiased`
-/// names, and if both have features of different numbers of channels. If it throws, `scene` is as before.
+/// `more` without Gaussians changes nothing; a `scene` without any takes over the model of `more`, its
+/// feature channels and its origin; any other keeps its origin, and `more` is moved to it in double. Linear
+/// in the number of added Gaussians, on average, if the degree stays. Throws `std::invalid_argument` as
+/// `validate` does, if the models of both differ, and if both have features of different numbers of channels.
+/// If it throws, `scene` is as before.
 inline void append(Scene& scene, const Scene& more) {
   validate(scene), validate(more);
   if (more.size() == 0) return;
