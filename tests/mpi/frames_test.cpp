@@ -67,6 +67,16 @@ TEST_CASE("mpi frames: panoramas and other lenses beside them are the same") {
   compare<Serial, StandardSort, PerPixel, Obb>(scene, {fisheye, panorama}, 2);
 }
 
+TEST_CASE("mpi frames: scenes are drawn as they were trained") {
+  Scene scene = with_features(make_builtin_scene(2'000));
+  scene.model = {
+      .blur = 0.1f, .antialiased = true, .order = SplatOrder::distance, .colours = ColourSpace::linear};
+  Camera wide = builtin_camera(120, 80);
+  wide.fx *= 0.4, wide.fy *= 0.4;
+  compare<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, part_of(scene, own_part()),
+                                                                       {wide}, 2, all_planes());
+}
+
 TEST_CASE("mpi frames: all planes are the same") {
   const Scene scene = with_features(make_builtin_scene(3'000)), own = part_of(scene, own_part());
   compare<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, own, some_cameras(), 2,
