@@ -131,6 +131,8 @@ void test_conventions(void) {
   CHECK_OK(swiftgs_conventions_named("inria", &inria));
   /* The other numbers have the bits of the C++ interface in same_bits_test, whose frames do not show these.
    */
+  CHECK(gsplat.blur == SWIFTGS_OF_SCENE && gsplat.antialiased == SWIFTGS_OF_SCENE);
+  CHECK(gsplat.order == SWIFTGS_OF_SCENE && gsplat.colours == SWIFTGS_OF_SCENE);
   CHECK(gsplat.depth == SWIFTGS_DEPTH_OF_LENS && gsplat.depth_at == SWIFTGS_DEPTH_AT_CENTRE);
   CHECK(gsplat.min_compensation == 2.5e-5f && inria.cull_at_near == 1 && isinf(inria.far_plane));
 

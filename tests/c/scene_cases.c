@@ -209,7 +209,10 @@ static swiftgs_gaussians arrays_in_rows(void) {
       .raw = SWIFTGS_LOG_SCALES | SWIFTGS_LOGIT_OPACITIES | SWIFTGS_ANY_ROTATIONS,
       .antialiased = 1,
       .feature_channels = 2,
-      .features = {rows[0].features, stride}};
+      .features = {rows[0].features, stride},
+      .blur = 0.1f,
+      .order = SWIFTGS_ORDER_DISTANCE,
+      .colours = SWIFTGS_COLOURS_LINEAR};
   return arrays;
 }
 
@@ -224,6 +227,8 @@ void test_arrays(void) {
   swiftgs_scene* const scene = scene_of(&given);
   const swiftgs_scene_info info = info_of(scene);
   CHECK(info.count == 2 && info.stored == 2 && info.sh_degree == 1 && info.antialiased == 1);
+  CHECK(info.blur == 0.1f && info.order == SWIFTGS_ORDER_DISTANCE);
+  CHECK(info.colours == SWIFTGS_COLOURS_LINEAR && info.kernel == SWIFTGS_KERNEL_ELLIPSOID);
   CHECK(info.feature_channels == 2);
   CHECK(info.lower[2] == -3 && info.upper[2] == 3);
   const swiftgs_gaussians kept = arrays_of(scene);
