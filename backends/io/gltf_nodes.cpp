@@ -42,6 +42,7 @@ GltfPlacement map_of(const JsonEntry& node) {
   }
   const auto t = numbers<3>(node, "translation", {0, 0, 0}), s = numbers<3>(node, "scale", {1, 1, 1});
   const auto q = numbers<4>(node, "rotation", {0, 0, 0, 1});
+  if (q == decltype(q){}) node.fail("a quaternion other than 0 in 'rotation'");
   map.linear = matrix_of(unit({q[3], q[0], q[1], q[2]}));
   for (int axis = 0; axis < 3; ++axis) map.linear[axis] *= s[std::size_t(axis)];
   map.translation = {t[0], t[1], t[2]};

@@ -155,6 +155,12 @@ TEST_CASE("gltf: places that Gaussians cannot take are refused by the node's off
   CHECK(complaint_about(parts) == "");
 }
 
+TEST_CASE("gltf: a node whose quaternion is zeros is refused") {
+  GltfParts parts = encode_gltf(some_scene(3, 0));
+  parts.root["nodes"][0]["rotation"] = {0, 0, -0.0, 0};
+  CHECK(contains(complaint_about(parts), "expected a quaternion other than 0 in 'rotation'"));
+}
+
 TEST_CASE("gltf: nodes that are reached twice are refused") {
   GltfParts parts = encode_gltf(some_scene(3, 0));
   const auto children = [&](const json& of_first, const json& of_second) {
