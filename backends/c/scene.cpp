@@ -67,7 +67,7 @@ swiftgs_scene* own(swiftgs_scene scene) {
 swiftgs_scene* own(SceneFile file, const swiftgs_read_options& options) {
   hand_over(file.notes, options);
   return own({std::make_shared<const Scene>(std::move(file.scene)), std::move(file.format), file.stored,
-              file.dropped_nonfinite, file.camera});
+              file.left_out.total(), file.camera});
 }
 
 swiftgs_scene* own(Scene scene) {

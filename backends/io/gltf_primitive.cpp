@@ -5,9 +5,8 @@
 #include <atomic>
 #include <cmath>
 
-#include <swiftgs/activation.hpp>
-
 #include "parallel.hpp"
+#include "scene_building.hpp"
 #include "spz_content.hpp"
 
 namespace swiftgs::io {
@@ -155,7 +154,7 @@ void decode_block(const GltfPrimitive& from, const AxisFlip& flip, bool logarith
     scene.means[i + shift] = flip.position({v[0], v[1], v[2]});
   });
   for_vectors<4>(from.rotation, begin, end, [&](std::size_t i, const float* v) {
-    scene.rotations[i + shift] = flip.rotation(normalised(v[3], v[0], v[1], v[2]));
+    scene.rotations[i + shift] = flip.rotation(rotation_of(v[3], v[0], v[1], v[2]));
   });
   for_vectors<3>(from.scale, begin, end, [&](std::size_t i, const float* v) {
     for (int axis = 0; axis < 3; ++axis)

@@ -171,10 +171,9 @@ class GltfReader {
       if (instance.gaussians->spz_view) {
         const Scene part = read_nested(instance, step);
         copy(part, at);
-        at += part.size();  // less than `count` where SPZ 1 holds what is not finite
+        at += part.size();
       } else {
-        place_accessors(instance, at, step);
-        at += count;
+        at += place_accessors(instance, at, step);
       }
     }
     resize(scene, at);
@@ -205,27 +204,32 @@ class GltfReader {
 
   AxisFlip axes() const { return early_ ? AxisFlip{} : luf_to_rdf; }
 
-  /// Decodes the Gaussians of accessors as numbers `at` on.
-  void place_accessors(const Instance& instance, std::size_t at, const ProgressMeter& progress) {
+  /// Decodes the Gaussians of accessors as numbers `at` on. Returns how many: those that are moved have no
+  /// fault, as a movement makes rotations of all quaternions.
+  std::size_t place_accessors(const Instance& instance, std::size_t at, const ProgressMeter& progress) {
     const GltfPrimitive& gaussians = *instance.gaussians;
     const Similarity movement = movement_of(document_, *instance.place);
     file_.stored += gaussians.count;
     if (stays(movement)) {
       decode(gaussians, axes(), logarithmic_, {0, gaussians.count, at}, progress, file_.scene);
       stay(file_.scene, at, gaussians.count);
-      return;
+      return gaussians.count;
     }
     const Progress none;
     const ProgressMeter silent(none, "");
+    std::size_t placed = 0;
     for (std::size_t first = 0; first < gaussians.count; first += moved_at_once) {
       progress.report(double(first) / double(gaussians.count));
       Scene part;
       allocate(part, std::min(moved_at_once, gaussians.count - first), gaussians.sh_degree);
       decode(gaussians, axes(), logarithmic_, {first, part.size(), 0}, silent, part);
+      file_.left_out += leave_out_invalid(part);
       move(part, movement, instance);
-      copy(part, at + first);
+      copy(part, at + placed);
+      placed += part.size();
     }
     progress.report(1);
+    return placed;
   }
 
   Scene read_nested(const Instance& instance, const ProgressMeter& progress) {
@@ -234,7 +238,7 @@ class GltfReader {
     options.progress = [&](double done) { return progress.report(done), true; };
     SceneFile nested = read_spz(instance.gaussians->spz_source(document_.source()), options);
     file_.stored += nested.stored;
-    file_.dropped_nonfinite += nested.dropped_nonfinite;
+    file_.left_out += nested.left_out;
     file_.notes.insert(file_.notes.end(), nested.notes.begin(), nested.notes.end());
     spz_format_ = nested.format;
     const Similarity movement = movement_of(document_, *instance.place);
@@ -294,7 +298,7 @@ class GltfReader {
 
   void finish() {
     file_.bytes = buffers_.size_beside();
-    file_.dropped_nonfinite += drop_nonfinite(file_.scene);
+    file_.left_out += leave_out_invalid(file_.scene);
     file_.scene.origin = origin_.value_or(dvec3(0.0));
     std::size_t clamped = 0;
     for (float& opacity : file_.scene.opacities) {

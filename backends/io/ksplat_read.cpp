@@ -24,6 +24,12 @@ float number(const std::byte* at, std::size_t index) {
     return half_to_float(load<std::uint16_t>(at + 2 * index));
 }
 
+template <int Level>
+Quaternion rotation_of_record(const std::byte* record) {
+  const auto component = [&](std::size_t k) { return number<Level>(record, 6 + k); };
+  return rotation_of(component(0), component(1), component(2), component(3));
+}
+
 /// Tells the bucket of Gaussians that are asked for in order.
 class BucketWalk {
  public:
@@ -90,10 +96,9 @@ void decode(const KsplatLayout& layout, const KsplatSection& section, Scene& sce
     const std::byte* record = section.records + local * section.record_bytes;
     const std::size_t i = section.first + local;
     scene.means[i] = vec3(position_of<Level>(section, record, buckets, local) - scene.origin);
-    const std::byte *scale = record + 3 * size, *rotation = record + 6 * size, *colour = record + colour_at;
+    const std::byte *scale = record + 3 * size, *colour = record + colour_at;
     scene.scales[i] = {number<Level>(scale, 0), number<Level>(scale, 1), number<Level>(scale, 2)};
-    scene.rotations[i] = normalised(number<Level>(rotation, 0), number<Level>(rotation, 1),
-                                    number<Level>(rotation, 2), number<Level>(rotation, 3));
+    scene.rotations[i] = rotation_of_record<Level>(record);
     for (int channel = 0; channel < 3; ++channel)
       scene.sh0[i][channel] = colours[std::to_integer<std::size_t>(colour[channel])];
     scene.opacities[i] = float(std::to_integer<int>(colour[3])) / 255;
@@ -118,6 +123,7 @@ dvec3 origin_of(const KsplatLayout& layout) {
     BucketWalk buckets(section, 0);
     OriginChoice::for_each_sample(section.count, [&](std::size_t local) {
       const std::byte* record = section.records + local * section.record_bytes;
+      if (rotation_of_record<Level>(record) == not_a_rotation) return;
       const std::byte* scale = record + 3 * (Level == 0 ? 4 : 2);
       const auto size = [&](std::size_t axis) { return std::abs(number<Level>(scale, axis)); };
       choice.add(position_of<Level>(section, record, buckets, local), std::max({size(0), size(1), size(2)}));
@@ -147,7 +153,7 @@ SceneFile read_ksplat(const Source& source, const SceneReadOptions& options) {
     });
   }
   drop_signs_of_scales(file);
-  file.dropped_nonfinite = drop_nonfinite(file.scene);
+  file.left_out = leave_out_invalid(file.scene);
   return file;
 }
 

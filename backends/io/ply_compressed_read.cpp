@@ -150,7 +150,7 @@ SceneFile read_compressed_ply(const Source& source, const PlyHeader& header,
   allocate(file.scene, file.stored, layout.sh.degree);
   file.scene.model = model;
   decode_gaussians(source, layout, flat, first, progress.step(0.05, 1), file.scene);
-  file.dropped_nonfinite = drop_nonfinite(file.scene);
+  file.left_out = leave_out_invalid(file.scene);
   file.notes = notes_of(flat, layout.sh);
   note_unread(header, {"chunk", "vertex", "sh"}, layout.unread, file.notes);
   return file;

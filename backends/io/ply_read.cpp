@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -51,6 +53,19 @@ dvec3 position_in(const PlyLayout& layout, const std::byte* row, const Field& of
   return {of.exact(row, layout.mean[0]), of.exact(row, layout.mean[1]), of.exact(row, layout.mean[2])};
 }
 
+/// The rotation in `row`. A double holds quaternions that float would make zeros or infinite: they are scaled
+/// first, as the length of a quaternion says nothing.
+template <class Field>
+Quaternion rotation_in(const PlyLayout& layout, const std::byte* row, const Field& of) {
+  std::array<double, 4> q;
+  for (std::size_t k = 0; k < 4; ++k) q[k] = of.exact(row, layout.rotation[k]);
+  const double largest = std::max({std::abs(q[0]), std::abs(q[1]), std::abs(q[2]), std::abs(q[3])});
+  using Float = std::numeric_limits<float>;
+  if (largest > Float::max() || (largest < Float::min() && largest != 0))
+    for (double& component : q) component /= largest;
+  return rotation_of(float(q[0]), float(q[1]), float(q[2]), float(q[3]));
+}
+
 /// Activates the Gaussian in `row` and stores it as number `i`.
 template <class Field>
 void decode_row(const PlyLayout& layout, const std::byte* row, const Field& of, Scene& scene, std::size_t i) {
@@ -61,8 +76,7 @@ void decode_row(const PlyLayout& layout, const std::byte* row, const Field& of, 
   const vec3 log_scale = three(layout.scale), colour = three(layout.colour);
   scene.means[i] = vec3(position_in(layout, row, of) - scene.origin);
   scene.scales[i] = {std::exp(log_scale.x), std::exp(log_scale.y), layout.flat ? 0 : std::exp(log_scale.z)};
-  scene.rotations[i] = normalised(field(row, layout.rotation[0]), field(row, layout.rotation[1]),
-                                  field(row, layout.rotation[2]), field(row, layout.rotation[3]));
+  scene.rotations[i] = rotation_in(layout, row, of);
   scene.opacities[i] = sigmoid(field(row, layout.opacity));
   scene.sh0[i] = layout.byte_colour ? (colour / 255.0f - 0.5f) / float(sh_c0) : colour;
   float* rest = scene.sh_rest.data() + i * layout.sh.fields.size();
@@ -92,6 +106,7 @@ dvec3 origin_of(const Source& source, const PlyHeader& header, const PlyElement&
   OriginChoice choice;
   const auto add = [&](const std::byte* row, std::endian order) {
     const AnyScalar field{order};
+    if (rotation_in(layout, row, field) == not_a_rotation) return;
     const auto scale = [&](int axis) { return field.exact(row, layout.scale[std::size_t(axis)]); };
     const double largest = std::max({scale(0), scale(1), layout.flat ? scale(1) : scale(2)});
     choice.add(position_in(layout, row, field), std::exp(float(largest)));
@@ -171,7 +186,7 @@ SceneFile read_ply(const Source& source, const SceneReadOptions& options) {
   std::vector<std::string_view> read = {"vertex"};
   read_photograph(source, header, starts, file, read);
   note_unread(header, read, layout.unread, file.notes);
-  file.dropped_nonfinite = drop_nonfinite(file.scene);
+  file.left_out = leave_out_invalid(file.scene);
   return file;
 }
 

@@ -17,10 +17,10 @@ namespace swiftgs::io {
 namespace {
 
 template <class T>
-void keep(std::vector<T>& values, const std::vector<std::uint8_t>& wanted, std::size_t stride) {
+void keep(std::vector<T>& values, const std::vector<Fault>& faults, std::size_t stride) {
   auto to = values.begin();
-  for (std::size_t i = 0; i < wanted.size(); ++i) {
-    if (!wanted[i]) continue;
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    if (faults[i] != Fault::none) continue;
     const auto from = values.begin() + std::ptrdiff_t(i * stride);
     to = std::copy(from, from + std::ptrdiff_t(stride), to);
   }
@@ -58,7 +58,7 @@ void allocate(Scene& scene, std::size_t count, int sh_degree) {
   for_each_array([&](const char*, std::size_t each, auto& values) { resize(values, each * count); }, scene);
 }
 
-bool renderable(const Scene& scene, std::size_t i) {
+Fault fault_of(const Scene& scene, std::size_t i) {
   bool finite = true;
   for_each_array(
       [&](const char*, std::size_t each, const auto& values) {
@@ -66,7 +66,8 @@ bool renderable(const Scene& scene, std::size_t i) {
         finite &= swiftgs::detail::are_finite(swiftgs::detail::floats_of(values).data + i * floats, floats);
       },
       scene);
-  return finite;
+  if (!finite) return Fault::not_finite;
+  return scene.rotations[i] == not_a_rotation ? Fault::no_rotation : Fault::none;
 }
 
 void drop_signs_of_scales(SceneFile& file) {
@@ -80,15 +81,22 @@ void drop_signs_of_scales(SceneFile& file) {
         "Scales below 0 are taken without their sign, of Gaussians: " + std::to_string(found) + ".");
 }
 
-std::uint64_t drop_nonfinite(Scene& scene) {
-  std::vector<std::uint8_t> wanted(scene.size());
+LeftOut leave_out(Scene& scene, const std::vector<Fault>& faults) {
+  const auto count = [&](Fault fault) {
+    return std::uint64_t(std::count(faults.begin(), faults.end(), fault));
+  };
+  const LeftOut left_out{count(Fault::not_finite), count(Fault::no_rotation)};
+  if (left_out.total() != 0)
+    for_each_array([&](const char*, std::size_t each, auto& values) { keep(values, faults, each); }, scene);
+  return left_out;
+}
+
+LeftOut leave_out_invalid(Scene& scene) {
+  std::vector<Fault> faults(scene.size());
   for_parts(scene.size(), [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) wanted[i] = renderable(scene, i);
+    for (std::size_t i = begin; i < end; ++i) faults[i] = fault_of(scene, i);
   });
-  const auto dropped = std::uint64_t(std::count(wanted.begin(), wanted.end(), 0));
-  if (dropped == 0) return 0;
-  for_each_array([&](const char*, std::size_t each, auto& values) { keep(values, wanted, each); }, scene);
-  return dropped;
+  return leave_out(scene, faults);
 }
 
 std::string text_of(const dvec3& origin) {
@@ -103,9 +111,13 @@ std::string text_of(const dvec3& origin) {
   return text;
 }
 
-void note_dropped(std::uint64_t dropped, std::vector<std::string>& notes) {
-  if (dropped != 0)
-    notes.push_back("Gaussians with a NaN or an infinity are left out: " + std::to_string(dropped) + ".");
+void note_left_out(const LeftOut& left_out, std::vector<std::string>& notes) {
+  const auto note = [&](const char* which, std::uint64_t count) {
+    if (count != 0)
+      notes.push_back(std::string("Gaussians ") + which + " are left out: " + std::to_string(count) + ".");
+  };
+  note("with a NaN or an infinity", left_out.not_finite);
+  note("whose quaternion is no rotation", left_out.no_rotation);
 }
 
 }  // namespace swiftgs::io

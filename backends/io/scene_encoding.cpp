@@ -17,28 +17,27 @@ bool has_negative_scale(const Scene& scene, std::size_t i) {
 }  // namespace
 
 std::optional<Scene> encodable(const Scene& scene, std::vector<std::string>& notes) {
-  std::atomic<std::uint64_t> infinite = 0, opacities = 0, negative = 0;
+  std::vector<Fault> faults(scene.size());
+  std::atomic<std::uint64_t> invalid = 0, opacities = 0, negative = 0;
   for_parts(scene.size(), [&](std::size_t begin, std::size_t end) {
-    std::uint64_t own_infinite = 0, own_opacities = 0, own_negative = 0;
+    std::uint64_t own_invalid = 0, own_opacities = 0, own_negative = 0;
     for (std::size_t i = begin; i < end; ++i) {
-      if (!renderable(scene, i)) {
-        ++own_infinite;
-        continue;
-      }
+      faults[i] = fault_of(scene, i);
+      own_invalid += faults[i] != Fault::none;
+      if (faults[i] != Fault::none) continue;
       own_opacities += scene.opacities[i] < 0 || scene.opacities[i] > 1;
       own_negative += has_negative_scale(scene, i);
     }
-    infinite += own_infinite, opacities += own_opacities, negative += own_negative;
+    invalid += own_invalid, opacities += own_opacities, negative += own_negative;
   });
-  if (infinite + opacities + negative == 0) return std::nullopt;
+  if (invalid + opacities + negative == 0) return std::nullopt;
 
-  note_dropped(infinite, notes);
+  Scene result = scene;
+  note_left_out(leave_out(result, faults), notes);
   note_clamped(opacities, "Opacities", "0 to 1", notes);
   if (negative != 0)
     notes.push_back(
         "Scales below 0 are written without their sign, of Gaussians: " + std::to_string(negative) + ".");
-  Scene result = scene;
-  drop_nonfinite(result);
   for (float& opacity : result.opacities) opacity = std::clamp(opacity, 0.0f, 1.0f);
   for (vec3& scale : result.scales) scale = glm::abs(scale);
   return result;

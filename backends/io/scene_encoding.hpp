@@ -16,7 +16,7 @@
 
 namespace swiftgs::io {
 
-/// The scene without numbers that are not finite, opacities outside 0 to 1 and scales below 0. Empty if
+/// The scene without Gaussians that have a fault, opacities outside 0 to 1 and scales below 0. Empty if
 /// `scene` has none. `write_scene` tells what becomes of them; `notes` get the counts.
 std::optional<Scene> encodable(const Scene& scene, std::vector<std::string>& notes);
 

@@ -86,7 +86,7 @@ SceneFile read(const Source& source, const SceneReadOptions& options) {
             text_of(origin) + ".");
       if (file.scene.model.kernel == RenderingModel::Kernel::disk)
         file.notes.push_back("The Gaussians were trained as 2D ones; they are kept as flat 3D ones.");
-      note_dropped(file.dropped_nonfinite, file.notes);
+      note_left_out(file.left_out, file.notes);
       return file;
     }
   source.fail(0, "a scene of Gaussians, found " + what_it_is(text));

@@ -52,20 +52,15 @@ struct SogPixels {
 /// Decodes the images, several at a time, and closes their files.
 SogPixels decode_images(SogContent& sog, const ProgressMeter& progress);
 
-/// What the format has no meaning for, counted.
-struct SogOddities {
-  std::uint64_t labels = 0;     ///< Gaussians without harmonics, as their label is no entry of the palette
-  std::uint64_t rotations = 0;  ///< Gaussians not rotated, as no component is said to be the largest
-};
-
 /// Some Gaussians of a SOG, and where they go in a scene of the same or a higher degree.
 struct SogRange {
   std::size_t first, count, to;
 };
 
-/// Means are relative to the origin of `scene`.
-SogOddities decode_gaussians(const SogContent& sog, const SogPixels& pixels, const SogRange& range,
-                             const ProgressMeter& progress, Scene& scene);
+/// Means are relative to the origin of `scene`. Returns how many Gaussians have a label that the palette
+/// lacks: their harmonics stay as they are.
+std::uint64_t decode_gaussians(const SogContent& sog, const SogPixels& pixels, const SogRange& range,
+                               const ProgressMeter& progress, Scene& scene);
 
 /// Adds the corners of the box that all Gaussians lie in.
 void add_box(const SogContent& sog, OriginChoice& choice);

@@ -33,17 +33,17 @@ class MeanDecoder {
   dvec3 least_, step_;
 };
 
-/// The fourth byte names the largest of w, x, y, z; the others hold the rest in that order.
+/// The fourth byte names the largest of w, x, y, z; the others hold the rest in that order. The format
+/// defines no other fourth byte.
 class RotationDecoder {
  public:
   RotationDecoder() {
     for (int byte = 0; byte < 256; ++byte) component_[byte] = float((byte / 255.0 - 0.5) * std::sqrt(2.0));
   }
 
-  static bool is_valid(const std::uint8_t* pixel) { return pixel[3] >= first_index; }
-
   Quaternion operator()(const std::uint8_t* pixel) const {
     const int largest = pixel[3] - first_index;
+    if (largest < 0) return not_a_rotation;
     std::array<float, 4> wxyz;
     float squares = 0;
     for (int i = 0; i < 4; ++i) {
@@ -67,24 +67,21 @@ vec3 three(const std::array<SogMeta::Table, 3>& tables, const std::uint8_t* pixe
 
 }  // namespace
 
-SogOddities decode_gaussians(const SogContent& sog, const SogPixels& pixels, const SogRange& range,
-                             const ProgressMeter& progress, Scene& scene) {
+std::uint64_t decode_gaussians(const SogContent& sog, const SogPixels& pixels, const SogRange& range,
+                               const ProgressMeter& progress, Scene& scene) {
   const std::size_t rest = 3 * std::size_t(sh_rest_count(sog.sh_degree));
   const std::size_t stride = 3 * std::size_t(sh_rest_count(scene.sh_degree));
   const MeanDecoder mean(sog.meta);
   const RotationDecoder rotation;
-  std::atomic<std::uint64_t> odd_labels = 0, odd_rotations = 0;
+  std::atomic<std::uint64_t> odd_labels = 0;
   for_parts(range.count, progress, [&](std::size_t begin, std::size_t end) {
-    SogOddities odd;
+    std::uint64_t odd = 0;
     for (std::size_t i = begin; i < end; ++i) {
       const auto pixel = [&](SogImageKind kind) { return pixels.images[kind].get() + 4 * (range.first + i); };
       const std::size_t to = range.to + i;
       scene.means[to] = vec3(mean(pixel(sog_means_low), pixel(sog_means_high)) - scene.origin);
       scene.scales[to] = three(sog.meta.scales, pixel(sog_scales));
-      if (RotationDecoder::is_valid(pixel(sog_rotations)))
-        scene.rotations[to] = rotation(pixel(sog_rotations));
-      else
-        ++odd.rotations;
+      scene.rotations[to] = rotation(pixel(sog_rotations));
       scene.sh0[to] = three(sog.meta.colours, pixel(sog_colours));
       scene.opacities[to] = sog.meta.opacities[pixel(sog_colours)[3]];
       if (rest != 0) {
@@ -93,12 +90,12 @@ SogOddities decode_gaussians(const SogContent& sog, const SogPixels& pixels, con
           std::memcpy(scene.sh_rest.data() + to * stride, pixels.palette.data() + label * rest,
                       rest * sizeof(float));
         else
-          ++odd.labels;
+          ++odd;
       }
     }
-    odd_labels += odd.labels, odd_rotations += odd.rotations;
+    odd_labels += odd;
   });
-  return {odd_labels, odd_rotations};
+  return odd_labels;
 }
 
 void add_box(const SogContent& sog, OriginChoice& choice) {

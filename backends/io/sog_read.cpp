@@ -8,27 +8,23 @@
 
 namespace swiftgs::io {
 
-void SogFindings::add(const SogMeta& meta, const SogOddities& odd) {
+void SogFindings::add(const SogMeta& meta, std::uint64_t odd_labels) {
   (meta.model.antialiased ? antialiased_ : plain_) = true;
   if (meta.model.kernel == RenderingModel::Kernel::disk) kernel_ = meta.model.kernel;
   if (!meta.unknown_model.empty()) unknown_model_ = meta.unknown_model;
-  odd_.labels += odd.labels;
-  odd_.rotations += odd.rotations;
+  odd_labels_ += odd_labels;
 }
 
 void SogFindings::finish(SceneFile& file) const {
   const auto note = [&](const std::string& text) { file.notes.push_back(text); };
-  file.dropped_nonfinite = drop_nonfinite(file.scene);
+  file.left_out = leave_out_invalid(file.scene);
   file.scene.model.antialiased = antialiased_, file.scene.model.kernel = kernel_;
   if (antialiased_ && plain_)
     note("Some parts were trained with antialiasing and some without; all are rendered with it.");
   if (!unknown_model_.empty()) note("The render model '" + unknown_model_ + "' is not known, and ignored.");
-  if (odd_.labels > 0)
-    note(std::to_string(odd_.labels) +
+  if (odd_labels_ > 0)
+    note(std::to_string(odd_labels_) +
          " Gaussians name an entry that the palette of harmonics lacks; theirs are 0.");
-  if (odd_.rotations > 0)
-    note(std::to_string(odd_.rotations) +
-         " Gaussians have a rotation that is not valid; they are not rotated.");
 }
 
 SceneFile read_sog(const Source& source, const SceneReadOptions& options) {

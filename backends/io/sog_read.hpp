@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstdint>
+#include <string>
+
 #include <swiftgs/io/scene_file.hpp>
 
 #include "sog_content.hpp"
@@ -10,16 +13,17 @@ namespace swiftgs::io {
 /// What the SOGs that make up a scene say beside their Gaussians.
 class SogFindings {
  public:
-  void add(const SogMeta& meta, const SogOddities& odd);
+  /// `odd_labels` is what `decode_gaussians` returned.
+  void add(const SogMeta& meta, std::uint64_t odd_labels);
 
-  /// Drops what cannot be rendered, and sets `file`'s notes and its scene's model.
+  /// Leaves out Gaussians with a fault, and sets `file`'s notes and its scene's model.
   void finish(SceneFile& file) const;
 
  private:
   bool antialiased_ = false, plain_ = false;
   RenderingModel::Kernel kernel_ = RenderingModel::Kernel::ellipsoid;
   std::string unknown_model_;
-  SogOddities odd_;
+  std::uint64_t odd_labels_ = 0;
 };
 
 /// Reads `lod-meta.json`, whose chunks and their images `open` opens by names relative to it.

@@ -23,7 +23,7 @@ void decode_record(const std::byte* record, Scene& scene, std::size_t i) {
   for (std::size_t c = 0; c < 3; ++c)
     scene.sh0[i][int(c)] = float((double(byte(24 + c)) / 255 - 0.5) / sh_c0);
   scene.opacities[i] = float(byte(27)) / 255;
-  scene.rotations[i] = normalised(component(28), component(29), component(30), component(31));
+  scene.rotations[i] = rotation_of(component(28), component(29), component(30), component(31));
 }
 
 }  // namespace
@@ -46,7 +46,7 @@ SceneFile read_splat(const Source& source, const SceneReadOptions& options) {
     let_go(source, position + begin * splat_record_bytes, position + end * splat_record_bytes);
   });
   drop_signs_of_scales(file);
-  file.dropped_nonfinite = drop_nonfinite(file.scene);
+  file.left_out = leave_out_invalid(file.scene);
   return file;
 }
 

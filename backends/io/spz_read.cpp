@@ -127,8 +127,8 @@ SceneFile read_spz(const Source& source, const SceneReadOptions& options) {
   for_parts(file.scene.size(), progress.step(0.6, 1),
             [&](std::size_t first, std::size_t end) { decoder.decode(file.scene, first, end); });
   file.scene.model.antialiased = header.antialiased;
-  // Only the halves of version 1 can be infinite or NaN.
-  if (header.version == 1) file.dropped_nonfinite = drop_nonfinite(file.scene);
+  // Only the halves of version 1 can be infinite or NaN, and every quaternion of SPZ is a rotation.
+  if (header.version == 1) file.left_out = leave_out_invalid(file.scene);
   if (header.sh_degree > max_sh_degree)
     file.notes.push_back("SH coefficients of degree 4 are stored; degree 3 and below are kept.");
   return file;

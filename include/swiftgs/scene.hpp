@@ -77,7 +77,7 @@ struct ChunkRange {
 };
 
 /// Constant arrays of one scene wherever a backend keeps them; what a frame is rendered from. A Gaussian with
-/// a number that is NaN or infinite is not drawn.
+/// a number that is NaN or infinite is not drawn. A rotation of zeros turns nothing, as the identity does.
 /// `sh_degree` may be lower than what is stored: bands above it are never loaded.
 struct SceneView {
   StridedSpan<const vec3> means{};

@@ -51,7 +51,7 @@ SceneFile read_folder(const Files& files, const SceneReadOptions& options) {
   SceneFile file;
   io::allocate(file.scene, sog.meta.count, sog.sh_degree);
   io::decode_gaussians(sog, pixels, {0, sog.meta.count, 0}, progress.step(0.5, 1), file.scene);
-  io::drop_nonfinite(file.scene);
+  io::leave_out_invalid(file.scene);
   return file;
 }
 

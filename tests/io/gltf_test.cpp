@@ -178,8 +178,28 @@ TEST_CASE("gltf: Gaussians that are not finite are dropped") {
   scene.sh_rest[2 * 9 + 4] = INFINITY;
   const SceneFile file = read(glb(encode_gltf(scene)));
   CHECK(file.stored == 4);
-  CHECK(file.dropped_nonfinite == 2);
+  CHECK(file.left_out.not_finite == 2);
   CHECK(file.scene.means[1] == scene.means[3]);
+}
+
+TEST_CASE("gltf: a quaternion of zeros leaves its Gaussian out, moved by a node or not") {
+  Scene scene = some_scene(6, 1);
+  scene.rotations[1] = scene.rotations[4] = {0, 0, 0, 0};
+  scene.scales[2].x = INFINITY;
+  GltfParts parts = encode_gltf(scene);
+  const auto check = [&](const vec3& offset) {
+    const SceneFile file = read(glb(parts));
+    CHECK(file.stored == 6);
+    CHECK(file.left_out.no_rotation == 2);
+    CHECK(file.left_out.not_finite == 1);
+    REQUIRE(file.scene.size() == 3);
+    const std::array<std::size_t, 3> kept = {0, 3, 5};
+    for (std::size_t k = 0; k < 3; ++k) CHECK(file.scene.means[k] == scene.means[kept[k]] + offset);
+  };
+  check({0, 0, 0});
+  // glTF's x points the other way.
+  parts.root["nodes"][0]["translation"] = {-2, 0, 0};
+  check({2, 0, 0});
 }
 
 TEST_CASE("gltf: buffers in other files are found in the folder of the file alone") {

@@ -204,8 +204,21 @@ TEST_CASE("ksplat: Gaussians that are not finite are dropped") {
   set(section.records, 6, std::uint16_t(0x7c00));
   const SceneFile file = read(ksplat({section}, 1));
   CHECK(file.stored == 5);
-  CHECK(file.dropped_nonfinite == 1);
+  CHECK(file.left_out.not_finite == 1);
   CHECK(file.scene.size() == 4);
+}
+
+TEST_CASE("ksplat: a quaternion of zeros leaves its Gaussian out") {
+  for (int level = 0; level <= 2; ++level) {
+    CAPTURE(level);
+    Scene scene = exact_scene(5, 1);
+    scene.rotations[3] = {0, 0, -0.0f, 0}, scene.rotations[4] = {0, 0, 1.0f / 1024, 0};
+    const SceneFile file = read(ksplat({encode_section(scene, 0, 5, level, 8)}, level));
+    CHECK(file.left_out.no_rotation == 1);
+    CHECK(file.left_out.not_finite == 0);
+    REQUIRE(file.scene.size() == 4);
+    CHECK(file.scene.rotations[3] == Quaternion{0, 0, 1, 0});
+  }
 }
 
 TEST_CASE("ksplat: a file that ends early is refused wherever it ends") {

@@ -239,10 +239,22 @@ TEST_CASE("layouts: positions beyond float are dropped beside an origin as witho
     CAPTURE(bad);
     const std::string content = ply(gaussian, {.repeat = 3});
     const SceneFile file = read(with(content, content.size() - (11 * 4 + 3 * 8), bad));  // x of the last
-    CHECK(file.dropped_nonfinite == 1);
+    CHECK(file.left_out.not_finite == 1);
     REQUIRE(file.scene.size() == 2);
     CHECK(file.scene.origin + dvec3(file.scene.means[1]) == dvec3(1e7 + 0.25));
   }
+}
+
+TEST_CASE("layouts: rows of zeros have no say in the origin") {
+  auto gaussian = plain_gaussian();
+  for (const char* axis : {"x", "y", "z"}) property(gaussian, axis) = {"double", axis, 1e7 + 0.25};
+  std::string content = ply(gaussian, {.repeat = 3});
+  constexpr std::size_t row = 11 * 4 + 3 * 8;
+  content.replace(content.size() - row, row, row, '\0');
+  const SceneFile file = read(content);
+  CHECK(file.left_out.no_rotation == 1);
+  REQUIRE(file.scene.size() == 2);
+  CHECK(file.scene.origin + dvec3(file.scene.means[1]) == dvec3(1e7 + 0.25));
 }
 
 TEST_CASE("layouts: Gaussians that are dropped take no others' positions along") {
@@ -252,7 +264,7 @@ TEST_CASE("layouts: Gaussians that are dropped take no others' positions along")
   const std::size_t row = 14 * 4 + 4, last = content.size() - row;
   const double other = 5403211.25;
   const SceneFile file = read(with(with(content, last + 4, other), last - row, INFINITY));  // x of the second
-  CHECK(file.dropped_nonfinite == 1);
+  CHECK(file.left_out.not_finite == 1);
   REQUIRE(file.scene.size() == 2);
   CHECK(file.scene.origin.y + double(file.scene.means[0].y) == 5403209.75);
   CHECK(file.scene.origin.y + double(file.scene.means[1].y) == other);

@@ -107,7 +107,7 @@ TEST_CASE("compressed ply: a range that is not finite drops its chunk and no oth
     file.chunks[6] = bad;
     file.chunks.insert(file.chunks.end(), second.begin(), second.end());
     const SceneFile back = read(file.text());
-    CHECK(back.dropped_nonfinite == 256);
+    CHECK(back.left_out.not_finite == 256);
     CHECK(back.scene.size() == 1);
   }
 }

@@ -67,7 +67,7 @@ TEST_CASE("ply: ascii numbers may be signed infinite or not a number") {
   SceneFile file =
       read(with(ply(plain_gaussian(), {.format = "ascii", .repeat = 2}), "1 2 -3", "+1 2e0 nan"));
   CHECK(std::exchange(file.stored, 1) == 2);
-  CHECK(std::exchange(file.dropped_nonfinite, 0) == 1);
+  CHECK(std::exchange(file.left_out.not_finite, 0) == 1);
   check_plain(file);
 }
 
@@ -178,14 +178,14 @@ TEST_CASE("ply: what is not finite is counted and dropped") {
       CAPTURE(p.name);
       CAPTURE(bad);
       CHECK(file.stored == 1);
-      CHECK(file.dropped_nonfinite == (zero_scale || sure_opacity ? 0 : 1));
-      CHECK(file.scene.size() + file.dropped_nonfinite == 1);
+      CHECK(file.left_out.not_finite == (zero_scale || sure_opacity ? 0 : 1));
+      CHECK(file.scene.size() + file.left_out.not_finite == 1);
       if (zero_scale) CHECK(file.scene.scales[0][p.name.back() - '0'] == 0);
       if (sure_opacity) CHECK(file.scene.opacities[0] == (bad > 0 ? 1 : 0));
     }
   auto overflowing = plain_gaussian();
   property(overflowing, "scale_1").value = 100;  // before it is activated
-  CHECK(read(ply(overflowing)).dropped_nonfinite == 1);
+  CHECK(read(ply(overflowing)).left_out.not_finite == 1);
 }
 
 TEST_CASE("ply: dropping keeps the order and all arrays of the others") {
@@ -196,22 +196,53 @@ TEST_CASE("ply: dropping keeps the order and all arrays of the others") {
   set_ply_number(folder / "a.ply", 5, 1, y, NAN);
   set_ply_number(folder / "a.ply", 5, 3, some_harmonic, INFINITY);
   const SceneFile file = read_scene(folder / "a.ply");
-  CHECK(file.dropped_nonfinite == 2);
+  CHECK(file.left_out.not_finite == 2);
   const Scene kept = subset(original, {0, 2, 4});
   CHECK(difference(kept, file.scene).means == 0);
   CHECK(file.scene.sh0 == kept.sh0);
   CHECK(file.scene.sh_rest == kept.sh_rest);
 }
 
-TEST_CASE("ply: a zero quaternion is the identity and any other becomes a unit one") {
-  auto gaussian = plain_gaussian();
-  property(gaussian, "rot_0").value = 0;
-  CHECK(read(ply(gaussian)).scene.rotations[0] == Quaternion{1, 0, 0, 0});
-  property(gaussian, "rot_0").value = 3e30;
-  property(gaussian, "rot_3").value = -4e30;
-  const Quaternion q = read(ply(gaussian)).scene.rotations[0];
-  CHECK(q.w == doctest::Approx(0.6));
-  CHECK(q.z == doctest::Approx(-0.8));
+TEST_CASE("ply: a quaternion of zeros leaves its Gaussian out and any other becomes a unit one") {
+  for (const char* format : ply_formats)
+    for (const std::string type : {"float", "double"}) {
+      CAPTURE(format);
+      CAPTURE(type);
+      auto gaussian = plain_gaussian();
+      for (const char* name : {"rot_0", "rot_1", "rot_2", "rot_3"})
+        property(gaussian, name) = {type, name, 0};
+      property(gaussian, "rot_2").value = -0.0;
+      const SceneFile none = read(ply(gaussian, {.format = format, .repeat = 3}));
+      CHECK(none.left_out.no_rotation == 3);
+      CHECK(none.left_out.not_finite == 0);
+      CHECK(none.scene.size() == 0);
+      CHECK(none.stored == 3);
+      CHECK(none.notes == Strings{"Gaussians whose quaternion is no rotation are left out: 3."});
+      // The last two lengths are zero and infinite as floats.
+      std::vector<double> lengths = {1e-37, 1e-20, 5, 5e30};
+      if (type == "double") lengths.insert(lengths.end(), {1e-60, 1e200});
+      for (const double length : lengths) {
+        CAPTURE(length);
+        property(gaussian, "rot_0").value = 0.6 * length, property(gaussian, "rot_3").value = -0.8 * length;
+        const SceneFile file = read(ply(gaussian, {.format = format}));
+        REQUIRE(file.scene.size() == 1);
+        CHECK(file.scene.rotations[0].w == doctest::Approx(0.6));
+        CHECK(file.scene.rotations[0].z == doctest::Approx(-0.8));
+      }
+    }
+}
+
+TEST_CASE("ply: rows of zeros are left out and counted apart from what is not finite") {
+  const std::string content = ply(plain_gaussian(), {.repeat = 4});
+  constexpr std::size_t row = 14 * sizeof(float);
+  const std::size_t rows = content.size() - 4 * row;
+  std::string holes = content;
+  for (const std::size_t i : {0, 2}) holes.replace(rows + i * row, row, std::string(row, '\0'));
+  SceneFile file = read(with(holes, rows + 2 * row, float(NAN)));
+  CHECK(std::exchange(file.left_out, {}).no_rotation == 1);
+  CHECK(file.notes == Strings{"Gaussians with a NaN or an infinity are left out: 1.",
+                              "Gaussians whose quaternion is no rotation are left out: 1."});
+  CHECK(file.scene.means == std::vector<vec3>(2, vec3(1, 2, -3)));
 }
 
 TEST_CASE("ply: what is written is read back for every degree") {

@@ -42,7 +42,7 @@ inline void check_plain(const SceneFile& file) {
   CHECK(scene.scales[0] == vec3(std::exp(-1.0f), std::exp(-2.0f), std::exp(-3.0f)));
   CHECK(scene.rotations[0] == Quaternion{1, 0, 0, 0});
   CHECK(file.stored == 1);
-  CHECK(file.dropped_nonfinite == 0);
+  CHECK(file.left_out.total() == 0);
 }
 
 inline PlyValue& property(std::vector<PlyValue>& values, const std::string& name) {

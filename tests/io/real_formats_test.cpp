@@ -51,7 +51,7 @@ TEST_CASE("real files: files of other programs are read") {
     const SceneFile file = read_scene(folder / name);
     CHECK(file.format == format);
     CHECK(file.stored == gaussians);
-    CHECK(file.dropped_nonfinite == 0);
+    CHECK(file.left_out.total() == 0);
     CHECK(file.scene.sh_degree == degree);
     if (contains(format, "SOG") || contains(format, "splat")) CHECK(file.notes.empty());
     for (const Quaternion& q : file.scene.rotations)

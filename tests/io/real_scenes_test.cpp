@@ -21,7 +21,7 @@ void check_scene(const std::string& name, const std::string& cameras_path, std::
   const SceneFile file = read_scene(folder / (name + ".spz"));
   CHECK(file.format == "SPZ version 2");
   CHECK(file.stored == gaussians);
-  CHECK(file.dropped_nonfinite == 0);
+  CHECK(file.left_out.total() == 0);
   CHECK(file.scene.size() == gaussians);
   CHECK(file.scene.sh_degree == 3);
   CHECK(!file.scene.model.antialiased);

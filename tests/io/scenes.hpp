@@ -112,7 +112,7 @@ inline void check_same(const Scene& a, const Scene& b) {
 inline void check_whole(const SceneFile& file, const std::string& format, std::size_t stored) {
   CHECK(file.format == format);
   CHECK(file.stored == stored);
-  CHECK(file.dropped_nonfinite == 0);
+  CHECK(file.left_out.total() == 0);
   CHECK(file.notes.empty());
 }
 

@@ -143,7 +143,8 @@ TEST_CASE("sog: the render model is kept or noted") {
   CHECK(read(parts).scene.model.antialiased);
 }
 
-TEST_CASE("sog: labels and rotations without a meaning are counted") {
+TEST_CASE(
+    "sog: a label without a meaning has no harmonics and a rotation without one leaves its Gaussian out") {
   SogParts parts = encode_sog(some_scene(70, 1), 2);
   const Scene whole = read(parts).scene;
   parts.meta["shN"]["count"] = 68;
@@ -151,11 +152,15 @@ TEST_CASE("sog: labels and rotations without a meaning are counted") {
   const SceneFile file = read(parts);
   REQUIRE(file.notes.size() == 2);
   CHECK(contains(file.notes[0], "2 Gaussians"));
-  CHECK(contains(file.notes[1], "1 Gaussians"));
-  CHECK(file.scene.rotations[4] == Quaternion{});
-  CHECK(std::equal(whole.sh_rest.begin(), whole.sh_rest.begin() + 68 * 9, file.scene.sh_rest.begin()));
-  CHECK(std::all_of(file.scene.sh_rest.begin() + 68 * 9, file.scene.sh_rest.end(),
-                    [](float x) { return x == 0; }));
+  CHECK(file.notes[1] == "Gaussians whose quaternion is no rotation are left out: 1.");
+  CHECK(file.left_out.no_rotation == 1);
+  REQUIRE(file.scene.size() == 69);
+  CHECK(file.scene.rotations[3] == whole.rotations[3]);
+  CHECK(file.scene.rotations[4] == whole.rotations[5]);
+  const auto last = file.scene.sh_rest.begin() + 67 * 9;
+  CHECK(std::equal(whole.sh_rest.begin() + 5 * 9, whole.sh_rest.begin() + 68 * 9,
+                   file.scene.sh_rest.begin() + 4 * 9));
+  CHECK(std::all_of(last, file.scene.sh_rest.end(), [](float x) { return x == 0; }));
 }
 
 TEST_CASE("sog: positions that float cannot hold are relative to an origin") {
@@ -179,7 +184,7 @@ TEST_CASE("sog: numbers that are not finite are dropped") {
     for (int c = 1; c < 3; ++c) at(parts, "scales.webp", i, c) = char(100);
   const SceneFile file = read(parts);
   CHECK(file.stored == 20);
-  CHECK(file.dropped_nonfinite == 1);
+  CHECK(file.left_out.not_finite == 1);
   CHECK(file.scene.scales[7].x == 0);
 }
 

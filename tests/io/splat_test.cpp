@@ -45,13 +45,15 @@ TEST_CASE("splat: a record is a Gaussian with linear scales") {
   CHECK(scene.sh_degree == 0);
 }
 
-TEST_CASE("splat: rotations become unit ones and none is the identity") {
-  const Scene scene = read_splat(record({}, {}, {0, 0, 0, 0, 192, 192, 128, 128}) +
-                                 record({}, {}, {0, 0, 0, 0, 128, 128, 128, 128}))
-                          .scene;
-  CHECK(scene.rotations[0].w == doctest::Approx(std::sqrt(0.5)));
-  CHECK(scene.rotations[0].x == doctest::Approx(std::sqrt(0.5)));
-  CHECK(scene.rotations[1] == Quaternion{1, 0, 0, 0});
+TEST_CASE("splat: rotations become unit ones and a quaternion of zeros leaves its Gaussian out") {
+  const SceneFile file = read_splat(record({}, {}, {0, 0, 0, 0, 192, 192, 128, 128}) +
+                                    record({}, {}, {0, 0, 0, 0, 128, 128, 128, 128}) +
+                                    record({}, {}, {0, 0, 0, 0, 128, 128, 127, 128}));
+  CHECK(file.left_out.no_rotation == 1);
+  REQUIRE(file.scene.size() == 2);
+  CHECK(file.scene.rotations[0].w == doctest::Approx(std::sqrt(0.5)));
+  CHECK(file.scene.rotations[0].x == doctest::Approx(std::sqrt(0.5)));
+  CHECK(file.scene.rotations[1] == Quaternion{0, 0, -1, 0});
 }
 
 TEST_CASE("splat: scales below 0 and numbers that are not finite are counted") {
@@ -59,7 +61,7 @@ TEST_CASE("splat: scales below 0 and numbers that are not finite are counted") {
       read_splat(record({1, 2, 3}, {1, -2, -3}, {}) + record({1, INFINITY, 3}, {1, 2, 3}, {}) +
                  record({1, 2, 3}, {1, 2, NAN}, {}));
   CHECK(file.stored == 3);
-  CHECK(file.dropped_nonfinite == 2);
+  CHECK(file.left_out.not_finite == 2);
   REQUIRE(file.scene.size() == 1);
   CHECK(file.scene.scales[0] == vec3(1, 2, 3));
   REQUIRE(file.notes.size() == 2);

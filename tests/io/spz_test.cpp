@@ -81,7 +81,7 @@ TEST_CASE("spz: positions of version 1 that are not finite are dropped") {
   parts.arrays[0].replace(6, 2, std::string("\x01\x7e", 2));   // NaN
   parts.arrays[0].replace(12, 2, std::string("\x01\x00", 2));  // the least subnormal number
   const SceneFile file = read_spz(gzip_spz(parts));
-  CHECK(file.dropped_nonfinite == 2);
+  CHECK(file.left_out.not_finite == 2);
   CHECK(file.scene.size() == 38);
   CHECK(file.scene.means[0].x == std::ldexp(1.0f, -24));
 }

@@ -196,13 +196,14 @@ TEST_CASE("writers: every format leaves out or changes the same numbers and coun
   scene.scales[30] = vec3(-1, 2, -0.5f);
   scene.rotations[40] = {0, 0, 0, 0};
   const Strings notes = {"Gaussians with a NaN or an infinity are left out: 5.",
+                         "Gaussians whose quaternion is no rotation are left out: 1.",
                          "Opacities are clamped to 0 to 1: 2.",
                          "Scales below 0 are written without their sign, of Gaussians: 1."};
   for (const std::string& ending : scene_endings) {
     CAPTURE(ending);
     const Written written = write_and_read(scene, ending);
     CHECK(written.notes == notes);
-    REQUIRE(written.gaussians == 295);
+    REQUIRE(written.gaussians == 294);
     const Scene& found = written.scene();
     const auto index_of = [&](std::size_t i) {  // in the file, as orders differ
       const auto distance = [&](const vec3& mean) { return glm::distance(mean, scene.means[i]); };
@@ -214,7 +215,7 @@ TEST_CASE("writers: every format leaves out or changes the same numbers and coun
     CHECK(std::abs(found.opacities[index_of(21)]) <= 2e-6);
     CHECK(found.scales[index_of(30)].x == doctest::Approx(1).epsilon(0.05));
     CHECK(found.scales[index_of(30)].z == doctest::Approx(0.5).epsilon(0.05));
-    CHECK(std::abs(found.rotations[index_of(40)].w) == doctest::Approx(1).epsilon(1e-4));
+    CHECK(glm::distance(found.means[index_of(40)], scene.means[40]) > 0.1f);
   }
 }
 

@@ -158,6 +158,20 @@ SWIFTGS_CONTRACT("borrowed: quaternions of any length turn as unit ones do") {
   }
 }
 
+SWIFTGS_CONTRACT("borrowed: a rotation of zeros is drawn as the identity, copied or not") {
+  Usual<B> renderer(test::make_backend<B>());
+  Scene zeros = scene_of(1), unturned = zeros;
+  for (std::size_t i = 0; i < count; i += 3) zeros.rotations[i] = {0, 0, 0, 0}, unturned.rotations[i] = {};
+  ArraysOn<B> found(backend, zeros), expected(backend, unturned);
+  std::optional<typename B::SceneOn> none;
+  for (const bool any : {false, true}) {
+    CAPTURE(any);
+    found.all.any_rotations = expected.all.any_rotations = any;
+    check_same<B>(renderer, found, expected);
+    check_same<B>(renderer, backend.upload(found.all, none), backend.upload(expected.all, none));
+  }
+}
+
 SWIFTGS_CONTRACT("borrowed: a Gaussian with a number that is not finite is not drawn") {
   Usual<B> renderer(test::make_backend<B>());
   const Scene scene = scene_of(2);

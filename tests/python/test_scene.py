@@ -81,13 +81,15 @@ def test_files_come_back_and_name_what_they_lose(scene, tmp_path):
 
 def test_gaussians_that_are_left_out_are_a_warning(tmp_path):
     numbers = np.ones((3, 14), np.float32)
+    numbers[0, 10:] = 0
     numbers[1, 0] = np.nan
     head = ply_head("binary_little_endian", vertex=(3, PLY_NAMES))
     (tmp_path / "a.ply").write_bytes(head.encode() + numbers.tobytes())
-    with pytest.warns(UserWarning, match="1 of 3 Gaussians have a NaN"):
+    with pytest.warns(UserWarning, match="2 of 3 Gaussians are not finite or have no rotation"):
         scene = swiftgs.load(tmp_path / "a.ply")
-    assert (len(scene), scene.dropped, scene.stored) == (2, 1, 3)
-    assert scene.notes == ("Gaussians with a NaN or an infinity are left out: 1.",)
+    assert (len(scene), scene.dropped, scene.stored) == (1, 2, 3)
+    assert scene.notes == ("Gaussians with a NaN or an infinity are left out: 1.",
+                           "Gaussians whose quaternion is no rotation are left out: 1.")
 
 
 def test_the_camera_of_a_photograph_comes_with_its_scene(scene, tmp_path):

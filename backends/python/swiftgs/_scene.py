@@ -243,7 +243,7 @@ class Scene:
 
     @property
     def dropped(self) -> int:
-        """Those of them with a NaN or an infinity, which were left out."""
+        """Those of them that were left out, as not finite or without a rotation; `notes` say how many of each."""
         return self._info.dropped
 
     def __len__(self) -> int:
@@ -284,6 +284,6 @@ def load(path: Path, *, spz_axes: str = "specified", level: int = 0, progress: O
     """
     scene = Scene._read(lib.scene_read, os.fsencode(path), spz_axes, level, progress)
     if scene.dropped:
-        warnings.warn(f"{os.fspath(path)}: {scene.dropped:,} of {scene.stored:,} Gaussians have a NaN or an infinity "
-                      "and were left out", stacklevel=2)
+        warnings.warn(f"{os.fspath(path)}: {scene.dropped:,} of {scene.stored:,} Gaussians are not finite or have no "
+                      "rotation, and were left out; notes say how many of each", stacklevel=2)
     return scene

@@ -133,8 +133,7 @@ void print_info(const std::string& name, const SceneFile& file, double seconds, 
   if (file.bytes != 0) std::printf("%-15s %llu\n", "bytes", static_cast<unsigned long long>(file.bytes));
   std::printf("%-15s %.3g s\n", "read in", seconds);
   std::printf("%-15s %zu\n", "Gaussians", scene.size());
-  std::printf("%-15s %llu of %llu (not finite)\n", "dropped",
-              static_cast<unsigned long long>(file.dropped_nonfinite),
+  std::printf("%-15s %llu of %llu\n", "dropped", static_cast<unsigned long long>(file.left_out.total()),
               static_cast<unsigned long long>(file.stored));
   const int used = used_sh_degree(scene);
   std::printf("%-15s %d%s\n", "SH degree", scene.sh_degree,
@@ -161,7 +160,7 @@ std::string to_json(const std::string& scene, const std::string& path, const Sce
             {"seconds", rounded(seconds, 4)},
             {"gaussians", file.scene.size()},
             {"stored", file.stored},
-            {"dropped", file.dropped_nonfinite},
+            {"dropped", file.left_out.total()},
             {"sh_degree", file.scene.sh_degree},
             {"used_sh_degree", used_sh_degree(file.scene)},
             {"harmonics", {{"kept", harmonics.format}, {"bytes_a_gaussian", rounded(harmonics.bytes, 4)}}},
@@ -199,9 +198,10 @@ void info(const InfoOptions& options) {
 
 constexpr const char* info_help =
     R"(Prints format, size of the file and time to read it, count, SH degree, how a device keeps
-harmonics, how many Gaussians were dropped because they are not finite, the origin of a scene
-far from zero, and percentiles of positions (relative to the origin), opacities and scales;
-of a capture's folder also where its cameras and photographs are, and the cameras' lenses.
+harmonics, how many Gaussians were dropped, with a note for each reason, the origin of a
+scene far from zero, and percentiles of positions (relative to the origin), opacities and
+scales; of a capture's folder also where its cameras and photographs are, and the cameras'
+lenses.
 
 Example:
   swiftgs info garden.spz)";

@@ -132,7 +132,7 @@ typedef struct swiftgs_scene_info {
   int32_t sh_degree;         ///< 0 to 3
   uint64_t count;            ///< Gaussians
   uint64_t stored;           ///< Gaussians in the file; `count` for a scene that is not from a file
-  uint64_t dropped;          ///< those of them with a NaN or an infinity that cannot be rendered
+  uint64_t dropped;          ///< those of them that were left out: not finite, or without a rotation
   float lower[3];            ///< least coordinates of all finite means, less `origin`; 0 if there are none
   float upper[3];            ///< greatest
   int32_t antialiased;       ///< 1: trained with Mip-Splatting's opacity compensation

@@ -37,14 +37,32 @@ struct SceneReadOptions {
   ScenePart part{};
 };
 
+/// Gaussians that readers and writers leave out, counted by the first of these reasons that holds. Frames of
+/// arrays that hold them are as `SceneView` says.
+struct LeftOut {
+  /// A number is NaN or infinite, in the file or once it is a float: as a position beyond 3.4e38 is, or the
+  /// exponential of a log-scale above 88.7. A scale of 0 and an opacity of 0 or 1 are legal, whatever
+  /// infinity the file writes them as.
+  std::uint64_t not_finite = 0;
+  /// The quaternion is all zeros, as in rows that a program reserved and never filled, or is encoded in a way
+  /// that the format does not define. A quaternion of any other length is a rotation.
+  std::uint64_t no_rotation = 0;
+
+  std::uint64_t total() const { return not_finite + no_rotation; }
+  LeftOut& operator+=(const LeftOut& other) {
+    not_finite += other.not_finite, no_rotation += other.no_rotation;
+    return *this;
+  }
+};
+
 /// A scene and what reading it brought up.
 struct SceneFile {
   Scene scene;
-  std::string format;                   ///< such as "INRIA PLY (binary_little_endian)" or "SPZ version 2"
-  std::uint64_t bytes = 0;              ///< of the file, and of those that it names and were read
-  std::uint64_t stored = 0;             ///< Gaussians in the file, or in the part of it that was asked for
-  std::uint64_t dropped_nonfinite = 0;  ///< those of them with a NaN or an infinity that cannot be rendered
-  std::vector<std::string> notes;       ///< what of the file the scene does not carry, a sentence each
+  std::string format;              ///< such as "INRIA PLY (binary_little_endian)" or "SPZ version 2"
+  std::uint64_t bytes = 0;         ///< of the file, and of those that it names and were read
+  std::uint64_t stored = 0;        ///< Gaussians in the file, or in the part of it that was asked for
+  LeftOut left_out{};              ///< those of them that the scene lacks
+  std::vector<std::string> notes;  ///< what of the file the scene does not carry, a sentence each
   /// Of the photograph that the scene was made of, where the file has it: @units{pixels}, and world units of
   /// the scene.
   std::optional<Camera> camera{};
@@ -54,12 +72,12 @@ struct SceneFile {
 /// with nothing of their own and go by their name's ending. A text glTF names files in its folder. `path` may
 /// also be the folder of a capture, in which `find_capture` finds the file.
 ///
-/// A Gaussian with a NaN, or with an infinite mean, rotation, SH coefficient or scale, is counted and left
-/// out. A scale of 0 and an opacity of 0 or 1 are legal, whatever infinity the file writes them as. SH
-/// coefficients above degree 3 are left out and noted. Positions that a format holds finer than float get an
-/// origin where `OriginChoice` sees a need, which is noted; parts of a file get the same one. The file must
-/// not change while it is read. Memory is bounded by the file's size: docs/formats.md has the factor of each
-/// format.
+/// Gaussians that are not finite or have no rotation are left out and counted, as `LeftOut` says. Other
+/// numbers are taken at any size: linear scales below 0 without their sign, linear opacities clamped to 0 to
+/// 1, both noted. SH coefficients above degree 3 are left out and noted. Positions that a format holds finer
+/// than float get an origin where `OriginChoice` sees a need, which is noted; parts of a file get the same
+/// one. The file must not change while it is read. Memory is bounded by the file's size: docs/formats.md has
+/// the factor of each format.
 ///
 /// Throws `FormatError`, `Cancelled`, `std::system_error` if a file cannot be read, what `find_capture`
 /// throws, and `std::invalid_argument` for a part of a file whose format has to be read as a whole.
@@ -107,12 +125,10 @@ struct WrittenScene {
 /// No format holds features.
 ///
 /// All formats treat numbers that a file cannot hold alike, and `WrittenScene::notes` counts them:
-/// - A Gaussian with a NaN or an infinity is left out, as no renderer draws it and `read_scene` drops it.
+/// - A Gaussian is left out for the reasons of `LeftOut`, for which `read_scene` leaves it out, too.
 /// - An opacity outside 0 to 1 is clamped.
 /// - A scale below 0 loses its sign, which no frame shows. A scale of 0 is legal.
 /// - Any other number beyond the range of the format is clamped to it.
-///
-/// A quaternion of zeros is written as it is, or as the identity, which is what `read_scene` makes of it.
 ///
 /// Of a scene with an origin a `.ply` holds positions in the world, as doubles; the other formats hold them
 /// relative to the origin, which `WrittenScene::notes` names.
