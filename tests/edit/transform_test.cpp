@@ -54,6 +54,16 @@ Similarity random_similarity(Random& random, double scale) {
   return by;
 }
 
+dmat3 diagonal(const dmat3& axes, const dvec3& lengths) {
+  return dmat3(axes[0] * lengths.x, axes[1] * lengths.y, axes[2] * lengths.z);
+}
+
+/// Lengths of an ellipsoid whose longest axis is up to `aspect` times its shortest, in any order.
+dvec3 thin(Random& random, double aspect) {
+  const double most = std::log(aspect);
+  return {std::exp(-random.in(0, most)), std::exp(-random.in(0, most)), std::exp(-random.in(0, most))};
+}
+
 std::vector<double> image(const Scene& scene, const Camera& camera) {
   return render_reference(scene, camera, Conventions::gsplat()).colour;
 }
@@ -182,6 +192,136 @@ TEST_CASE("edit: principal axes are those of the ellipsoid even where some have 
     const dmat3 is = matrix(found.directions, found.lengths);
     CHECK(largest(is * glm::transpose(is) - columns * glm::transpose(columns)) < 1e-14);
   }
+}
+
+TEST_CASE("edit: a stretch gives each Gaussian the axes of its covariance, however thin it is") {
+  Random random(12);
+  for (int i = 0; i < 2'000; ++i) {
+    const dmat3 axes = random_matrix(random);
+    const dmat3 linear = diagonal(random_matrix(random), thin(random, 1e3)) * random_matrix(random);
+    const dvec3 scale = thin(random, i % 2 == 0 ? 1 : 1e6);
+    const detail::Shape after = detail::stretched({scale, quaternion_of(axes)}, linear);
+    // Where the covariances are the same, the new factor's inverse times the old one is orthogonal. Its rows
+    // are divided by the new lengths, so the thinnest axis counts as much as the longest.
+    dmat3 factor = glm::transpose(matrix_of(after.rotation)) * (linear * diagonal(axes, scale));
+    for (int column = 0; column < 3; ++column) factor[column] /= after.scale;
+    CHECK(largest(factor * glm::transpose(factor) - dmat3(1.0)) < 1e-8);
+  }
+}
+
+TEST_CASE("edit: a stretch moves means and turns harmonics by the rotation in it") {
+  Random random(13);
+  for (int round = 0; round < 20; ++round) {
+    CAPTURE(round);
+    const Scene before = random_scene(20, 3, random.bits());
+    const dmat3 turn = random_matrix(random), across = random_matrix(random);
+    const dvec3 lengths(random.in(0.5, 2), random.in(0.1, 1), random.in(1, 5));
+    const Affine by{turn * diagonal(across, lengths) * glm::transpose(across), {1, -2, 3}};
+    Scene after = before;
+    stretch(after, by, {1, 1, 1});
+    validate(after);
+    CHECK(after.origin == dvec3(1));
+    CHECK(largest(rotation_of(by) - turn) < 1e-13);
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      CHECK(glm::length(dvec3(after.means[i]) + dvec3(1) - by(dvec3(before.means[i]))) < 1e-5);
+      const dmat3 expected = by.linear * covariance(before, i) * glm::transpose(by.linear);
+      CHECK(largest(covariance(after, i) - expected) < 2e-6 * largest(expected));
+      const dvec3 d = random_direction(random), turned = turn * d;
+      const Eigen::Vector3d was = reference::colour(before, int(i), {d.x, d.y, d.z});
+      const Eigen::Vector3d is = reference::colour(after, int(i), {turned.x, turned.y, turned.z});
+      CHECK((was - is).cwiseAbs().maxCoeff() < 4e-7);
+    }
+    CHECK(after.opacities == before.opacities);
+    CHECK((after.sh0 == before.sh0));
+  }
+}
+
+TEST_CASE("edit: the rotation in a rotation after a stretch along the axes is that rotation") {
+  Random random(14);
+  for (int i = 0; i < 1'000; ++i) {
+    const dmat3 turn = random_matrix(random);
+    CHECK(largest(rotation_of({diagonal(turn, thin(random, 1e9))}) - turn) < 1e-14);
+  }
+  CHECK(rotation_of({dmat3(1e-60)}) == dmat3(1.0));
+  CHECK(rotation_of({diagonal(dmat3(1.0), {1e60, 1, 1e-60})}) == dmat3(1.0));
+}
+
+TEST_CASE("edit: a stretch that is a similarity does what the similarity does") {
+  Random random(15);
+  const Scene before = random_scene(50, 3, 16);
+  const Affine whole{dmat3(2.0), {0.5, 1, 2}};
+  Scene stretched = before, transformed = before;
+  stretch(stretched, whole, dvec3(0));
+  transform(transformed, {.scale = 2, .translation = whole.translation}, dvec3(0));
+  CHECK((stretched.means == transformed.means));
+  CHECK((stretched.scales == transformed.scales));
+  CHECK((stretched.rotations == transformed.rotations));
+  CHECK(stretched.sh_rest == transformed.sh_rest);
+}
+
+TEST_CASE("edit: a stretched disk stays a disk, and a stretched needle a needle") {
+  Random random(17);
+  Scene before = random_scene(100, 0, 18);
+  for (std::size_t i = 0; i < 100; ++i)
+    before.scales[i][int(i % 3)] = 0, before.scales[i][int((i + 1) % 3)] *= i % 2 == 0 ? 1.0f : 0.0f;
+  before.scales[99] = vec3(0);
+  const Affine by{diagonal(random_matrix(random), {3, 1, 0.2}) * random_matrix(random)};
+  Scene after = before;
+  stretch(after, by, dvec3(0));
+  for (std::size_t i = 0; i < 100; ++i) {
+    CHECK(after.scales[i].z == 0);
+    CHECK((after.scales[i].y == 0) == (i % 2 == 1));
+    const dmat3 expected = by.linear * covariance(before, i) * glm::transpose(by.linear);
+    CHECK(largest(covariance(after, i) - expected) <= 2e-6 * largest(expected));
+  }
+}
+
+TEST_CASE("edit: rotations that are not of unit length are stretched as the matrices that they stand for") {
+  Scene before = random_scene(20, 0, 19);
+  for (Quaternion& q : before.rotations) q.w *= 1.5f, q.y *= 0.5f;
+  const Affine by{dmat3(1, 0, 0, 0.5, 2, 0, 0, 0, 0.3)};
+  Scene after = before;
+  stretch(after, by, dvec3(0));
+  for (std::size_t i = 0; i < 20; ++i) {
+    const dmat3 expected = by.linear * covariance(before, i) * glm::transpose(by.linear);
+    CHECK(largest(covariance(after, i) - expected) < 2e-6 * largest(expected));
+  }
+}
+
+TEST_CASE("edit: stretches that mirror, flatten or leave the range of float are refused") {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const auto expected = [](const Affine& by) { return std::string(by.unmet() ? by.unmet() : ""); };
+  const auto sheared = [](double part) { return Affine{dmat3(1, 0, 0, 1, part, 0, 0, 0, 1)}; };
+  CHECK(expected({}) == "");
+  CHECK(expected(sheared(1e-8)) == "");
+  CHECK(expected(sheared(1e-10)) == "a matrix that does not flatten");
+  CHECK(expected(sheared(-1e-8)) == "a matrix that does not mirror");
+  CHECK(expected({diagonal(dmat3(1.0), {1, 1, -1})}) == "a matrix that does not mirror");
+  CHECK(expected({diagonal(dmat3(1.0), {-1, 1, -1})}) == "");  // half a turn
+  CHECK(expected({diagonal(dmat3(1.0), {1, 1, 1e-30})}) == "");
+  for (const double length : {0.0, nan, 1e-61, 1e61, 1e300})
+    CHECK(expected({diagonal(dmat3(1.0), {1, length, 1})}) ==
+          "a matrix of columns with lengths of 1e-60 to 1e60");
+  CHECK(expected({.translation = dvec3(nan, 0, 0)}) == "a finite translation");
+
+  Scene scene = random_scene(3, 1, 2);
+  const Scene before = scene;
+  CHECK_THROWS_AS(stretch(scene, sheared(-1), dvec3(0)), std::invalid_argument);
+  CHECK_THROWS_AS(rotation_of(sheared(-1)), std::invalid_argument);
+  CHECK_THROWS_AS(origin_for(scene, sheared(-1)), std::invalid_argument);
+  for (const double scale : {1e50, 1e-50})
+    CHECK_THROWS_WITH_AS(stretch(scene, {diagonal(dmat3(1.0), {1, 1, scale})}, dvec3(0)),
+                         doctest::Contains("Gaussian 0"), std::range_error);
+  CHECK((scene.means == before.means));
+  CHECK((scene.scales == before.scales));
+  CHECK((scene.rotations == before.rotations));
+  CHECK(scene.sh_rest == before.sh_rest);
+  // What is not drawn may move.
+  scene.scales[1].y = INFINITY, scene.rotations[2].w = float(nan), scene.means[0].z = float(nan);
+  stretch(scene, sheared(2), dvec3(0));
+  CHECK(scene.scales[1].y == INFINITY);
+  CHECK(std::isnan(scene.rotations[2].w));
+  CHECK(std::isnan(scene.means[0].z));
 }
 
 TEST_CASE("edit: harmonics that a rotation would take out of the range of float are refused") {
