@@ -78,7 +78,7 @@ dmat3 JsonEntry::matrix(const char* key) const {
   return glm::transpose(dmat3(to_vector(rows[0], key), to_vector(rows[1], key), to_vector(rows[2], key)));
 }
 
-JsonEntry::Affine JsonEntry::affine(const char* key) const {
+Affine JsonEntry::affine(const char* key) const {
   const json& rows = member(key);
   if (!rows.is_array() || rows.size() < 3 || rows.size() > 4)
     fail(std::string("'") + key + "' to be three or four rows");
@@ -91,7 +91,7 @@ JsonEntry::Affine JsonEntry::affine(const char* key) const {
   return affine;
 }
 
-JsonEntry::Affine JsonEntry::flat_affine(const char* key) const {
+Affine JsonEntry::flat_affine(const char* key) const {
   const json& values = member(key);
   if (!values.is_array() || values.size() != 16) fail(std::string("sixteen numbers in '") + key + "'");
   Affine affine;
@@ -103,7 +103,7 @@ void JsonEntry::place(Affine& affine, int row, int column, const json& value, co
   const double number = to_number(value, key);
   if (row == 3 && std::abs(number - (column == 3)) > 1e-6)
     fail(std::string("a last row of 0, 0, 0, 1 in '") + key + "'");
-  if (row < 3) (column < 3 ? affine.linear[column] : affine.offset)[row] = number;
+  if (row < 3) (column < 3 ? affine.linear[column] : affine.translation)[row] = number;
 }
 
 double JsonEntry::to_number(const json& value, const char* key) const {

@@ -10,6 +10,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <swiftgs/affine.hpp>
 #include <swiftgs/math.hpp>
 
 #include "bytes.hpp"
@@ -32,12 +33,6 @@ std::uint64_t offset_of_member(std::string_view text, std::uint64_t start, std::
 /// is missing or wrong. The source and the value must outlive it.
 class JsonEntry {
  public:
-  /// Three rows of four numbers: p -> linear p + offset.
-  struct Affine {
-    dmat3 linear{1.0};
-    dvec3 offset{0.0};
-  };
-
   /// `what` is what the object stands for, such as "a camera".
   JsonEntry(const Source& source, const nlohmann::json& value, std::uint64_t offset, const char* what)
       : source_(source), value_(value), offset_(offset), what_(what) {

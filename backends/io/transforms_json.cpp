@@ -124,8 +124,8 @@ struct WorldChange {
   double scale = 1;
 };
 
-JsonEntry::Affine rigid(const JsonEntry& entry, const char* key) {
-  const JsonEntry::Affine affine = entry.affine(key);
+Affine rigid(const JsonEntry& entry, const char* key) {
+  const Affine affine = entry.affine(key);
   const dmat3 product = glm::transpose(affine.linear) * affine.linear;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
