@@ -12,8 +12,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double tolerance = 1e-4;  // matrices are products of floats
-
 template <std::size_t Count>
 std::array<double, Count> numbers(const JsonEntry& entry, const char* key,
                                   const std::array<double, Count>& otherwise) {
@@ -29,9 +27,9 @@ std::array<double, Count> numbers(const JsonEntry& entry, const char* key,
   return result;
 }
 
-/// The affine map of a node alone.
-GltfPlacement map_of(const JsonEntry& node) {
-  GltfPlacement map{};
+/// The movement of a node alone.
+Affine movement_of(const JsonEntry& node) {
+  Affine map;
   if (node.has("matrix")) {
     const auto m = numbers<16>(node, "matrix", {});
     if (m[3] != 0 || m[7] != 0 || m[11] != 0 || m[15] != 1)
@@ -42,11 +40,27 @@ GltfPlacement map_of(const JsonEntry& node) {
   }
   const auto t = numbers<3>(node, "translation", {0, 0, 0}), s = numbers<3>(node, "scale", {1, 1, 1});
   const auto q = numbers<4>(node, "rotation", {0, 0, 0, 1});
-  if (q == decltype(q){}) node.fail("a quaternion other than 0 in 'rotation'");
+  const double length = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  if (!(length > 0 && std::isfinite(length))) node.fail("a 'rotation' of length 1");
   map.linear = matrix_of(unit({q[3], q[0], q[1], q[2]}));
   for (int axis = 0; axis < 3; ++axis) map.linear[axis] *= s[std::size_t(axis)];
   map.translation = {t[0], t[1], t[2]};
   return map;
+}
+
+/// Whether KHR_node_visibility hides a node and those below it.
+bool is_hidden(const JsonEntry& node) {
+  const json* object = &node.members();
+  for (const char* key : {"extensions", gltf_visibility_extension}) {
+    const auto found = object->find(key);
+    if (found == object->end()) return false;
+    if (!found->is_object()) node.fail(std::string("'") + key + "' of a node to be an object");
+    object = &*found;
+  }
+  const auto visible = object->find("visible");
+  if (visible == object->end()) return false;
+  if (!visible->is_boolean()) node.fail("'visible' to be true or false");
+  return !visible->get<bool>();
 }
 
 /// Indices in the member `key` of `entry`, an array.
@@ -96,8 +110,8 @@ std::vector<GltfPlacement> place_meshes(const GltfDocument& document, std::vecto
   std::vector<Step> waiting;
   for (const std::uint64_t node : roots(document, notes)) waiting.push_back({node, no_parent});
   std::reverse(waiting.begin(), waiting.end());
-  std::vector<GltfPlacement> maps(document.size("nodes"));
-  std::vector<bool> reached(maps.size());
+  std::vector<Affine> movements(document.size("nodes"));
+  std::vector<bool> reached(movements.size());
   while (!waiting.empty()) {
     const auto [index, parent] = waiting.back();
     waiting.pop_back();
@@ -105,13 +119,10 @@ std::vector<GltfPlacement> place_meshes(const GltfDocument& document, std::vecto
         document.item("nodes", index, parent == no_parent ? root : document.item("nodes", parent, root));
     if (reached[index]) node.fail("a node with one parent, found it reached twice");
     reached[index] = true;
-    GltfPlacement& map = maps[index] = map_of(node);
-    if (parent != no_parent) {
-      map.translation = maps[parent].linear * map.translation + maps[parent].translation;
-      map.linear = maps[parent].linear * map.linear;
-    }
-    map.node = index;
-    if (node.has("mesh")) map.mesh = whole_number(node, "mesh"), placements.push_back(map);
+    Affine& movement = movements[index] = movement_of(node);
+    if (parent != no_parent) movement = movements[parent] * movement;
+    if (is_hidden(node)) movement.linear = dmat3(0.0);
+    if (node.has("mesh")) placements.push_back({index, whole_number(node, "mesh"), movement});
     const std::vector<std::uint64_t> children = indices(node, "children");
     for (auto child = children.rbegin(); child != children.rend(); ++child)
       waiting.push_back({*child, index});
@@ -119,23 +130,13 @@ std::vector<GltfPlacement> place_meshes(const GltfDocument& document, std::vecto
   return placements;
 }
 
-Similarity movement_of(const GltfDocument& document, const GltfPlacement& placement) {
-  Similarity by{.scale = std::sqrt(detail::dot(placement.linear[0], placement.linear[0])),
-                .translation = placement.translation};
-  bool fits = std::isfinite(by.scale) && by.scale > 0;
-  for (int i = 0; i < 3; ++i) {
-    by.rotation[i] = placement.linear[i] / by.scale;
-    fits = fits && std::isfinite(by.translation[i]);
-  }
-  for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      fits = fits && std::abs(detail::dot(by.rotation[i], by.rotation[j]) - (i == j)) < tolerance;
-  fits = fits && detail::dot(detail::cross(by.rotation[0], by.rotation[1]), by.rotation[2]) > 0;
-  if (!fits)
-    document.item("nodes", placement.node, document.root())
-        .fail("a node that moves, rotates and scales Gaussians alike along all axes, without a mirror");
-  by.rotation = matrix_of(quaternion_of(by.rotation));
-  return by;
+void expect_drawable(const GltfDocument& document, const GltfPlacement& placement) {
+  const char* const expected = placement.movement.unmet();
+  if (!expected) return;
+  const JsonEntry node = document.item("nodes", placement.node, document.root());
+  const std::string name = node.has("name") ? " " + shown(node.member("name")) : "";
+  node.fail("node " + std::to_string(placement.node) + name + " to have, with the nodes above it, " +
+            expected);
 }
 
 }  // namespace swiftgs::io

@@ -8,6 +8,8 @@
 #include <string>
 #include <utility>
 
+#include <swiftgs/edit/transform.hpp>
+
 #include "gltf_nodes.hpp"
 #include "gltf_primitive.hpp"
 #include "scene_building.hpp"
@@ -51,7 +53,7 @@ std::vector<std::string> strings(const JsonEntry& root, const char* key) {
 
 void check_extensions(const JsonEntry& root, std::vector<std::string>& notes) {
   std::set<std::string> known(std::begin(gltf_spz_extensions), std::end(gltf_spz_extensions));
-  known.insert({"KHR_gaussian_splatting", "KHR_mesh_quantization"});
+  known.insert({"KHR_gaussian_splatting", "KHR_mesh_quantization", gltf_visibility_extension});
   for (const std::string& name : strings(root, "extensionsRequired"))
     if (!known.contains(name))
       root.fail("no required extension beside those of Gaussians, found " + shown(name));
@@ -95,38 +97,59 @@ class GltfReader {
   }
 
  private:
+  /// The Gaussians of a mesh that `node` places, found once.
+  const std::vector<GltfPrimitive>& gaussians_of(std::uint64_t index, const JsonEntry& node) {
+    const JsonEntry mesh = document_.item("meshes", index, node);
+    const auto [entry, is_new] = meshes_.try_emplace(index);
+    if (!is_new) return entry->second;
+    const json& primitives = mesh.member("primitives");
+    if (!primitives.is_array()) mesh.fail("'primitives' to be an array");
+    for (const json& primitive : primitives) {
+      auto gaussians = find_gaussians(document_, buffers_, mesh, primitive, file_.notes);
+      if (gaussians)
+        entry->second.push_back(std::move(*gaussians));
+      else
+        ++others_;
+    }
+    return entry->second;
+  }
+
+  void add_instances(const GltfPlacement& place, const std::vector<GltfPrimitive>& all,
+                     const JsonEntry& node) {
+    expect_drawable(document_, place);
+    for (const GltfPrimitive& gaussians : all) {
+      instances_.push_back({&gaussians, &place});
+      count_ += gaussians.count;
+      if (count_ / max_gltf_gaussians_per_byte > buffers_.size())
+        node.fail("at most " + std::to_string(max_gltf_gaussians_per_byte) +
+                  " Gaussians, those of each instance counted, for each of the " +
+                  std::to_string(buffers_.size()) + " bytes of the buffers, found " + std::to_string(count_));
+    }
+  }
+
   void find_instances(const JsonEntry& root) {
     placements_ = place_meshes(document_, file_.notes);
-    std::size_t others = 0;
+    std::size_t hidden = 0, skinned = 0;
     for (const GltfPlacement& place : placements_) {
       const JsonEntry node = document_.item("nodes", place.node, root);
-      const JsonEntry mesh = document_.item("meshes", place.mesh, node);
-      if (!meshes_.contains(place.mesh)) {
-        std::vector<GltfPrimitive>& found = meshes_[place.mesh];
-        const json& primitives = mesh.member("primitives");
-        if (!primitives.is_array()) mesh.fail("'primitives' to be an array");
-        for (const json& primitive : primitives) {
-          auto gaussians = find_gaussians(document_, buffers_, mesh, primitive, file_.notes);
-          if (gaussians)
-            found.push_back(std::move(*gaussians));
-          else
-            ++others;
-        }
+      const std::vector<GltfPrimitive>& all = gaussians_of(place.mesh, node);
+      if (all.empty()) continue;
+      if (place.is_hidden()) {
+        for (const GltfPrimitive& gaussians : all) hidden += gaussians.count;
+        continue;
       }
-      for (const GltfPrimitive& gaussians : meshes_[place.mesh]) {
-        instances_.push_back({&gaussians, &place});
-        count_ += gaussians.count;
-        if (count_ / max_gltf_gaussians_per_byte > buffers_.size())
-          node.fail("at most " + std::to_string(max_gltf_gaussians_per_byte) +
-                    " Gaussians, those of each instance counted, for each of the " +
-                    std::to_string(buffers_.size()) + " bytes of the buffers, found " +
-                    std::to_string(count_));
-      }
+      add_instances(place, all, node);
+      skinned += node.has("skin");
     }
-    if (instances_.empty()) root.fail("a glTF with Gaussians (KHR_gaussian_splatting) in its scene");
-    if (others > 0)
-      file_.notes.push_back("Primitives without Gaussians were left out: " + std::to_string(others) + ".");
+    if (instances_.empty())
+      root.fail(std::string("a glTF with Gaussians (KHR_gaussian_splatting) in its scene") +
+                (hidden > 0 ? ", found only those of hidden nodes" : ""));
+    if (hidden > 0)
+      file_.notes.push_back("Gaussians of hidden nodes were left out: " + std::to_string(hidden) + ".");
+    if (others_ > 0)
+      file_.notes.push_back("Primitives without Gaussians were left out: " + std::to_string(others_) + ".");
     if (document_.size("animations") > 0) file_.notes.push_back("Animations were left out.");
+    if (skinned > 0) file_.notes.push_back("Skins were left out: Gaussians are where their nodes are.");
   }
 
   /// Decides for all accessors of the file whether scales are logarithms.
@@ -208,9 +231,8 @@ class GltfReader {
   /// fault, as a movement makes rotations of all quaternions.
   std::size_t place_accessors(const Instance& instance, std::size_t at, const ProgressMeter& progress) {
     const GltfPrimitive& gaussians = *instance.gaussians;
-    const Similarity movement = movement_of(document_, *instance.place);
     file_.stored += gaussians.count;
-    if (stays(movement)) {
+    if (stays(instance)) {
       decode(gaussians, axes(), logarithmic_, {0, gaussians.count, at}, progress, file_.scene);
       stay(file_.scene, at, gaussians.count);
       return gaussians.count;
@@ -224,7 +246,7 @@ class GltfReader {
       allocate(part, std::min(moved_at_once, gaussians.count - first), gaussians.sh_degree);
       decode(gaussians, axes(), logarithmic_, {first, part.size(), 0}, silent, part);
       file_.left_out += leave_out_invalid(part);
-      move(part, movement, instance);
+      move(part, instance);
       copy(part, at + placed);
       placed += part.size();
     }
@@ -241,29 +263,28 @@ class GltfReader {
     file_.left_out += nested.left_out;
     file_.notes.insert(file_.notes.end(), nested.notes.begin(), nested.notes.end());
     spz_format_ = nested.format;
-    const Similarity movement = movement_of(document_, *instance.place);
-    if (stays(movement))
+    if (stays(instance))
       stay(nested.scene, 0, nested.scene.size());
     else
-      move(nested.scene, movement, instance);
+      move(nested.scene, instance);
     return std::move(nested.scene);
   }
 
-  static bool stays(const Similarity& movement) {
-    return movement.rotation == dmat3(1.0) && movement.scale == 1 && movement.translation == dvec3(0.0);
+  static bool stays(const Instance& instance) {
+    const Affine& by = instance.place->movement;
+    return by.linear == dmat3(1.0) && by.translation == dvec3(0.0);
   }
 
   /// Moves Gaussians that have been turned to the scene's axes, as the movement is here.
-  void move(Scene& part, const Similarity& movement, const Instance& instance) {
+  void move(Scene& part, const Instance& instance) {
     const AxisFlip flip = axes();
     const dvec3 signs(flip.x, flip.y, flip.z);
-    Similarity turned = movement;
-    turned.translation = signs * movement.translation;
-    for (int column = 0; column < 3; ++column)
-      turned.rotation[column] = signs[column] * (signs * movement.rotation[column]);
+    Affine turned = instance.place->movement;
+    turned.translation *= signs;
+    for (int column = 0; column < 3; ++column) turned.linear[column] *= signs[column] * signs;
     if (!origin_ && part.size() != 0) origin_ = origin_for(part, turned);
     try {
-      transform(part, turned, origin_.value_or(dvec3(0.0)));
+      stretch(part, turned, origin_.value_or(dvec3(0.0)));
     } catch (const std::range_error&) {
       document_.item("nodes", instance.place->node, document_.root())
           .fail("a node that keeps Gaussians within the range of float");
@@ -319,6 +340,7 @@ class GltfReader {
   bool early_ = false;
   std::vector<GltfPlacement> placements_{};
   std::map<std::uint64_t, std::vector<GltfPrimitive>> meshes_{};
+  std::size_t others_ = 0;  ///< primitives without Gaussians
   std::vector<Instance> instances_{};
   std::uint64_t count_ = 0;  ///< of Gaussians of all instances
   bool logarithmic_ = false;

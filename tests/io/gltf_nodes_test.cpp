@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <swiftgs/rotation.hpp>
+#include <swiftgs/affine.hpp>
 #include <swiftgs/sh.hpp>
 
 #include "gltf_encoder.hpp"
+#include "spz_encoder.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -17,13 +18,13 @@ std::string complaint_about(const GltfParts& parts) { return test::complaint_abo
 dvec3 flipped(const dvec3& p) { return {-p.x, -p.y, p.z}; }
 
 /// Checks that each Gaussian of `moved` is that of `scene` after p -> linear p + offset in glTF's axes, where
-/// `linear` is `scale` times a rotation.
-void check_moved(const Scene& moved, const Scene& scene, const dmat3& linear, double scale,
+/// `turn` is the rotation in `linear`.
+void check_moved(const Scene& moved, const Scene& scene, const dmat3& linear, const dmat3& turn,
                  const dvec3& offset) {
   const auto map = [&](const dvec3& p) { return flipped(linear * flipped(p)); };
   REQUIRE(moved.size() == scene.size());
   const dvec3 direction(0.48, -0.6, 0.64);
-  const dvec3 turned = map(direction) / scale;
+  const dvec3 turned = flipped(turn * flipped(direction));
   const dmat3 in_scene(map({1, 0, 0}), map({0, 1, 0}), map({0, 0, 1}));
   for (std::size_t i = 0; i < scene.size(); ++i) {
     const dvec3 mean = map(dvec3(scene.means[i])) + flipped(offset);
@@ -50,6 +51,8 @@ json matrix_json(const dmat3& m, const dvec3& t) {
 
 const DQuaternion tilt = unit({0.7, -0.2, 0.5, 0.4});
 const json tilt_json = {tilt.x, tilt.y, tilt.z, tilt.w};
+const dmat3 stretch_alone(2, 0, 0, 0, 1, 0, 0, 0, 0.5);
+const json stretch_json = {2, 1, 0.5};
 
 }  // namespace
 
@@ -59,9 +62,9 @@ TEST_CASE("gltf: a node moves Gaussians with their shapes and colours") {
   const dmat3 linear = 2.5 * matrix_of(tilt);
   parts.root["nodes"][0].update(
       {{"rotation", tilt_json}, {"scale", {2.5, 2.5, 2.5}}, {"translation", {1, -2, 3}}});
-  check_moved(read(parts).scene, scene, linear, 2.5, {1, -2, 3});
+  check_moved(read(parts).scene, scene, linear, matrix_of(tilt), {1, -2, 3});
   parts.root["nodes"][0] = {{"mesh", 0}, {"matrix", matrix_json(linear, {1, -2, 3})}};
-  check_moved(read(parts).scene, scene, linear, 2.5, {1, -2, 3});
+  check_moved(read(parts).scene, scene, linear, matrix_of(tilt), {1, -2, 3});
 }
 
 TEST_CASE("gltf: nodes move what is below them and stretches that cancel are none") {
@@ -71,10 +74,68 @@ TEST_CASE("gltf: nodes move what is below them and stretches that cancel are non
       json::array({{{"children", json::array({2})}, {"translation", {1, 2, 3}}, {"scale", {1, 2, 4}}},
                    {{"mesh", 0}},
                    {{"children", json::array({1})}, {"scale", {2, 1, 0.5}}, {"translation", {1, 1, 1}}}});
-  check_moved(read(parts).scene, scene, dmat3(2.0), 2, {2, 4, 7});
+  check_moved(read(parts).scene, scene, dmat3(2.0), dmat3(1.0), {2, 4, 7});
   parts.root["nodes"][0] = {{"children", json::array({2})}, {"rotation", tilt_json}};
   parts.root["nodes"][2] = {{"children", json::array({1})}, {"translation", {1, 1, 1}}};
-  check_moved(read(parts).scene, scene, matrix_of(tilt), 1, matrix_of(tilt) * dvec3(1, 1, 1));
+  check_moved(read(parts).scene, scene, matrix_of(tilt), matrix_of(tilt), matrix_of(tilt) * dvec3(1, 1, 1));
+}
+
+TEST_CASE("gltf: a node stretches Gaussians and turns their colours by its rotation") {
+  GltfParts parts = encode_gltf(some_scene(12, 3));
+  const Scene scene = read(parts).scene;
+  const dmat3 turn = matrix_of(tilt), linear = turn * stretch_alone;
+  parts.root["nodes"][0].update({{"scale", stretch_json}, {"translation", {1, -2, 3}}});
+  check_moved(read(parts).scene, scene, stretch_alone, dmat3(1.0), {1, -2, 3});
+  parts.root["nodes"][0]["rotation"] = tilt_json;
+  check_moved(read(parts).scene, scene, linear, turn, {1, -2, 3});
+  parts.root["nodes"][0] = {{"mesh", 0}, {"matrix", matrix_json(linear, {1, -2, 3})}};
+  check_moved(read(parts).scene, scene, linear, turn, {1, -2, 3});
+  CHECK(read(parts).notes.empty());
+}
+
+TEST_CASE("gltf: stretches of turned nodes shear Gaussians") {
+  GltfParts parts = encode_gltf(some_scene(12, 3));
+  const Scene scene = read(parts).scene;
+  parts.root["nodes"] = json::array({{{"children", json::array({1})}, {"scale", stretch_json}},
+                                     {{"mesh", 0}, {"rotation", tilt_json}, {"scale", {1, 3, 1}}}});
+  const dmat3 linear = stretch_alone * matrix_of(tilt) * dmat3(1, 0, 0, 0, 3, 0, 0, 0, 1);
+  check_moved(read(parts).scene, scene, linear, rotation_of({linear}), {0, 0, 0});
+}
+
+TEST_CASE("gltf: half a turn written as negative scales is a rotation") {
+  GltfParts parts = encode_gltf(some_scene(12, 3));
+  const Scene scene = read(parts).scene;
+  parts.root["nodes"][0]["scale"] = {-2, 1, -0.5};
+  const dmat3 half(-1, 0, 0, 0, 1, 0, 0, 0, -1);
+  check_moved(read(parts).scene, scene, half * stretch_alone, half, {0, 0, 0});
+}
+
+TEST_CASE("gltf: a stretched needle keeps the lengths of its short axes") {
+  Scene scene = some_scene(3, 0);
+  scene.scales = {vec3(1, 1e-6f, 3e-6f), vec3(1e-6f, 1e-3f, 1), vec3(0, 1, 1e-6f)};
+  for (Quaternion& q : scene.rotations) q = {};
+  GltfParts parts = encode_gltf(scene);
+  parts.root["nodes"][0].update({{"rotation", tilt_json}, {"scale", stretch_json}});
+  const Scene got = read(parts).scene;
+  const vec3 expected[] = {{2, 1.5e-6f, 1e-6f}, {0.5, 1e-3f, 2e-6f}, {1, 5e-7f, 0}};
+  for (std::size_t i = 0; i < 3; ++i)
+    for (int c = 0; c < 3; ++c) CHECK(got.scales[i][c] == doctest::Approx(expected[i][c]).epsilon(1e-7));
+}
+
+TEST_CASE("gltf: Gaussians of an SPZ and of an early splat-transform are stretched in their axes") {
+  const Scene scene = some_scene(12, 2);
+  GltfParts parts = gltf_with_spz(gzip_spz(encode_spz(scene, 2)), "KHR_gaussian_splatting_compression_spz_2");
+  const Scene still = read(parts).scene;
+  parts.root["nodes"][0].update({{"rotation", tilt_json}, {"scale", stretch_json}});
+  const dmat3 linear = matrix_of(tilt) * stretch_alone;
+  check_moved(read(parts).scene, still, linear, matrix_of(tilt), {0, 0, 0});
+
+  parts = encode_gltf(scene);
+  parts.root["asset"]["generator"] = "splat-transform 1.10.1";
+  const Scene raw = read(parts).scene;
+  parts.root["nodes"][0].update({{"rotation", tilt_json}, {"scale", stretch_json}});
+  const Scene moved = read(parts).scene;
+  for (std::size_t i = 0; i < 12; ++i) check_moved_covariance(moved, raw, i, linear);
 }
 
 TEST_CASE("gltf: primitives of different degrees and instances of them make one scene") {
@@ -129,28 +190,41 @@ TEST_CASE("gltf: the scene that the file names is read, else the first, else all
   CHECK(file.notes.empty());
 }
 
-TEST_CASE("gltf: places that Gaussians cannot take are refused by the node's offset") {
+TEST_CASE("gltf: nodes that mirror or flatten Gaussians are refused by their names and offsets") {
   GltfParts parts = encode_gltf(some_scene(3, 1));
   const dmat3 turn = matrix_of(tilt);
-  dmat3 sheared = turn, mirrored = turn;
-  sheared[0] += 0.01 * turn[1], mirrored[2] = -turn[2];
-  for (const json& node :
-       {json{{"scale", {1, 1, 2}}}, json{{"scale", {1, 1, -1}}}, json{{"scale", {-1, -1, -1}}},
-        json{{"scale", {0, 0, 0}}}, json{{"matrix", matrix_json(sheared, {})}},
-        json{{"matrix", matrix_json(mirrored, {})}}, json{{"scale", {1e200, 1e200, 1e200}}},
-        json{{"matrix", matrix_json(dmat3(0.0), {})}}}) {
+  dmat3 mirrored = turn, flat = turn;
+  mirrored[2] = -turn[2], flat[2] = turn[0] - turn[1];
+  const std::string mirror = "that does not mirror", flatten = "that does not flatten",
+                    lengths = "of columns with lengths of 1e-60 to 1e60";
+  for (const auto& [node, expected] : {std::pair{json{{"scale", {1, 1, -1}}}, mirror},
+                                       {json{{"scale", {-1, -1, -1}}}, mirror},
+                                       {json{{"matrix", matrix_json(mirrored, {})}}, mirror},
+                                       {json{{"matrix", matrix_json(flat, {})}}, flatten},
+                                       {json{{"scale", {1, 0, 1}}}, lengths},
+                                       {json{{"scale", {1e200, 1e200, 1e200}}}, lengths}}) {
     CAPTURE(node.dump());
     parts.root["nodes"][0] = node;
-    parts.root["nodes"][0]["mesh"] = 0;
+    parts.root["nodes"][0].update({{"mesh", 0}, {"name", "chair"}});
     const std::string message = complaint_about(parts);
-    CHECK(contains(message, "a node that moves, rotates and scales Gaussians alike"));
+    CHECK(contains(message,
+                   "expected node 0 \"chair\" to have, with the nodes above it, a matrix " + expected));
     const std::string offset = std::to_string(glb(parts).find(parts.root["nodes"][0].dump()));
     CHECK(contains(message, "a file: byte " + offset + ": "));
   }
-  parts.root["nodes"][0] = {{"mesh", 0}, {"scale", {1e38, 1e38, 1e38}}};
+  // The node above mirrors, and the one with the mesh is named.
+  parts.root["nodes"] = json::array({{{"children", json::array({1})}, {"scale", {1, -1, 1}}}, {{"mesh", 0}}});
+  CHECK(contains(complaint_about(parts), "expected node 1 to have, with the nodes above it, a matrix that"));
+  parts.root["nodes"][1]["scale"] = {-1, 1, 1};
+  CHECK(complaint_about(parts) == "");
+  parts.root["nodes"] = json::array({{{"mesh", 0}, {"scale", {1e38, 1e38, 1e38}}}});
   CHECK(contains(complaint_about(parts), "within the range of float"));
+  for (const double each : {0.0, 1e-200, 1e200}) {
+    parts.root["nodes"][0] = {{"mesh", 0}, {"rotation", {each, each, each, each}}};
+    CHECK(contains(complaint_about(parts), "a 'rotation' of length 1"));
+  }
   // A node without Gaussians may be of any shape.
-  parts.root["nodes"] = json::array({{{"mesh", 0}}, {{"scale", {1, 2, 3}}}});
+  parts.root["nodes"] = json::array({{{"mesh", 0}}, {{"scale", {1, 2, -3}}}});
   parts.root["scenes"][0]["nodes"] = {0, 1};
   CHECK(complaint_about(parts) == "");
 }
@@ -158,7 +232,44 @@ TEST_CASE("gltf: places that Gaussians cannot take are refused by the node's off
 TEST_CASE("gltf: a node whose quaternion is zeros is refused") {
   GltfParts parts = encode_gltf(some_scene(3, 0));
   parts.root["nodes"][0]["rotation"] = {0, 0, -0.0, 0};
-  CHECK(contains(complaint_about(parts), "expected a quaternion other than 0 in 'rotation'"));
+  CHECK(contains(complaint_about(parts), "a 'rotation' of length 1"));
+}
+
+TEST_CASE("gltf: what nodes hide by the scale 0 or by their visibility is left out and counted") {
+  GltfParts parts = encode_gltf(some_scene(3, 0));
+  parts.root["extensionsUsed"].push_back("KHR_node_visibility");
+  parts.root["extensionsRequired"] = {"KHR_node_visibility"};
+  const auto visibility = [](const json& visible) {
+    return json{{"extensions", {{"KHR_node_visibility", visible}}}};
+  };
+  for (const json& hiding : {json{{"scale", {0, 0, 0}}}, visibility({{"visible", false}})}) {
+    CAPTURE(hiding.dump());
+    parts.root["nodes"] = json::array({{{"mesh", 0}}, hiding, {{"mesh", 0}, {"scale", {1, 2, 3}}}});
+    parts.root["nodes"][1]["children"] = json::array({2});
+    parts.root["scenes"][0]["nodes"] = {0, 1};
+    const SceneFile file = read(parts);
+    CHECK(file.scene.size() == 3);
+    CHECK(file.notes == std::vector<std::string>{"Gaussians of hidden nodes were left out: 3."});
+    parts.root["scenes"][0]["nodes"] = json::array({1});
+    CHECK(contains(complaint_about(parts), "in its scene, found only those of hidden nodes"));
+  }
+  for (const json& shown : {json::object(), json{{"visible", true}}}) {
+    parts.root["nodes"][1].update(visibility(shown));
+    const SceneFile file = read(parts);
+    CHECK(file.scene.size() == 3);
+    CHECK(file.notes.empty());
+  }
+  parts.root["nodes"][1].update(visibility({{"visible", 1}}));
+  CHECK(contains(complaint_about(parts), "'visible' to be true or false"));
+  parts.root["nodes"][1].update(visibility(false));
+  CHECK(contains(complaint_about(parts), "'KHR_node_visibility' of a node to be an object"));
+}
+
+TEST_CASE("gltf: skins are told of") {
+  GltfParts parts = encode_gltf(some_scene(3, 0));
+  parts.root["nodes"][0]["skin"] = 0;
+  CHECK(read(parts).notes ==
+        std::vector<std::string>{"Skins were left out: Gaussians are where their nodes are."});
 }
 
 TEST_CASE("gltf: nodes that are reached twice are refused") {
