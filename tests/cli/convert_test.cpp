@@ -77,6 +77,11 @@ TEST_CASE("cli convert: edits are those of the library") {
   CHECK(converted(place, "--transform matrix:2,0,0,1,0,2,0,-2,0,0,2,3.5").means == moved.means);
   CHECK(converted(place, "--transform move:1,-2,3.5 --transform scale:2").means != moved.means);
 
+  Scene wide = place.a;
+  stretch(wide, {.linear = {2, 0, 0, 0, 1, 0, 0, 0, 0.5}}, dvec3(0));
+  CHECK(converted(place, "--transform scale:2,1,0.5").means == wide.means);
+  CHECK(converted(place, "--transform matrix:2,0,0,0,0,1,0,0,0,0,0.5,0").rotations == wide.rotations);
+
   // A quarter turn about z: x becomes y.
   const Scene turned = converted(place, "--transform rotate:0,0,2,90");
   for (std::size_t i = 0; i < 300; i += 37) {
@@ -213,8 +218,13 @@ TEST_CASE("cli convert: bad arguments are one line, and nothing is written") {
   fails(place, "a.ply b.ply --crop box:1,1,1,0,0,0", "expected a box whose first corner is the lower one");
   fails(place, "a.ply b.ply --transform scale:-1", "--transform 'scale:-1': expected a finite scale above 0");
   fails(place, "a.ply b.ply --transform rotate:0,0,0,90", "expected an axis other than 0,0,0");
-  fails(place, "a.ply b.ply --transform matrix:-1,0,0,0,0,1,0,0,0,0,1,0", "--transform 'matrix:");
-  fails(place, "a.ply b.ply --transform matrix:1,0,0,0,0,1,0,0,0,0,2,0", "orthonormal columns");
+  fails(place, "a.ply b.ply --transform scale:1,0,1",
+        "--transform 'scale:1,0,1': expected a finite scale above 0");
+  fails(place, "a.ply b.ply --transform scale:1,2", "--transform 'scale:1,2': expected scale:S, scale:X,Y,Z");
+  fails(place, "a.ply b.ply --transform matrix:-1,0,0,0,0,1,0,0,0,0,1,0",
+        "--transform 'matrix:-1,0,0,0,0,1,0,0,0,0,1,0': expected a matrix that does not mirror");
+  fails(place, "a.ply b.ply --transform matrix:1,1,0,0,1,1,0,0,0,0,1,0",
+        "expected a matrix that does not flatten");
   fails(place, "a.ply a.ply", "expected another file than that of FILE");
   CHECK(content_of(place / "a.ply").size() > 1000);
 }

@@ -47,7 +47,7 @@ struct ConvertOptions {
 
 /// The edits that the options ask for, checked before anything is read.
 struct Edits {
-  std::vector<std::pair<std::string, Similarity>> transforms;
+  std::vector<std::pair<std::string, Affine>> transforms;
   std::vector<std::pair<std::string, Region>> crops;
 };
 
@@ -101,7 +101,7 @@ Edits edits_of(const ConvertOptions& options) {
     throw std::invalid_argument("--spz-version " + std::to_string(options.spz_version) + ": expected 3 or 4");
   Edits edits;
   for (const std::string& text : options.transforms)
-    edits.transforms.emplace_back("--transform " + text, similarity_named(text));
+    edits.transforms.emplace_back("--transform " + text, movement_named(text));
   for (const std::string& text : options.crops)
     edits.crops.emplace_back("--crop " + text, region_named(text));
   return edits;
@@ -150,7 +150,7 @@ void move_inputs(Inputs& inputs, const ConvertOptions& options, const Edits& edi
       if (options.degree < scene.sh_degree) scene = with_degree(std::move(scene), options.degree);
     });
   for (const auto& entry : edits.transforms)
-    step(entry.first, [&, &by = entry.second](Scene& scene) { transform(scene, by, origin_for(scene, by)); });
+    step(entry.first, [&, &by = entry.second](Scene& scene) { stretch(scene, by, origin_for(scene, by)); });
 }
 
 /// Inputs as one scene, with the origin of the first.
@@ -268,8 +268,8 @@ Several scenes become one. Then, in this order: --degree, --transform, --crop, -
 --transform and --crop may be given several times and act one after another.
 Prints what was read, left out and written.
 
---transform scale:S, move:X,Y,Z, rotate:X,Y,Z,DEGREES about an axis through the origin, or matrix: and
-            three rows of four numbers, a rotation times a scale beside a translation
+--transform scale:S, scale:X,Y,Z along the axes, move:X,Y,Z, rotate:X,Y,Z,DEGREES about an axis through the
+            origin, or matrix: and three rows of four numbers, which neither mirror nor flatten
 --crop      box:X,Y,Z,X,Y,Z (lower and upper corner), sphere:X,Y,Z,RADIUS, or half-space:X,Y,Z,OFFSET
             (positions whose product with X,Y,Z is OFFSET or more)
 

@@ -51,37 +51,37 @@ dmat3 rotation_about(const dvec3& axis, double degrees) {
   return matrix_of(unit({std::cos(half), s * axis.x, s * axis.y, s * axis.z}));
 }
 
-/// Scale and rotation of the columns, which the caller validates.
-Similarity similarity_of(const std::vector<double>& rows) {
-  Similarity by;
+Affine affine_of_rows(const std::vector<double>& rows) {
+  Affine by;
   for (int row = 0; row < 3; ++row) {
-    for (int column = 0; column < 3; ++column) by.rotation[column][row] = rows[std::size_t(4 * row + column)];
+    for (int column = 0; column < 3; ++column) by.linear[column][row] = rows[std::size_t(4 * row + column)];
     by.translation[row] = rows[std::size_t(4 * row + 3)];
   }
-  by.scale = std::cbrt(glm::determinant(by.rotation));
-  by.rotation /= by.scale;
   return by;
 }
 
 }  // namespace
 
-Similarity similarity_named(const std::string& text) {
+Affine movement_named(const std::string& text) {
   const Worded w = worded(text);
   const std::string option = "--transform '" + text + "'";
-  Similarity by;
-  if (w.is("scale", 1)) {
-    by.scale = w.numbers[0];
+  Affine by;
+  if (w.is("scale", 1) || w.is("scale", 3)) {
+    for (const double scale : w.numbers)
+      if (!(std::isfinite(scale) && scale > 0))
+        throw std::invalid_argument(option + ": expected a finite scale above 0");
+    for (int axis = 0; axis < 3; ++axis) by.linear[axis][axis] = w.numbers[w.numbers.size() == 3 ? axis : 0];
   } else if (w.is("move", 3)) {
     by.translation = w.three(0);
   } else if (w.is("rotate", 4)) {
     if (w.three(0) == dvec3(0.0)) throw std::invalid_argument(option + ": expected an axis other than 0,0,0");
-    by.rotation = rotation_about(w.three(0), w.numbers[3]);
+    by.linear = rotation_about(w.three(0), w.numbers[3]);
   } else if (w.is("matrix", 12)) {
-    by = similarity_of(w.numbers);
+    by = affine_of_rows(w.numbers);
   } else {
     throw std::invalid_argument(option +
-                                ": expected scale:S, move:X,Y,Z, rotate:X,Y,Z,DEGREES or matrix: and three "
-                                "rows of four numbers");
+                                ": expected scale:S, scale:X,Y,Z, move:X,Y,Z, rotate:X,Y,Z,DEGREES or "
+                                "matrix: and three rows of four numbers");
   }
   checked(option, [&] { validate(by); });
   return by;

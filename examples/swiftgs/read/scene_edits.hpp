@@ -11,9 +11,10 @@ namespace swiftgs::cli {
 
 using Region = std::variant<Box, Sphere, HalfSpace>;
 
-/// The movement that `--transform` names: `scale:S`, `move:X,Y,Z`, `rotate:X,Y,Z,DEGREES` about an axis
-/// through the origin, or `matrix:` and twelve numbers, three rows of four. Throws `std::invalid_argument`.
-Similarity similarity_named(const std::string& text);
+/// The movement that `--transform` names: `scale:S`, `scale:X,Y,Z` along the axes, `move:X,Y,Z`,
+/// `rotate:X,Y,Z,DEGREES` about an axis through the origin, or `matrix:` and twelve numbers, three rows of
+/// four. Throws `std::invalid_argument`.
+Affine movement_named(const std::string& text);
 
 /// The region that `--crop` names: `box:X,Y,Z,X,Y,Z`, `sphere:X,Y,Z,RADIUS` or `half-space:X,Y,Z,OFFSET`.
 /// Throws `std::invalid_argument`.

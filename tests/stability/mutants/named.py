@@ -174,7 +174,8 @@ NAMED = [
         ("regions are relative to the origin", "region.contains([-scene.origin + -]dvec3("),
         ("a scene is appended with the means of its own origin", "[-scene.origin != more.origin-]{+false+})")),
     *defects("edit", In(I + "edit/transform.hpp", test=EDIT),
-        ("harmonics up to 2e38 are rotated", "coefficient < [-1e38f-]{+2e38f+}")),
+        ("harmonics up to 2e38 are rotated", "coefficient < [-1e38f-]{+2e38f+}"),
+        ("a stretch leaves harmonics where they were", "origin, [-rotation-]{+dmat3(1.0)+}, detail::upright")),
     *defects("edit", In(I + "edit/origin.hpp", test=EDIT),
         ("an origin is the last position", "values.[-begin() + std::ptrdiff_t(values.size() / 2)-]{+end() - 1+}")),
     # Bands and the exchange of splats.
