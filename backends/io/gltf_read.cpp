@@ -106,10 +106,12 @@ class GltfReader {
     if (!primitives.is_array()) mesh.fail("'primitives' to be an array");
     for (const json& primitive : primitives) {
       auto gaussians = find_gaussians(document_, buffers_, mesh, primitive, file_.notes);
-      if (gaussians)
-        entry->second.push_back(std::move(*gaussians));
-      else
+      if (!gaussians) {
         ++others_;
+        continue;
+      }
+      entry->second.push_back(std::move(*gaussians));
+      if (primitive.contains("targets")) file_.notes.push_back("Morph targets were left out.");
     }
     return entry->second;
   }

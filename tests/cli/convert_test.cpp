@@ -78,7 +78,7 @@ TEST_CASE("cli convert: edits are those of the library") {
   CHECK(converted(place, "--transform move:1,-2,3.5 --transform scale:2").means != moved.means);
 
   Scene wide = place.a;
-  stretch(wide, {.linear = {2, 0, 0, 0, 1, 0, 0, 0, 0.5}}, dvec3(0));
+  stretch(wide, {.linear = {2, 0, 0, 0, 1, 0, 0, 0, 0.5}}, {0, 0, 0});
   CHECK(converted(place, "--transform scale:2,1,0.5").means == wide.means);
   CHECK(converted(place, "--transform matrix:2,0,0,0,0,1,0,0,0,0,0.5,0").rotations == wide.rotations);
 

@@ -265,11 +265,14 @@ TEST_CASE("gltf: what nodes hide by the scale 0 or by their visibility is left o
   CHECK(contains(complaint_about(parts), "'KHR_node_visibility' of a node to be an object"));
 }
 
-TEST_CASE("gltf: skins are told of") {
+TEST_CASE("gltf: skins, morph targets and animations are told of") {
   GltfParts parts = encode_gltf(some_scene(3, 0));
   parts.root["nodes"][0]["skin"] = 0;
+  parts.primitive()["targets"] = json::array({{{"POSITION", 0}}});
+  parts.root["animations"] = json::array({json::object()});
   CHECK(read(parts).notes ==
-        std::vector<std::string>{"Skins were left out: Gaussians are where their nodes are."});
+        std::vector<std::string>{"Morph targets were left out.", "Animations were left out.",
+                                 "Skins were left out: Gaussians are where their nodes are."});
 }
 
 TEST_CASE("gltf: nodes that are reached twice are refused") {

@@ -6,8 +6,6 @@
 #include <cstddef>
 #include <stdexcept>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include <swiftgs/affine.hpp>
 #include <swiftgs/camera.hpp>
@@ -69,15 +67,16 @@ inline bool fits(const dvec3& before, const vec3& after) {
 template <class Movement, class Before, class Reshape>
 void move(Scene& scene, const Movement& by, const dvec3& origin, const dmat3& rotation, const Before& before,
           const Reshape& reshape) {
-  std::vector<vec3> means(scene.size()), scales(scene.size());
-  std::vector<Quaternion> rotations(scene.size());
+  const auto moved = [&](std::size_t i) { return vec3(by(scene.origin + dvec3(scene.means[i])) - origin); };
+  const auto shape_of = [&](std::size_t i) {
+    const Quaternion& q = scene.rotations[i];
+    return before(Shape{dvec3(scene.scales[i]), {q.w, q.x, q.y, q.z}});
+  };
   const std::size_t stride = 3 * std::size_t(sh_rest_count(scene.sh_degree));
   for (std::size_t i = 0; i < scene.size(); ++i) {
-    const Quaternion& q = scene.rotations[i];
-    const Shape shape = before(Shape{dvec3(scene.scales[i]), {q.w, q.x, q.y, q.z}}), after = reshape(shape);
-    means[i] = vec3(by(scene.origin + dvec3(scene.means[i])) - origin);
-    scales[i] = vec3(after.scale), rotations[i] = rounded(after.rotation);
-    bool fit = (is_finite(means[i]) || !is_finite(scene.means[i])) && fits(shape.scale, scales[i]);
+    const Shape shape = shape_of(i);
+    bool fit =
+        (is_finite(moved(i)) || !is_finite(scene.means[i])) && fits(shape.scale, vec3(reshape(shape).scale));
     // A rotation makes no coefficient of band 3 more than sqrt(7) times as large as the largest was.
     for (std::size_t k = 0; k < stride; ++k) {
       const float coefficient = std::abs(scene.sh_rest[i * stride + k]);
@@ -87,9 +86,14 @@ void move(Scene& scene, const Movement& by, const dvec3& origin, const dmat3& ro
       throw std::range_error("transform: Gaussian " + std::to_string(i) +
                              " would leave the range of float; expected a movement that keeps it there");
   }
-  scene.means = std::move(means), scene.scales = std::move(scales), scene.rotations = std::move(rotations);
+
   const ShRotation harmonics(rotation, scene.sh_degree);
-  for (std::size_t k = 0; k < scene.sh_rest.size(); k += stride) harmonics.apply(scene.sh_rest.data() + k);
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    const Shape after = reshape(shape_of(i));
+    scene.means[i] = moved(i), scene.scales[i] = vec3(after.scale);
+    scene.rotations[i] = rounded(after.rotation);
+    if (stride != 0) harmonics.apply(scene.sh_rest.data() + i * stride);
+  }
   scene.origin = origin;
 }
 
@@ -123,8 +127,7 @@ inline dvec3 origin_for(const Scene& scene, const Affine& by) {
 /// movement rotates, rotations that are not of unit length become so, with the scales of the same ellipsoid.
 /// Linear in the number of Gaussians. Throws `std::invalid_argument` as `validate` does of the scene and the
 /// movement, and `std::range_error` if a mean, scale or coefficient would leave the range of float, or a
-/// scale become 0; then nothing has moved. Numbers that are NaN or infinite stay so. Takes 40 bytes a
-/// Gaussian.
+/// scale become 0; then nothing has moved. Numbers that are NaN or infinite stay so.
 inline void transform(Scene& scene, const Similarity& by, const dvec3& origin) {
   using detail::Shape;
   validate(scene), validate(by);
