@@ -7,6 +7,7 @@
 #include <numbers>
 #include <optional>
 
+#include "camera_parsing.hpp"
 #include "colmap_models.hpp"
 #include "listed.hpp"
 
@@ -35,7 +36,7 @@ constexpr Mark marks[] = {{"is_fisheye", LensModel::fisheye}, {"latlong", LensMo
 constexpr const char* refused[] = {"ftheta_p0", "equirectangular", "orthographic", "from_mitsuba",
                                    "normal_mts_args"};
 
-constexpr std::string_view more_models = ", EQUIRECTANGULAR, ORTHOPHOTO";
+constexpr std::string_view more_models = ", ORTHOPHOTO";
 
 /// Whether a value says nothing: 0, false, null, "", or a list of these.
 bool is_off(const json& value) {
@@ -45,12 +46,12 @@ bool is_off(const json& value) {
   return value.is_structured() ? std::all_of(value.begin(), value.end(), off) : off(value);
 }
 
-/// The lens of the model that COLMAP or nerfstudio calls `name`; null if none is read.
+/// The lens of the model that COLMAP or nerfstudio calls `name`; null if none is read. Of a model that moves
+/// points twice, nobody knows by which keys a file would say so.
 std::optional<LensModel> lens_called(std::string_view name) {
-  if (name == "EQUIRECTANGULAR") return LensModel::equirectangular;
   if (name == "ORTHOPHOTO") return LensModel::orthographic;
   const ColmapModel* const model = colmap_model(name);
-  return model ? model->lens : std::nullopt;
+  return model && !model->moves_twice ? std::optional(model->lens) : std::nullopt;
 }
 
 /// The coefficient of one object; null if it has none.
@@ -67,15 +68,13 @@ std::optional<double> coefficient_in(const JsonEntry& entry, const char* key) {
   return is_off(entry.member(key)) ? 0.0 : entry.number(key);
 }
 
-/// What `Distortion` calls the coefficient `key` of the camera model `model`.
-std::string_view slot_of(std::string_view key, std::string_view model) {
-  if (model == "FULL_OPENCV") {
-    if (key == "k4") return "q1";
-    if (key == "k5") return "q2";
-    if (key == "k6") return "q3";
-  }
-  if (key == "k" && model.starts_with("SIMPLE_RADIAL")) return "k1";
-  return key == "sx1" ? "s1" : key == "sy1" ? "s2" : key;
+/// The coefficient `key` of a camera whose model COLMAP calls `model`, if it calls it anything. Programs
+/// write names that the model has not; these mean what they mean in THIN_PRISM_FISHEYE. Null if there is
+/// none.
+double* coefficient_of(Distortion& distortion, std::string_view key, std::string_view model) {
+  const ColmapModel* const known = colmap_model(model);
+  double* const own = known ? coefficient_of(distortion, *known, key) : nullptr;
+  return own ? own : coefficient_of(distortion, *colmap_model("THIN_PRISM_FISHEYE"), key);
 }
 
 }  // namespace
@@ -89,7 +88,7 @@ Lens lens_of(const CameraEntry& entry) {
   if (const JsonEntry* with = entry.with("camera_model")) {
     name = with->string("camera_model");
     const std::optional<LensModel> called = lens_called(name);
-    if (!called) refuse_model(with->source(), with->offset(), name, more_models);
+    if (!called) refuse_model(with->source(), with->offset(), listed({name}), more_models);
     lens.model = *called;
   }
   for (const auto& [key, model] : marks)
@@ -110,7 +109,7 @@ Lens lens_of(const CameraEntry& entry) {
     for (const JsonEntry* one : {&entry.own, &entry.shared}) {
       const std::optional<double> value = coefficient_in(*one, key);
       if (!value) continue;
-      double* const slot = is_distortable ? coefficient_of(lens.distortion, slot_of(key, name)) : nullptr;
+      double* const slot = is_distortable ? coefficient_of(lens.distortion, key, name) : nullptr;
       if (*value != 0 && !slot) refuse(*one, key, *value);
       if (*value != 0) *slot = *value;
       break;
@@ -123,11 +122,6 @@ double length_of_angle(const JsonEntry& entry, const char* key, double to_radian
   if (!(radians > 0 && radians < std::numbers::pi))
     entry.fail(std::string("an angle above 0 and below pi (180 degrees) in '") + key + "'");
   return 0.5 * side / std::tan(0.5 * radians);
-}
-
-void show_whole_sphere(Camera& camera) {
-  camera.fx = camera.width / (2 * std::numbers::pi), camera.fy = camera.height / std::numbers::pi;
-  camera.cx = 0.5 * camera.width, camera.cy = 0.5 * camera.height;
 }
 
 void UnreadKeys::add(const JsonEntry& entry) {

@@ -32,9 +32,6 @@ Lens lens_of(const CameraEntry& entry);
 /// The focal length with which an image side shows the angle in `key`.
 double length_of_angle(const JsonEntry& entry, const char* key, double to_radians, int side);
 
-/// Gives a camera of an equirectangular lens the intrinsics with which its image shows every direction once.
-void show_whole_sphere(Camera& camera);
-
 /// Collects the keys of a camera file that nobody reads.
 class UnreadKeys {
  public:

@@ -2,6 +2,7 @@
 #include "camera_parsing.hpp"
 
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -17,6 +18,11 @@ void set_pose(Camera& camera, const dmat3& axes, dvec3 centre) {
 
 void set_opengl_pose(Camera& camera, const dmat3& axes, dvec3 centre) {
   set_pose(camera, dmat3(axes[0], -axes[1], -axes[2]), centre);
+}
+
+void show_sphere(Camera& camera, double width, double height) {
+  camera.fx = width / (2 * std::numbers::pi), camera.fy = height / std::numbers::pi;
+  camera.cx = 0.5 * width, camera.cy = 0.5 * height;
 }
 
 int to_side(const Source& source, std::uint64_t offset, double pixels) {

@@ -32,6 +32,10 @@ std::vector<Camera> parse_colmap_text(const Source& cameras, const Source& image
 /// Sets the pose of `camera` from its place in the world: the columns of `axes` are the directions of its own
 /// axes there.
 void set_pose(Camera& camera, const dmat3& axes, dvec3 centre);
+/// Gives a camera of an equirectangular lens the intrinsics with which an image of so many pixels shows every
+/// direction once.
+void show_sphere(Camera& camera, double width, double height);
+
 
 /// The same with OpenGL's axes: y up, z backwards.
 void set_opengl_pose(Camera& camera, const dmat3& axes, dvec3 centre);

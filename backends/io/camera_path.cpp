@@ -30,7 +30,7 @@ Camera camera_of(const JsonEntry& root, const JsonEntry& frame) {
   camera.width = to_side(root.source(), root.offset(), root.number("render_width"));
   camera.height = to_side(root.source(), root.offset(), root.number("render_height"));
   if (camera.lens.model == LensModel::equirectangular) {
-    show_whole_sphere(camera);
+    show_sphere(camera, camera.width, camera.height);
   } else {
     // nerfstudio takes a fisheye lens's focal length as if it were a pinhole's.
     camera.fx = camera.fy = length_of_angle(frame, "fov", std::numbers::pi / 180, camera.height);

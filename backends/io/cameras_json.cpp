@@ -24,7 +24,7 @@ Camera camera_of(const JsonEntry& entry) {
   camera.width = to_side(source, entry.offset(), entry.number("width"));
   camera.height = to_side(source, entry.offset(), entry.number("height"));
   if (camera.lens.model == LensModel::equirectangular) {
-    show_whole_sphere(camera);
+    show_sphere(camera, camera.width, camera.height);
   } else {
     camera.fx = entry.number("fx"), camera.fy = entry.number("fy");
     // INRIA's training writes no principal point; others add one.

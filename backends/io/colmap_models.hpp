@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -16,33 +15,38 @@
 
 namespace swiftgs::io {
 
-/// A camera model of COLMAP. Its numbers are the focal lengths, the principal point, and coefficients.
+/// A camera model of COLMAP. Its numbers are the focal lengths, the principal point, and coefficients; those
+/// of EQUIRECTANGULAR are the width and the height of a whole sphere.
 struct ColmapModel {
   std::string_view name;
-  int parameters;                 ///< numbers behind the size
-  int focal_lengths;              ///< the first of them, one or two
-  std::optional<LensModel> lens;  ///< what maps directions to the plane; null where `Lens` has no such model
-  /// Names of the coefficients, as `coefficient_of` takes them. A model with any other name is read where
-  /// that coefficient is 0.
+  int parameters;     ///< numbers behind the size
+  int focal_lengths;  ///< the first of them; none of a sphere
+  LensModel lens;     ///< what maps directions to the plane
+  /// Words `NAME` or `NAME:SLOT`: COLMAP's name of a coefficient and its place in `Distortion`, k1 to k4
+  /// (radial), q1 to q3 (rational), p1, p2 (tangential), or s1, s2 (prism). A coefficient whose slot is empty
+  /// has no place there, and its model is read where the coefficient is 0.
   std::string_view coefficients;
+  /// Tangential and prism terms take the point that radial terms have moved. Such a model is read where it
+  /// has one kind of terms alone.
+  bool moves_twice = false;
 
   static constexpr int most_parameters = 16;
 };
 
-/// The model that COLMAP numbers or names so; null if it has none.
+/// The model that COLMAP numbers or names so, in its newest release or in a fork; null if it has none.
 const ColmapModel* colmap_model(std::int32_t id);
 const ColmapModel* colmap_model(std::string_view name);
 
-/// The coefficient called k1 to k4 (radial), q1 to q3 (rational), p1, p2 (tangential), or s1, s2 (prism);
-/// null for any other name.
-double* coefficient_of(Distortion& distortion, std::string_view name);
+/// The coefficient that `model` calls `name`; null if `Distortion` has no place for it.
+double* coefficient_of(Distortion& distortion, const ColmapModel& model, std::string_view name);
 
 /// Sets the intrinsics and the lens of `camera`. Throws `FormatError` that names the model, and the
 /// coefficient if it is that, where `Lens` cannot be the model.
 void set_intrinsics(Camera& camera, const ColmapModel& model, std::span<const double> parameters,
                     const Source& source, std::uint64_t offset);
 
-/// Throws `FormatError`: expected one of the models that are read, `more` included, and names `found`.
+/// Throws `FormatError`: expected one of the models that are read whatever their coefficients, or `more`, and
+/// names `found`.
 [[noreturn]] void refuse_model(const Source& source, std::uint64_t offset, std::string_view found,
                                std::string_view more = "");
 

@@ -5,6 +5,8 @@
 
 #include "camera_parsing.hpp"
 #include "colmap_models.hpp"
+#include "listed.hpp"
+#include "text_beginning.hpp"
 #include "tokens.hpp"
 
 namespace swiftgs::io {
@@ -57,7 +59,7 @@ Camera camera_of_line(const Source& source, std::uint64_t offset) {
   tokens.next();  // its id
   const std::string_view name = tokens.next();
   const ColmapModel* model = colmap_model(name);
-  if (!model) refuse_model(source, offset, name);
+  if (!model) refuse_model(source, offset, listed({std::string(name)}));
   Camera camera;
   camera.width = to_side(source, offset, number<double>(lines, tokens, "a width"));
   camera.height = to_side(source, offset, number<double>(lines, tokens, "a height"));

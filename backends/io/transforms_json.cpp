@@ -164,7 +164,7 @@ Camera camera_of(const CameraEntry& frame, const std::filesystem::path& folder, 
                   change.scale * (change.rotation * centre + change.translation));
   set_size(camera, frame, folder);
   if (camera.lens.model == LensModel::equirectangular)
-    show_whole_sphere(camera);
+    show_sphere(camera, camera.width, camera.height);
   else
     set_intrinsics(camera, frame);  // those of an orthographic lens are of the model's world, as nerfstudio's
   expect_valid(frame.own.source(), frame.own.offset(), camera);

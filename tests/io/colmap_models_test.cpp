@@ -15,7 +15,7 @@ struct Model {
   std::vector<double> parameters;
 };
 
-/// Those that are pinholes where the coefficients are 0; EUCM's beta does nothing where alpha is 0.
+/// Those that are pinholes where the coefficients are 0; of EUCM one of alpha and beta suffices.
 const Model pinholes[] = {{0, "SIMPLE_PINHOLE", {50, 33, 22}},
                           {1, "PINHOLE", {50, 60, 33, 22}},
                           {2, "SIMPLE_RADIAL", {50, 33, 22, 0}},
@@ -26,18 +26,33 @@ const Model pinholes[] = {{0, "SIMPLE_PINHOLE", {50, 33, 22}},
                           {12, "SIMPLE_DIVISION", {50, 33, 22, 0}},
                           {13, "DIVISION", {50, 60, 33, 22, 0}},
                           {16, "EUCM", {50, 60, 33, 22, 0, 0}},
-                          {16, "EUCM", {50, 60, 33, 22, 0, -1e-5}}};
+                          {16, "EUCM", {50, 60, 33, 22, 0, -1e-5}},
+                          {16, "EUCM", {50, 60, 33, 22, 0.6, 0}}};
 
 /// Those that no lens can be, and what of them is named beside the model.
 const std::pair<Model, std::string> refused_models[] = {
     {{7, "FOV", {50, 60, 33, 22, -1e-5}}, " with omega = -1e-05"},
     {{12, "SIMPLE_DIVISION", {50, 33, 22, -1e-5}}, " with k = -1e-05"},
     {{13, "DIVISION", {50, 60, 33, 22, -1e-5}}, " with k = -1e-05"},
-    {{16, "EUCM", {50, 60, 33, 22, -1e-5, 0}}, " with alpha = -1e-05"},
-    {{14, "SIMPLE_FISHEYE", {50, 33, 22}}, ""},
-    {{15, "FISHEYE", {50, 60, 33, 22}}, ""},
-    {{11, "RAD_TAN_THIN_PRISM_FISHEYE", {50, 60, 33, 22, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}}, ""},
-    {{17, "EQUIRECTANGULAR", {64, 48}}, ""}};
+    {{7, "FOV", {50, 60, 33, 22, 0.9272952}}, " with omega = 0.9272952"},
+    {{16, "EUCM", {50, 60, 33, 22, -1e-5, 1}}, " with alpha = -1e-05"},
+    {{11, "RAD_TAN_THIN_PRISM_FISHEYE", {50, 60, 33, 22, 0, 0, 0, 0, 1e-5, 0, 0, 0, 0, 0, 0, 0}},
+     " with k4 = 1e-05"},
+    {{11, "RAD_TAN_THIN_PRISM_FISHEYE", {50, 60, 33, 22, 0, 0, 0, 0, 0, 1e-5, 0, 0, 0, 0, 0, 0}},
+     " with k5 = 1e-05"},
+    {{11, "RAD_TAN_THIN_PRISM_FISHEYE", {50, 60, 33, 22, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1e-5, 0, 0}},
+     " with s1 = 1e-05"},
+    {{11, "RAD_TAN_THIN_PRISM_FISHEYE", {50, 60, 33, 22, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1e-5}},
+     " with s3 = 1e-05"},
+    {{11, "RAD_TAN_THIN_PRISM_FISHEYE", {50, 60, 33, 22, 0, 1e-5, 0, 0, 0, 0, 0, 1e-5, 0, 0, 0, 0}},
+     " with radial terms beside tangential or prism ones"}};
+
+/// Those that are fisheye lenses without distortion, with focal lengths of 50 and 50 or 60.
+const Model fisheyes[] = {
+    {5, "OPENCV_FISHEYE", {50, 60, 33, 22, 0, 0, 0, 0}},
+    {11, "RAD_TAN_THIN_PRISM_FISHEYE", {50, 60, 33, 22, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0}},
+    {14, "SIMPLE_FISHEYE", {50, 33, 22}},
+    {15, "FISHEYE", {50, 60, 33, 22}}};
 
 /// A point of the plane before distortion.
 Pixel on_plane(bool fisheye, const dvec3& p) {
@@ -119,7 +134,13 @@ const Distorted distorted[] = {
      {},
      true,
      0.031,
-     -0.043}};
+     -0.043},
+    {11,
+     "RAD_TAN_THIN_PRISM_FISHEYE",
+     fisheye,
+     two_lengths,
+     {-0.11, 0.07, 0.023, -0.013, 0, 0, 0, 0, 0, 0, 0, 0},
+     {0, 1, 2, 3}}};
 
 std::vector<Camera> of_binary(std::int32_t number, const std::vector<double>& parameters) {
   return parse_binary(cameras_bin({{.model = number, .width = 64, .height = 48, .parameters = parameters}}),
@@ -135,8 +156,9 @@ std::vector<Camera> of_text(const std::string& name, const std::vector<double>& 
 }
 
 const std::string expected =
-    "expected one of the camera models SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, FULL_OPENCV, "
-    "OPENCV_FISHEYE, SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE, THIN_PRISM_FISHEYE, found ";
+    "expected one of the camera models SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL, OPENCV, "
+    "OPENCV_FISHEYE, FULL_OPENCV, SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE, THIN_PRISM_FISHEYE, "
+    "SIMPLE_FISHEYE, FISHEYE, EQUIRECTANGULAR, found ";
 
 }  // namespace
 
@@ -167,12 +189,69 @@ TEST_CASE("colmap models: every coefficient moves points as COLMAP's model does"
 }
 
 TEST_CASE("colmap models: a fisheye lens without distortion is no pinhole") {
-  const std::vector<double> parameters = {50, 60, 33, 22, 0, 0, 0, 0};
-  for (const auto& cameras : {of_binary(5, parameters), of_text("OPENCV_FISHEYE", parameters)}) {
-    CHECK(cameras.at(0).lens == Lens{LensModel::fisheye, {}});
-    // 45 degrees to the right.
-    check_pixel(cameras[0], {1, 0, 1}, {33 + 50 * std::atan(1.0), 22});
+  for (const Model& model : fisheyes) {
+    CAPTURE(model.name);
+    for (const auto& cameras :
+         {of_binary(model.number, model.parameters), of_text(model.name, model.parameters)}) {
+      CHECK(cameras.at(0).lens == Lens{fisheye, {}});
+      CHECK(intrinsics(cameras[0]) == Intrinsics{64, 48, 50, std::max(50.0, model.parameters[1]), 33, 22});
+      // 45 degrees to the right.
+      check_pixel(cameras[0], {1, 0, 1}, {33 + 50 * std::atan(1.0), 22});
+    }
   }
+}
+
+TEST_CASE("colmap models: a field of view whose tangents are lengths is a fisheye lens") {
+  const double half = std::atan(0.5);
+  for (const double omega : {2 * half, -2 * half}) {
+    const std::vector<double> parameters = {50, 60, 33, 22, omega};
+    for (const auto& cameras : {of_binary(7, parameters), of_text("FOV", parameters)}) {
+      CHECK(cameras.at(0).lens == Lens{fisheye, {}});
+      for (const dvec3& p : seen_points) {
+        // FOVCameraModel::Distortion of COLMAP's src/colmap/sensor/models.h.
+        const double radius = std::hypot(p.x, p.y) / p.z;
+        const double factor = std::atan(radius * 2 * std::tan(omega / 2)) / (radius * omega);
+        check_pixel(cameras[0], p, {50 * factor * p.x / p.z + 33, 60 * factor * p.y / p.z + 22});
+      }
+    }
+  }
+}
+
+// RadTanThinPrismFisheyeModel there: p0 goes with u, and s0, s2 with the square of the radius.
+TEST_CASE("colmap models: tangential and prism terms of 16 parameters alone move points as COLMAP's do") {
+  const std::vector<double> parameters = {50, 60, 33,     22,    0,     0, 0,      0,
+                                          0,  0,  -0.021, 0.013, 0.031, 0, -0.043, 0};
+  REQUIRE(parameters.size() == 16);
+  for (const auto& cameras : {of_binary(11, parameters), of_text("RAD_TAN_THIN_PRISM_FISHEYE", parameters)})
+    for (const dvec3& p : seen_points) {
+      const auto [x, y] = on_plane(true, p);
+      const double squared = x * x + y * y;
+      const double u = x + 2 * 0.013 * x * y - 0.021 * (squared + 2 * x * x) + 0.031 * squared;
+      const double v = y - 2 * 0.021 * x * y + 0.013 * (squared + 2 * y * y) - 0.043 * squared;
+      check_pixel(cameras.at(0), p, {50 * u + 33, 60 * v + 22});
+    }
+}
+
+// Called SPHERICAL in forks, before COLMAP 4.1.
+TEST_CASE("colmap models: an equirectangular image has a whole sphere of as many pixels as the file says") {
+  for (const auto& [width, height] : {std::pair{64.0, 48.0}, {72.5, 32.0}})
+    for (const auto& cameras : {of_binary(17, {width, height}), of_text("EQUIRECTANGULAR", {width, height}),
+                                of_text("SPHERICAL", {width, height})}) {
+      CHECK(cameras.at(0).lens == Lens{LensModel::equirectangular, {}});
+      CHECK(cameras[0].width == 64);
+      CHECK(cameras[0].height == 48);
+      for (const dvec3& p : {dvec3(0.3, -0.2, 1), dvec3(-0.5, 0.35, -1.25), dvec3(0.7, -0.9, -2)}) {
+        const double pi = std::acos(-1.0);
+        check_pixel(cameras[0], p,
+                    {(std::atan2(p.x, p.z) / (2 * pi) + 0.5) * width,
+                     (std::atan2(p.y, std::hypot(p.x, p.z)) / pi + 0.5) * height});
+      }
+    }
+  for (const double bad : {0.0, -64.0, double(NAN)})
+    CHECK(contains(complaint([&] {
+                     of_binary(17, {bad, 48});
+                   }),
+                   "expected a camera that can be rendered with (camera: expected focal lengths"));
 }
 
 TEST_CASE("colmap models: models that no lens can be are refused by name") {
@@ -208,7 +287,7 @@ TEST_CASE("colmap models: a camera that no image uses may be of any model") {
     return parse_binary(cameras_bin({unused, used}), images).at(0).fx;
   };
   CHECK(beside({.model = 7, .parameters = {1, 1, 1, 1, 0.1}}) == 500);
-  CHECK(beside({.model = 17, .parameters = {640, 480}}) == 500);
+  CHECK(beside({.model = 17, .parameters = {0, 0}}) == 500);
   CHECK(beside({.width = 0, .parameters = {-1, 0, 0, 0}}) == 500);
 
   const std::string used_line = "2 PINHOLE 640 480 500 510 321 239\n", image = "1 1 0 0 0 0 0 0 2 a.jpg\n\n";

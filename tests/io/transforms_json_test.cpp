@@ -83,8 +83,8 @@ std::vector<Camera> parse_in_model(const json& file, const json& dataparser) {
 /// What messages expect in place of a lens that is not read.
 const std::string models =
     "transforms.json: byte 0: expected one of the camera models SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, "
-    "RADIAL, OPENCV, FULL_OPENCV, OPENCV_FISHEYE, SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE, THIN_PRISM_FISHEYE, "
-    "EQUIRECTANGULAR, ORTHOPHOTO, found ";
+    "RADIAL, OPENCV, OPENCV_FISHEYE, FULL_OPENCV, SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE, THIN_PRISM_FISHEYE, "
+    "SIMPLE_FISHEYE, FISHEYE, EQUIRECTANGULAR, ORTHOPHOTO, found ";
 
 const json six = {{"k1", -0.11}, {"k2", 0.07}, {"k3", 0.023}, {"k4", -0.017}, {"p1", 0.013}, {"p2", -0.021}};
 

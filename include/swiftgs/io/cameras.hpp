@@ -31,10 +31,13 @@ struct CameraFile {
 /// - the folder of a capture that holds one of these, as `find_capture` says.
 ///
 /// `Camera::lens` is what the file says. COLMAP's models SIMPLE_PINHOLE, PINHOLE, SIMPLE_RADIAL, RADIAL,
-/// OPENCV, FULL_OPENCV, OPENCV_FISHEYE, SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE and THIN_PRISM_FISHEYE are
-/// read, and as the `camera_model` of a JSON file also EQUIRECTANGULAR, whose image shows the whole sphere,
-/// and ORTHOPHOTO. FOV, the division models and EUCM are read where their coefficient is 0. Any other is
-/// refused by name where an image uses it.
+/// OPENCV, FULL_OPENCV, OPENCV_FISHEYE, SIMPLE_RADIAL_FISHEYE, RADIAL_FISHEYE, THIN_PRISM_FISHEYE,
+/// SIMPLE_FISHEYE, FISHEYE and EQUIRECTANGULAR, which forks call SPHERICAL, are read, and as the
+/// `camera_model` of a JSON file also ORTHOPHOTO. The equirectangular image of a JSON file shows the whole
+/// sphere. FOV, the division models, EUCM and RAD_TAN_THIN_PRISM_FISHEYE are read where their coefficients
+/// make them one of these lenses. Any other is refused by name where an image uses it.
+///
+/// Texts are in UTF-8, with a byte order mark or without. A file of anything else is refused with what it is.
 ///
 /// `Camera::name` is the image's name as the file has it. Cameras of a transforms.json or a path keep the
 /// order of the file, others are sorted by name. Throws `FormatError`, `std::system_error` if something
