@@ -28,7 +28,8 @@ void replace_file(const std::filesystem::path& path, std::string_view content) {
 }
 
 void require_replaceable(const std::filesystem::path& path) {
-  if (std::filesystem::is_directory(path))
+  std::error_code none;
+  if (std::filesystem::is_directory(path, none))
     throw std::system_error(EISDIR, std::generic_category(), path.string());
   if (!io::is_stream(path)) io::OutputFile{path};  // gone again, as it is never closed
 }

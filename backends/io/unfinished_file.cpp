@@ -15,11 +15,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What `path` leads to; itself where nothing is there.
+/// What `path` leads to by way of links, whether it is there or not.
 fs::path target_of(const fs::path& path) {
+  constexpr int most_links = 40;  // as Linux follows them
+  fs::path target = path;
   std::error_code none;
-  const fs::path target = fs::canonical(path, none);
-  return none ? path : target;
+  for (int links = 0; links < most_links; ++links) {
+    const fs::path next = fs::read_symlink(target, none);
+    if (none) return target;
+    target = target.parent_path() / next;  // `next` alone where it is absolute
+  }
+  throw std::system_error(ELOOP, std::generic_category(), path.string());
 }
 
 /// A name in the same folder that no other has.

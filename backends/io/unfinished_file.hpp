@@ -8,7 +8,7 @@ namespace swiftgs::io {
 
 /// A file beside the one that it replaces when it is whole; it is removed unless `finish` is called. What is
 /// no regular file, such as a pipe, and standard output are written to as they are. Links stay, and lead to
-/// the new file, which has the permissions of the old one.
+/// the new file, which has the permissions of the old one if there was one.
 class UnfinishedFile {
  public:
   explicit UnfinishedFile(const std::filesystem::path& path);

@@ -98,6 +98,36 @@ TEST_CASE("replace file: a link stays and leads to the new file") {
   CHECK(content_of(place / "folder/file.txt") == "new");
 }
 
+TEST_CASE("replace file: a link to what is not there yet stays and leads to the new file") {
+  const TemporaryFolder place;
+  fs::create_directories(place / "folder");
+  fs::create_symlink("folder/file.txt", place / "link.txt");
+  fs::create_symlink(place / "link.txt", place / "folder/chain.txt");
+  require_replaceable(place / "folder/chain.txt");
+  CHECK(!fs::exists(place / "folder/file.txt"));
+  for (const std::string content : {"first", "second"})
+    for (const char* name : {"link.txt", "folder/chain.txt"}) {
+      replace_file(place / name, content + name);
+      CHECK(fs::is_symlink(place / name));
+      CHECK(content_of(place / "folder/file.txt") == content + name);
+      if (content == "first") fs::remove(place / "folder/file.txt");
+    }
+  CHECK(files_in(place / "folder").size() == 2);
+}
+
+TEST_CASE("replace file: links that lead nowhere are refused and stay") {
+  const TemporaryFolder place;
+  fs::create_symlink("missing/file.txt", place / "lost.txt");
+  fs::create_symlink("round.txt", place / "round.txt");
+  for (const auto& [name, reason] : {std::pair{"lost.txt", "lost.txt: No such file"},
+                                     {"round.txt", "round.txt: Too many levels of symbolic links"}}) {
+    CHECK_THROWS_WITH_AS(require_replaceable(place / name), doctest::Contains(reason), std::system_error);
+    CHECK_THROWS_WITH_AS(replace_file(place / name, "text"), doctest::Contains(reason), std::system_error);
+    CHECK(fs::is_symlink(place / name));
+  }
+  CHECK(files_in(place.path()).size() == 2);
+}
+
 TEST_CASE("replace file: a pipe stays a pipe and is written to") {
   const TemporaryFolder place;
   const fs::path pipe = place / "pipe";

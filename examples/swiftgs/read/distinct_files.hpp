@@ -23,7 +23,11 @@ inline bool is_same_file(const std::string& a, const std::string& b) {
   if (fs::exists(status) && !fs::is_regular_file(status)) return false;
   if (fs::equivalent(a, b, none)) return true;
   const auto resolved = [&](const std::string& name) {
-    const fs::path absolute = fs::absolute(name, none), path = fs::weakly_canonical(absolute, none);
+    fs::path absolute = fs::absolute(name, none);
+    constexpr int most_links = 40;  // to a file that is not there yet
+    for (int links = 0; links < most_links && fs::is_symlink(absolute, none); ++links)
+      absolute = absolute.parent_path() / fs::read_symlink(absolute, none);
+    const fs::path path = fs::weakly_canonical(absolute, none);
     return none ? absolute.lexically_normal() : path;
   };
   return resolved(a) == resolved(b);
