@@ -58,11 +58,13 @@ TEST_CASE("cli captures: photographs of the folder are compared with where views
   CHECK(rows[0]["photo_psnr_db"] > 50);
   CHECK(rows[1]["photo_psnr_db"].is_null());
   for (const std::string other :
-       {"garden --views 1", "garden --views 0 --scale 2", "garden --views 0 --cameras garden",
+       {"garden --views 1", "garden --views 0 --cameras garden",
         "garden/scene.ply --cameras garden --views 0"})
     CHECK_FALSE(checked(other)[0].contains("photo_psnr_db"));
   CHECK(checked("garden/scene.ply --cameras garden --views 0 --photos garden/photos")[0]["photo_psnr_db"] >
         50);
+
+  CHECK(checked("garden --views 0 --scale 0.5")[0]["photo_psnr_db"] > 20);
 
   const auto pruned = [&](const std::string& arguments) {
     run(place,
@@ -70,7 +72,7 @@ TEST_CASE("cli captures: photographs of the folder are compared with where views
     return json_in(place / "p.json")["before"]["photo_psnr_db"];
   };
   CHECK(pruned("") > 50);
-  CHECK(pruned(" --scale 2").is_null());
+  CHECK(pruned(" --scale 0.5") > 20);
 }
 
 TEST_CASE("cli captures: cameras are found in a folder whatever they are") {

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/io/image.hpp>
 #include <swiftgs/io/scene_file.hpp>
 
 #include "cli/cameras.hpp"
@@ -145,4 +149,70 @@ TEST_CASE("cli photographs: several photographs of one image are refused unless 
   fs::copy_file(place / "photos/a.png", place / "photos/a.jpg");
   fails(place, check + " --views all --photos photos",
         {"swiftgs: photos: expected one photograph of a, found a.jpg and a.png\n"});
+}
+
+TEST_CASE("cli photographs: --scale scales them with the images") {
+  const TemporaryFolder place;
+  write_cameras(place, {"a.png"});
+  // Wide enough for a side that is rounded: half of it is a whole number, a third is not.
+  json cameras = json_in(place / "cameras.json");
+  cameras[0]["width"] = 40, cameras[0]["height"] = 20;
+  place.write("cameras.json", cameras.dump());
+  run(place, "render builtin:200 --cameras cameras.json --out photos");
+  const auto psnr_at = [&](const std::string& scale) -> double {
+    run(place, check + " --photos photos --scale " + scale);
+    return json_in(place / "r.json")["rows"][0]["photo_psnr_db"];
+  };
+  CHECK(psnr_at("1") > 50);
+  // The mean over each pixel's area, of the drawn image in 8 bits.
+  const swiftgs::Image photo = swiftgs::read_image(place / "photos/a.png");
+  for (const auto& [scale, width, height] : {std::tuple{0.5, 20, 10}, {0.3, 12, 6}, {2.0, 80, 40}}) {
+    CAPTURE(scale);
+    run(place, "render builtin:200 --cameras cameras.json --format pfm --out scaled --scale " +
+                   std::to_string(scale));
+    const swiftgs::Image drawn = swiftgs::read_image(place / "scaled/a.pfm");
+    REQUIRE(drawn.width == width);
+    REQUIRE(drawn.height == height);
+    double squares = 0;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        for (int c = 0; c < 3; ++c) {
+          double sum = 0, area = 0;
+          for (int v = 0; v < photo.height; ++v)
+            for (int u = 0; u < photo.width; ++u) {
+              const auto common = [&](int at, int of) {
+                return std::max(0.0, std::min(at + 1.0, (of + 1) / scale) - std::max(double(at), of / scale));
+              };
+              const double part = common(u, x) * common(v, y);
+              sum += part * photo.pixels[std::size_t((v * photo.width + u) * 3 + c)], area += part;
+            }
+          const double shown =
+              std::clamp(double(drawn.pixels[std::size_t((y * width + x) * 3 + c)]), 0.0, 1.0);
+          squares += std::pow(shown - sum / area, 2);
+        }
+    const double expected = -10 * std::log10(squares / (3.0 * width * height));
+    CHECK(psnr_at(std::to_string(scale)) == doctest::Approx(expected).epsilon(1e-4));
+  }
+  // One that has the scaled size already is taken as it is.
+  run(place, "render builtin:200 --cameras cameras.json --out photos --scale 0.25");
+  CHECK(psnr_at("0.25") > 50);
+  fails(place, check + " --photos photos --scale 0.5",
+        {"photos/a.png: expected 20x10 or, before --scale, 40x20 as the camera has it, found 10x5\n"});
+  fails(place, check + " --photos photos",
+        {"photos/a.png: expected 40x20 as the camera has it, found 10x5\n"});
+}
+
+TEST_CASE("cli photographs: alpha is blended over the background, and grey is read as RGB") {
+  const TemporaryFolder place;
+  write_cameras(place, {"a.png"});
+  const std::string behind = " --background 0.25,0.5,1";
+  // A picture with alpha, as trainers of cut out objects have them.
+  run(place, "render builtin:200 --cameras cameras.json --planes alpha --out photos");
+  REQUIRE(swiftgs::read_image(place / "photos/a.png").channels == 4);
+  for (const std::string background : {"", behind.c_str()})
+    CHECK(compared(place, "--photos photos" + background) == "own ");
+  run(place, "render builtin:200 --cameras cameras.json --out photos" + behind);
+  REQUIRE(swiftgs::read_image(place / "photos/a.png").channels == 3);
+  CHECK(compared(place, "--photos photos" + behind) == "own ");
+  CHECK(compared(place, "--photos photos") == "other ");
 }

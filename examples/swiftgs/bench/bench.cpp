@@ -147,7 +147,8 @@ class Matrix {
             progress.clear();
             const bool photographed = !options_.profile && session.scale == 1;
             session.photos = photographs_of(session.views, input.cameras,
-                                            photographed ? input.capture.photos.string() : "", notes);
+                                            photographed ? input.capture.photos.string() : "", session.scale,
+                                            session.settings.background, notes);
             run(session);
           });
         }

@@ -138,8 +138,8 @@ void check(const CheckOptions& options) {
   const DrawnScene drawn = load_to_draw(options.scene, notes);
   task.scene = drawn.gaussians;
   place_views(task.views, *task.scene, drawn.camera);
-  task.photos =
-      photographs_of(task.views, cameras, photos_of(options.scene, options.view, options.photos), notes);
+  task.photos = photographs_of(task.views, cameras, photos_of(options.scene, options.view, options.photos),
+                               options.view.scale, task.settings.background, notes);
   if (task.photos.empty() && !options.photos.empty())
     throw std::invalid_argument(options.photos + ": expected a photograph with the path of a view, such as " +
                                 task.views.front().camera.name);
@@ -213,8 +213,9 @@ constexpr const char* check_help =
 difference are against the float64 reference with the same conventions. The table has a row
 of means for each renderer, with the worst difference. In JSON, an infinite PSNR is null.
 Frames are also compared with photographs, and results gain photo_psnr_db: with those of
---photos, or those in 'photos' of a capture at its own size. An image has the photograph of
-its path below that folder, or of its name if no other image is called so.
+--photos, or those in 'photos' of a capture. An image has the photograph of its path below
+that folder, or of its name if no other image is called so. --scale scales photographs too,
+unless they have the scaled size; those with alpha are laid over the background.
 
 Examples:
   swiftgs check builtin:20000 --renderers 'serial/early/per-pixel/*'
@@ -234,7 +235,7 @@ void add_check(CLI::App& app) {
   command->add_option(
       "--photos", options->photos,
       "Folder with photographs that have the paths of the images\n[photos in SCENE where it is "
-      "a folder, without --cameras and --scale]");
+      "a folder, without --cameras]");
   add_json(*command, options->json);
   command->add_option("--repeats", options->repeats, "How many frames are timed")->capture_default_str();
   command->callback([options] { check(*options); });

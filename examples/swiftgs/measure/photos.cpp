@@ -3,18 +3,97 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <numeric>
 #include <stdexcept>
 
 #include <swiftgs/metrics.hpp>
 
+#include "draw/team.hpp"
 #include "notes.hpp"
 #include "read/photo_folder.hpp"
-#include "draw/team.hpp"
 
 namespace swiftgs::cli {
 
+namespace {
+
+/// `photo` in three channels, over `background` where it has alpha.
+Image rgb_over(const Image& photo, const vec3& background) {
+  if (photo.channels == 3) return photo;
+  const std::size_t channels = std::size_t(photo.channels);
+  const bool has_alpha = channels % 2 == 0, is_grey = channels < 3;
+  Image rgb{.width = photo.width, .height = photo.height, .channels = 3};
+  rgb.pixels.reserve(photo.pixels.size() / channels * 3);
+  for (std::size_t pixel = 0; pixel < photo.pixels.size(); pixel += channels) {
+    const float alpha = has_alpha ? photo.pixels[pixel + channels - 1] : 1;
+    for (int c = 0; c < 3; ++c)
+      rgb.pixels.push_back(alpha * photo.pixels[pixel + (is_grey ? 0 : std::size_t(c))] +
+                           (1 - alpha) * background[c]);
+  }
+  return rgb;
+}
+
+/// The pixels that one of a smaller or larger image covers along a side, and how much of each.
+struct Cover {
+  int first = 0;
+  std::vector<double> parts{};  ///< of sum 1
+};
+
+std::vector<Cover> covers(int pixels, int scaled_pixels, double scale) {
+  std::vector<Cover> all;
+  for (int i = 0; i < scaled_pixels; ++i) {
+    const double begin = i / scale, end = std::min((i + 1) / scale, double(pixels));
+    Cover cover{.first = std::min(int(begin), pixels - 1)};
+    for (int at = cover.first; at < end || cover.parts.empty(); ++at)
+      cover.parts.push_back(std::min(end, at + 1.0) - std::max(begin, double(at)));
+    const double sum = std::accumulate(cover.parts.begin(), cover.parts.end(), 0.0);
+    for (double& part : cover.parts) part /= sum;
+    all.push_back(std::move(cover));
+  }
+  return all;
+}
+
+/// `photo` as `scaled` scales its camera: each pixel has the mean over its area.
+Image scaled(const Image& photo, int width, int height, double scale) {
+  const std::vector<Cover> columns = covers(photo.width, width, scale),
+                           rows = covers(photo.height, height, scale);
+  Image out{.width = width, .height = height, .channels = 3};
+  out.pixels.reserve(3 * std::size_t(width) * std::size_t(height));
+  for (const Cover& row : rows)
+    for (const Cover& column : columns) {
+      dvec3 mean(0.0);
+      for (std::size_t y = 0; y < row.parts.size(); ++y)
+        for (std::size_t x = 0; x < column.parts.size(); ++x) {
+          const std::size_t pixel =
+              (std::size_t(row.first) + y) * std::size_t(photo.width) + std::size_t(column.first) + x;
+          for (int c = 0; c < 3; ++c)
+            mean[c] += row.parts[y] * column.parts[x] * double(photo.pixels[3 * pixel + std::size_t(c)]);
+        }
+      for (int c = 0; c < 3; ++c) out.pixels.push_back(float(mean[c]));
+    }
+  return out;
+}
+
+/// `photo` in the size of `view`, which shows one of `cameras` times `scale`.
+Image fitted(Image photo, const std::string& file, const Camera& view, const Cameras& cameras, double scale) {
+  const auto has_size = [&](const Camera& camera) {
+    return photo.width == camera.width && photo.height == camera.height;
+  };
+  if (has_size(view)) return photo;
+  const auto size = [](const auto& of) { return std::to_string(of.width) + "x" + std::to_string(of.height); };
+  std::string sizes = size(view);
+  for (const Camera& camera : cameras.all) {
+    if (camera.name != view.name || scale == 1) continue;
+    if (has_size(camera)) return scaled(photo, view.width, view.height, scale);
+    sizes = size(view) + " or, before --scale, " + size(camera);
+  }
+  throw std::invalid_argument(file + ": expected " + sizes + " as the camera has it, found " + size(photo));
+}
+
+}  // namespace
+
 std::vector<std::optional<Image>> photographs_of(const std::vector<View>& views, const Cameras& cameras,
-                                                 const std::string& folder, std::vector<std::string>& said) {
+                                                 const std::string& folder, double scale,
+                                                 const vec3& background, std::vector<std::string>& said) {
   const Team& team = Team::here();
   team.require_same("the folder of photographs", folder);
   if (folder.empty()) return {};
@@ -30,13 +109,8 @@ std::vector<std::optional<Image>> photographs_of(const std::vector<View>& views,
       continue;
     }
     team.require_same_file(found.string());
-    Image photo = read_image(found);
-    if (photo.width != view.camera.width || photo.height != view.camera.height || photo.channels != 3)
-      throw std::invalid_argument(found.string() + ": expected RGB of " + std::to_string(view.camera.width) +
-                                  "x" + std::to_string(view.camera.height) + " as the camera has it, found " +
-                                  std::to_string(photo.width) + "x" + std::to_string(photo.height) +
-                                  " with " + std::to_string(photo.channels) + " channels");
-    photos.back() = std::move(photo);
+    photos.back() =
+        fitted(rgb_over(read_image(found), background), found.string(), view.camera, cameras, scale);
   }
   if (without.size() == views.size()) return {};
   if (!without.empty())

@@ -102,8 +102,8 @@ HeldOut held_out_of(const PruneOptions& options, const ViewOptions& view, const 
       .views = {}, .photos = {}, .settings = settings_of(view), .renderer = exact_renderer(backend)};
   if (view.views.empty()) return held_out;
   held_out.views = views_left_out(cameras, view);
-  held_out.photos =
-      photographs_of(held_out.views, cameras, photos_of(options.scene, view, options.photos), notes);
+  held_out.photos = photographs_of(held_out.views, cameras, photos_of(options.scene, view, options.photos),
+                                   view.scale, held_out.settings.background, notes);
   if (held_out.photos.empty() && !options.photos.empty())
     throw std::invalid_argument(options.photos + ": expected photographs of views that --views '" +
                                 view.views + "' leaves out");
@@ -189,7 +189,7 @@ void add_prune(CLI::App& app) {
   command->add_option(
       "--photos", options->photos,
       "Folder with photographs of the views that are left out\n[photos in SCENE where it is a "
-      "folder, without --cameras and --scale]");
+      "folder, without --cameras]");
   command->add_option("--backend", options->backend, "cuda, cpu or serial [the first that runs here]");
   add_json(*command, options->json);
   command->callback([options] { prune(*options); });

@@ -86,8 +86,7 @@ std::string cameras_of(const SceneOptions& scene, const std::string& cameras) {
 }
 
 std::string photos_of(const SceneOptions& scene, const ViewOptions& view, const std::string& photos) {
-  const bool own_views = view.cameras.empty() && view.scale == 1;
-  if (!photos.empty() || !own_views || builtin_size(scene.scene) ||
+  if (!photos.empty() || !view.cameras.empty() || builtin_size(scene.scene) ||
       !std::filesystem::is_directory(scene.scene))
     return photos;
   return capture_of(scene).photos.string();

@@ -44,7 +44,7 @@ DrawnScene load_to_draw(const SceneOptions& options, std::vector<std::string>& s
 std::string cameras_of(const SceneOptions& scene, const std::string& cameras);
 
 /// The folder of photographs for `view` of `scene`: what `--photos` names, or else that in the folder of the
-/// capture where its own cameras are taken at their own size. Empty where there is none.
+/// capture where its own cameras are taken. Empty where there is none.
 std::string photos_of(const SceneOptions& scene, const ViewOptions& view, const std::string& photos);
 
 }  // namespace swiftgs::cli
