@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
 #include <vector>
 
 #include <swiftgs/io/cameras.hpp>
@@ -20,9 +19,6 @@ CameraFile parse_cameras_json(const Source& source);
 /// nerfstudio's `camera_path.json`: the frames of a video in the world of the splats that it exports.
 CameraFile parse_camera_path(const Source& source);
 
-/// Whether `text`, the beginning of a file or all of it, has the keys of such a path.
-bool is_camera_path(std::string_view text);
-
 /// COLMAP's `cameras.bin` and `images.bin`.
 std::vector<Camera> parse_colmap_binary(const Source& cameras, const Source& images);
 
@@ -32,13 +28,13 @@ std::vector<Camera> parse_colmap_text(const Source& cameras, const Source& image
 /// Sets the pose of `camera` from its place in the world: the columns of `axes` are the directions of its own
 /// axes there.
 void set_pose(Camera& camera, const dmat3& axes, dvec3 centre);
-/// Gives a camera of an equirectangular lens the intrinsics with which an image of so many pixels shows every
-/// direction once.
-void show_sphere(Camera& camera, double width, double height);
-
 
 /// The same with OpenGL's axes: y up, z backwards.
 void set_opengl_pose(Camera& camera, const dmat3& axes, dvec3 centre);
+
+/// Gives a camera of an equirectangular lens the intrinsics with which an image of so many pixels shows every
+/// direction once.
+void show_sphere(Camera& camera, double width, double height);
 
 /// Width or height from a file's number. Throws `FormatError` at `offset` if no image has that many pixels.
 int to_side(const Source& source, std::uint64_t offset, double pixels);

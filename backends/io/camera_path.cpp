@@ -51,11 +51,6 @@ double frames_a_second_of(const JsonEntry& root) {
 
 }  // namespace
 
-bool is_camera_path(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  return first != text.npos && text[first] == '{' && text.find("\"camera_path\"") != text.npos;
-}
-
 CameraFile parse_camera_path(const Source& source) {
   const nlohmann::json value = parse_json(source);
   const JsonEntry root(source, value, 0, "a camera_path.json");

@@ -2,16 +2,15 @@
 #include <algorithm>
 #include <string>
 
-#include <nlohmann/json.hpp>
-
 #include <swiftgs/io/cameras.hpp>
 #include <swiftgs/message.hpp>
 
 #include "camera_parsing.hpp"
 #include "capture_parts.hpp"
-#include "json_entry.hpp"
+#include "file_kind.hpp"
 #include "listed.hpp"
 #include "mapped_file.hpp"
+#include "text_beginning.hpp"
 #include "transforms_json.hpp"
 
 namespace swiftgs {
@@ -52,27 +51,23 @@ void note_other_splits(const fs::path& path, std::vector<std::string>& notes) {
                     " were not.");
 }
 
-/// What a file is that holds no cameras, as far as it is JSON.
-std::string found_in(std::string_view text) {
-  const nlohmann::json root = nlohmann::json::parse(text, nullptr, false);
-  return root.is_object() ? ", found a JSON object with " + listed_keys(root) : "";
-}
-
-CameraFile read_json(const fs::path& path) {
+CameraFile read_file(const fs::path& path) {
   const MappedFile file(path);
   const Source source{file.bytes(), path.string()};
-  if (is_transforms_json(source.text()))
+  const std::string_view text = source.text();
+  const FileKind kind = kind_of(text, source.name);
+  if (kind == FileKind::transforms_json)
     return read_transforms_json(source, path.has_parent_path() ? path.parent_path() : ".");
-  if (is_camera_path(source.text())) return parse_camera_path(source);
-  const std::size_t first = source.text().find_first_not_of(" \t\r\n");
-  if (first == std::string_view::npos || source.text()[first] != '[')
-    source.fail(
-        0,
-        "cameras: INRIA's cameras.json (a JSON array), a transforms.json (a JSON object with "
-        "'frames'), nerfstudio's camera_path.json (one with 'camera_path'), or the folder of a COLMAP "
-        "model" +
-            found_in(source.text()));
-  return sorted_by_name(parse_cameras_json(source));
+  if (kind == FileKind::camera_path) return parse_camera_path(source);
+  // Of any other array INRIA's reader tells what it lacks.
+  if (kind == FileKind::cameras_json ||
+      (kind == FileKind::other && text.substr(json_start(text)).starts_with('[')))
+    return sorted_by_name(parse_cameras_json(source));
+  source.fail(0,
+              "cameras: INRIA's cameras.json (a JSON array), a transforms.json (a JSON object with "
+              "'frames'), nerfstudio's camera_path.json (one with 'camera_path'), or the folder of a COLMAP "
+              "model, found " +
+                  what_it_is(text, source.name));
 }
 
 }  // namespace
@@ -86,7 +81,7 @@ CameraFile read_cameras(const std::filesystem::path& path) {
                    ": expected cameras.json, transforms.json, or a COLMAP model (cameras.bin and "
                    "images.bin, or .txt), here or in sparse/0 or sparse");
   if (std::filesystem::is_directory(found)) return io::read_model(found);
-  CameraFile file = io::read_json(found);
+  CameraFile file = io::read_file(found);
   if (is_folder) io::note_other_splits(found, file.notes);
   return file;
 }

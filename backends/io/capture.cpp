@@ -13,6 +13,9 @@
 #include <swiftgs/message.hpp>
 
 #include "capture_parts.hpp"
+#include "file_kind.hpp"
+#include "foreign_file.hpp"
+#include "mapped_file.hpp"
 #include "name_ending.hpp"
 
 namespace swiftgs {
@@ -78,6 +81,35 @@ fs::path scene_in(const fs::path& folder, std::span<const std::string_view> know
   return {};
 }
 
+/// Folders of checkpoints, and how their trainers make a scene of them.
+struct Checkpoints {
+  const char *folder, *advice;
+};
+constexpr Checkpoints checkpoints[] = {
+    {"nerfstudio_models", ", checkpoints of nerfstudio; export a PLY with 'ns-export gaussian-splat'"},
+    {"ckpts", ", checkpoints of gsplat; train with --save_ply and give a PLY of its folder 'ply'"}};
+
+/// What a folder without a scene holds: something that is taken for one, or cameras.
+std::string found_instead(const fs::path& folder) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::directory_iterator(folder))
+    if (is_foreign_name(entry.path().filename().string()) && entry.is_regular_file())
+      files.push_back(entry.path());
+  if (!files.empty()) {
+    const fs::path& file = *std::min_element(files.begin(), files.end());
+    const MappedFile content(file);
+    const std::string_view text = Source{content.bytes(), file.string()}.text();
+    const std::string what = what_it_is(text, file.string());
+    return file.filename().string() + (what == something_else ? "" : ", " + what);
+  }
+  for (const auto& [name, advice] : checkpoints)
+    if (fs::is_directory(folder / name)) return std::string(name) + advice;
+  const fs::path cameras = cameras_in(folder);
+  if (cameras.empty()) return "none";
+  return (cameras == folder ? "a COLMAP model" : cameras.lexically_relative(folder).string()) +
+         ", which holds cameras alone";
+}
+
 fs::path scene_in(const fs::path& folder) {
   std::vector<std::string> scenes;
   if (fs::path scene = scene_in(folder, endings, scenes); !scene.empty()) return scene;
@@ -85,11 +117,8 @@ fs::path scene_in(const fs::path& folder) {
     if (scenes.empty() && fs::exists(folder / file)) return folder / file;
   if (scenes.empty())
     if (fs::path scene = scene_in(folder, other_endings, scenes); !scene.empty()) return scene;
-  std::string found = scenes.empty() ? "none" : "";
+  std::string found = scenes.empty() ? found_instead(folder) : "";
   for (const std::string& scene : scenes) found += (found.empty() ? "" : ", ") + scene;
-  for (const std::string_view file : transforms_files)
-    if (found == "none" && fs::exists(folder / file))
-      found = std::string(file) + ", which holds cameras alone";
   detail::refuse(folder.string(),
                  ": expected a capture, a folder with one .spz, .ply or .sog in it, or else one "
                  ".ksplat, .splat, .glb or .gltf, found ",

@@ -12,10 +12,11 @@
 namespace swiftgs::io {
 namespace {
 
-/// Lines of a file. The last one needs no line break.
+/// Lines of a file, which end as in any system. The last one needs no line break.
 class Lines {
  public:
-  explicit Lines(const Source& source, std::uint64_t offset = 0) : source_(source), position_(offset) {}
+  explicit Lines(const Source& source) : Lines(source, mark_bytes(source.text())) { expect_utf8(source); }
+  Lines(const Source& source, std::uint64_t offset) : source_(source), position_(offset) {}
 
   /// The next line that is neither empty nor a comment. False at the end.
   bool next(std::string_view& line) {
@@ -30,8 +31,10 @@ class Lines {
     const std::string_view text = source_.text();
     if (position_ == text.size()) return false;
     start_ = position_, ++number_;
-    line = text.substr(start_, text.find('\n', start_) - start_);
-    position_ = std::min(start_ + line.size() + 1, text.size());
+    line = text.substr(start_, text.find_first_of("\r\n", start_) - start_);
+    position_ = start_ + line.size();
+    const std::size_t line_break = text.substr(position_).starts_with("\r\n") ? 2 : 1;
+    position_ = std::min(position_ + line_break, text.size());
     return true;
   }
 

@@ -1,16 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
 namespace swiftgs::io {
 
-/// What a file is that no reader of scenes takes, for an error: what people take for a scene most often
-/// deserves its name. Of an archive it tells the scenes in it and what to do.
-std::string what_it_is(std::string_view text);
+/// What of a file tells what it is.
+inline constexpr std::size_t beginning_bytes = 1 << 16;
 
-/// Whether a file begins with at least four bytes that say it is no scene, whatever its name.
+/// What a file is that nobody knows.
+inline constexpr const char* something_else = "something else";
+
+/// Whether a file begins with at least four bytes, or as JSON with keys, that say it is nothing that is read,
+/// whatever its name.
 bool is_surely_foreign(std::string_view text);
+
+/// What a file is that nobody here reads, and what to give in its place.
+std::string foreign_file(std::string_view text, std::string_view name);
+
+/// Whether the name is of a file that people take for a scene, or pack scenes in.
+bool is_foreign_name(std::string_view name);
 
 }  // namespace swiftgs::io

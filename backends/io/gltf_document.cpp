@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <charconv>
 
+#include "text_beginning.hpp"
+
 namespace swiftgs::io {
 namespace {
 
@@ -90,7 +92,7 @@ void GltfDocument::parse() {
   } catch (const FormatError& error) {
     source_.fail(offset_of(error.byte_offset()), "valid JSON, with numbers that a double can hold");
   }
-  const std::size_t start = json_text.find_first_not_of(" \t\r\n");
+  const std::size_t start = json_start(json_text);
   if (!root_.is_object()) source_.fail(offset_of(start), "a glTF (a JSON object)");
   const JsonEntry entry = root();
   for (const std::string_view name : arrays) {
@@ -136,10 +138,8 @@ std::optional<GltfDocument::DataUri> GltfDocument::data_uri(const JsonEntry& ent
 }
 
 bool looks_like_gltf(std::string_view text) {
-  if (text.starts_with("glTF")) return true;
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  if (first == text.npos || text[first] != '{') return false;
-  const std::string_view beginning = text.substr(first, 1 << 16);
+  const std::string_view beginning = text.substr(json_start(text), 1 << 16);
+  if (!beginning.starts_with('{')) return false;
   const auto holds = [&](std::string_view word) { return beginning.find(word) != beginning.npos; };
   return holds("\"KHR_gaussian_splatting") || holds("\"KHR_spz_gaussian") ||
          (holds("\"asset\"") && (holds("\"buffers\"") || holds("\"accessors\"") || holds("\"meshes\"")));

@@ -72,7 +72,7 @@ class GltfDocument {
   std::map<std::string, std::vector<std::uint64_t>, std::less<>> offsets_{};  ///< of elements of arrays
 };
 
-/// Whether a file is a GLB, or JSON that a glTF alone has. A SOG folder's, too, may have a member "asset".
+/// Whether a file is JSON that a glTF alone has. A SOG folder's, too, may have a member "asset".
 bool looks_like_gltf(std::string_view text);
 
 /// A string of the file as JSON writes it, cut where it is long: fit for a message of one line.

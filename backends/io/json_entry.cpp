@@ -6,17 +6,21 @@
 #include <glm/matrix.hpp>
 
 #include "listed.hpp"
+#include "text_beginning.hpp"
 
 namespace swiftgs::io {
 
 using nlohmann::json;
 
 json parse_json(const Source& source) {
+  expect_utf8(source);
   try {
-    return json::parse(source.text());
+    return json::parse(source.text());  // which skips a byte order mark
   } catch (const json::parse_error& error) {
     // The parser counts from 1, and counts the end as a byte.
-    source.fail(error.byte - (error.byte > 0), "valid JSON");
+    const std::size_t at = error.byte - (error.byte > 0);
+    const bool comment = at < source.bytes.size() && source.text()[at] == '/';
+    source.fail(at, comment ? "valid JSON, which has no comments" : "valid JSON");
   } catch (const json::exception&) {
     source.fail(0, "JSON with numbers that a double can hold");
   }

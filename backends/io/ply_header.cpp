@@ -6,6 +6,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "text_beginning.hpp"
 #include "tokens.hpp"
 
 namespace swiftgs::io {
@@ -20,10 +21,15 @@ constexpr std::pair<std::string_view, PlyType> type_names[] = {
 /// One header line after another, with the place of each for errors.
 class HeaderParser {
  public:
-  explicit HeaderParser(const Source& source) : source_(source) {}
+  explicit HeaderParser(const Source& source) : source_(source), position_(mark_bytes(source.text())) {}
 
   PlyHeader parse() {
-    if (next_line() != "ply") fail("'ply' on the first line");
+    const std::string_view start = next_line();
+    Tokens first(start);
+    if (first.next() != "ply" || !first.at_end())
+      fail(start.find('\r') == start.npos
+               ? "'ply' on the first line"
+               : "header lines that end in LF or CR LF, found CR alone, as old Macs wrote");
     while (true) {
       const std::string_view line = next_line();
       Tokens tokens(line);

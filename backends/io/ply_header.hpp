@@ -45,7 +45,8 @@ struct PlyHeader {
   const PlyElement* find(std::string_view element) const;  ///< null if there is none of that name
 };
 
-/// Parses up to and with `end_header`. Accepts CRLF, comments anywhere, and both families of type names.
+/// Parses up to and with `end_header`. Accepts a byte order mark, CRLF, blanks at the ends of lines, comments
+/// anywhere, and both families of type names.
 PlyHeader parse_ply_header(const Source& source);
 
 }  // namespace swiftgs::io

@@ -1,79 +1,35 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <string_view>
-
 #include <swiftgs/io/capture.hpp>
 #include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/message.hpp>
 
 #include "bytes.hpp"
-#include "foreign_file.hpp"
-#include "gltf_document.hpp"
-#include "ksplat_layout.hpp"
+#include "file_kind.hpp"
 #include "mapped_file.hpp"
-#include "name_ending.hpp"
 #include "scene_building.hpp"
 #include "scene_readers.hpp"
-#include "spz_content.hpp"
 
 namespace swiftgs {
 namespace io {
 namespace {
 
-bool is_object(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  return first != text.npos && text[first] == '{';
-}
-
-bool is_object_with(std::string_view text, std::string_view key, std::string_view other_key) {
-  return is_object(text) && text.find(key) != text.npos && text.find(other_key) != text.npos;
-}
-
-/// A format that is told by its content, or by the name's ending.
 struct Reader {
-  bool (*reads)(std::string_view text, std::string_view name);
+  FileKind kind;
   /// `SceneFile::bytes` is left to be those of other files.
   SceneFile (*read)(const Source& source, const SceneReadOptions& options);
   bool reads_parts = false;
 };
 
-/// The first that reads a file is taken.
-constexpr Reader readers[] = {
-    {[](std::string_view text, std::string_view) {
-       return text.starts_with("ply\n") || text.starts_with("ply\r\n");
-     },
-     read_ply, true},
-    {[](std::string_view text, std::string_view) { return text.starts_with("NGSP") || is_gzip_of_spz(text); },
-     read_spz, true},
-    {[](std::string_view text, std::string_view name) {
-       return looks_like_gltf(text) || (has_ending(name, ".gltf") && is_object(text));
-     },
-     read_gltf},
-    {[](std::string_view text, std::string_view name) {
-       return has_ending(name, ".ksplat") || looks_like_ksplat(text);
-     },
-     read_ksplat},
-    {[](std::string_view text, std::string_view) {
-       // The list of an archive's files is at its end.
-       return (text.starts_with("PK\3\4") && text.rfind("meta.json") != text.npos) ||
-              is_object_with(text, "\"means\"", "\"quats\"");
-     },
-     read_sog},
-    {[](std::string_view text, std::string_view) {
-       return is_object_with(text, "\"lodLevels\"", "\"filenames\"");
-     },
-     read_streamed_sog},
-    // Last, as nothing but the name tells.
-    {[](std::string_view text, std::string_view name) {
-       return has_ending(name, ".splat") && !is_surely_foreign(text);
-     },
-     read_splat, true},
-};
+constexpr Reader readers[] = {{FileKind::ply, read_ply, true},    {FileKind::spz, read_spz, true},
+                              {FileKind::gltf, read_gltf},        {FileKind::ksplat, read_ksplat},
+                              {FileKind::sog, read_sog},          {FileKind::streamed_sog, read_streamed_sog},
+                              {FileKind::splat, read_splat, true}};
 
 SceneFile read(const Source& source, const SceneReadOptions& options) {
-  const std::string_view text = source.text();
   validate(options.part);
+  const FileKind kind = kind_of(source.text(), source.name);
   for (const Reader& reader : readers)
-    if (reader.reads(text, source.name)) {
+    if (reader.kind == kind) {
       if (!options.part.is_whole() && !reader.reads_parts)
         detail::refuse(source.name,
                        ": a part of it was asked for, expected a PLY, SPZ or .splat file, which can be "
@@ -89,7 +45,7 @@ SceneFile read(const Source& source, const SceneReadOptions& options) {
       note_left_out(file.left_out, file.notes);
       return file;
     }
-  source.fail(0, "a scene of Gaussians, found " + what_it_is(text));
+  source.fail(0, "a scene of Gaussians, found " + what_it_is(source.text(), source.name));
 }
 
 }  // namespace

@@ -173,15 +173,6 @@ Camera camera_of(const CameraEntry& frame, const std::filesystem::path& folder, 
 
 }  // namespace
 
-bool is_transforms_json(std::string_view text) {
-  const std::size_t first = text.find_first_not_of(" \t\r\n");
-  if (first == text.npos || text[first] != '{') return false;
-  const auto holds = [&](std::string_view key) { return text.find(key) != text.npos; };
-  // In a long file only the beginning may be at hand, and the frames may follow later.
-  return holds("\"frames\"") || holds("\"transform_matrix\"") || holds("\"camera_angle_x\"") ||
-         holds("\"fl_x\"");
-}
-
 CameraFile parse_transforms_json(const Source& source, const std::filesystem::path& folder,
                                  const Source* dataparser) {
   const json value = parse_json(source);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <filesystem>
-#include <string_view>
 
 #include <swiftgs/io/cameras.hpp>
 
@@ -12,9 +11,6 @@
 /// `transforms.json` of nerfstudio and instant-ngp, and `transforms_train.json` of Blender's scenes.
 
 namespace swiftgs::io {
-
-/// Whether `text`, the beginning of a file or all of it, has the keys of such a file.
-bool is_transforms_json(std::string_view text);
 
 /// Its cameras in the order of the file, with the size of the images in `folder` where the file has none; an
 /// empty folder has no images. `dataparser` is nerfstudio's `dataparser_transforms.json`, which takes cameras

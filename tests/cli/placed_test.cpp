@@ -56,7 +56,7 @@ TEST_CASE("cli placed: parts of a scene in one frame are the scene") {
   place.write("parts/scenes.json", R"([{"file": "../a.ply"}, {"file": "./b.ply"}])");
   place.write("ranges.json", R"([{"file": "whole.ply", "count": 700}, {"file": "a.ply", "first": 700},
     {"file": "whole.ply", "first": 2000, "count": 1000}])");
-  place.write("parts/one.json", R"(  [{"file": "b.ply"}])");
+  place.write("parts/one.json", "\xef\xbb\xbf" R"(  [{"file": "b.ply"}])");  // with a byte order mark
   const std::vector<float> expected = drawn(place, "whole.ply");
   CHECK(drawn(place, "a.ply parts/b.ply --place") == expected);
   CHECK(drawn(place, "parts/scenes.json") == expected);

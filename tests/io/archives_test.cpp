@@ -45,6 +45,9 @@ TEST_CASE("archives: a ZIP is told by the scenes in it and with what to do") {
                 "a ZIP archive with a.ply, b.spz in it; unpack it and give one of these files"},
                {zip({{"a.txt", ""}, {"b.txt", ""}}), "a ZIP archive of other files: a.txt, b.txt"},
                {zip({{"a.ply", scene}}).substr(0, 90), "a ZIP archive"},
+               {zip({{"0/meta.json", "{}"}, {"lod-meta.json", "{}"}}),
+                "a ZIP archive of a streamed SOG; unpack it and give lod-meta.json"},
+               {zip({{"means.npy", "x"}, {"quats.npy", "x"}}), "arrays of NumPy (.npz); write a PLY of them"},
                // gsplat 1.5.3, ckpt_29999_rank0.pt; torch.save of PyTorch 2 names the folder after the file.
                {zip({{"ckpt_29999_rank0/data.pkl", "x"}, {"ckpt_29999_rank0/data/0", "x"}}),
                 "a checkpoint of PyTorch; export a PLY with the program that trained it"}});

@@ -273,3 +273,64 @@ TEST_CASE("camera layouts: lenses that other trainers add to cameras.json count"
   CHECK(others.at(0).lens.model == LensModel::fisheye);
   check_pixel(others.at(1), {1, 0, 0}, {480, 240});
 }
+
+TEST_CASE("camera layouts: files that are no cameras are told by what they are") {
+  const TemporaryFolder folder;
+  const auto found = [&](const std::string& name, const std::string& content) {
+    const std::string told = complaint([&] { read_cameras(folder.write(name, content)); });
+    const std::string before = "or the folder of a COLMAP model, found ";
+    return contains(told, name + ": byte 0: expected cameras: INRIA's cameras.json")
+               ? told.substr(told.find(before) + before.size())
+               : told;
+  };
+  const std::string cases[][3] = {
+      {"a.ply", "ply\nformat", "a PLY"},
+      {"a.glb", "glTF", "a glTF"},
+      {"a.splat", std::string(32, '\1'), "a .splat"},
+      {"lod-meta.json", R"({"lodLevels": 1, "filenames": []})", "a streamed SOG"},
+      {"list.json", R"([{"file": "a.ply"}])", "a list of scenes"},
+      {"cameras.txt", "# Camera list\n", "a file of a COLMAP model, which is read by its folder"},
+      {"cameras.bin", std::string(8, '\0'), "a file of a COLMAP model, which is read by its folder"},
+      {"a.db", "SQLite format 3",
+       "a database; of COLMAP, give the folder of a model that it wrote, such as sparse/0"},
+      {"a.xml", "<?xml version=\"1.0\"?>\n<document><chunk label=\"1\">",
+       "cameras of Metashape; export them as a COLMAP model"},
+      {"bundle.out", "# Bundle file v0.3\n", "a model of Bundler; convert it with 'colmap model_converter'"},
+      {"a.json", "// by hand\n[]", "a text that begins with a comment, which JSON has not"},
+      {"a.json", "\xff\xfe[", "a text in UTF-16; save it in UTF-8"},
+      {"a.json", "", "an empty file"},
+      {"a.txt", "frame 1", "something else"}};
+  for (const auto& [name, content, expected] : cases) CHECK(found(name, content) == expected);
+  CHECK(contains(found("a.json", "[ // the first\n {}]"),
+                 "a.json: byte 2: expected valid JSON, which has no comments"));
+}
+
+// Editors of Windows and PowerShell write the mark.
+TEST_CASE("camera layouts: a byte order mark before JSON changes nothing but places") {
+  const std::string mark = "\xef\xbb\xbf", path = R"({"camera_type": "perspective", "render_width": 64,
+      "render_height": 48, "camera_path": [{"fov": 50, "camera_to_world": [1,0,0,1, 0,1,0,2, 0,0,1,3, 0,0,0,1]}]})";
+  const TemporaryFolder folder;
+  for (const std::string& content : {transforms(size_and_length).dump(), inria().dump(), path})
+    for (const std::string blanks : {"", " \r\n"}) {
+      const auto cameras = load_cameras(folder.write("c.json", mark + blanks + content));
+      REQUIRE(cameras.size() == 1);
+      CHECK(cameras[0].centre() == dvec3(1, 2, 3));
+    }
+  const std::string change = R"({"transform": [[1, 0, 0, 10], [0, 1, 0, 0], [0, 0, 1, 0]], "scale": 1})";
+  folder.write("dataparser_transforms.json", mark + change);
+  CHECK(load_cameras(folder.write("c.json", mark + transforms(size_and_length).dump())).at(0).centre() ==
+        dvec3(11, 2, 3));
+  CHECK(complaint([&] {
+          load_cameras(folder.write("c.json", mark + "[{}]"));
+        }).find("c.json: byte 4: expected a camera") != std::string::npos);
+}
+
+TEST_CASE("camera layouts: COLMAP's models without coefficients, and forks' names, are lenses of JSON") {
+  for (const char* name : {"SIMPLE_FISHEYE", "FISHEYE"}) {
+    json file = transforms(size_and_length);
+    file["camera_model"] = name;
+    CHECK(read(file).cameras.at(0).lens == Lens{LensModel::fisheye, {}});
+  }
+  json file = transforms(R"("w": 640, "h": 480, "camera_model": "SPHERICAL")");
+  CHECK(read(file).cameras.at(0).lens == Lens{LensModel::equirectangular, {}});
+}

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <functional>
 #include <stdexcept>
 
 #include <swiftgs/io/cameras.hpp>
@@ -165,4 +166,42 @@ TEST_CASE("capture: the cameras of a training split are found and those of a tes
   place.write("nerf/transforms_train.json", split("train"));
   CHECK_THROWS_WITH_AS(find_capture(place / "nerf"), doctest::Contains("found transforms_train.json"),
                        std::invalid_argument);
+}
+
+TEST_CASE("capture: a folder without a scene says what it holds instead") {
+  const auto found_in = [](const std::function<void(const TemporaryFolder&)>& fill) -> std::string {
+    const TemporaryFolder place;
+    fill(place);
+    try {
+      find_capture(place.path());
+    } catch (const std::invalid_argument& error) {
+      const std::string told = error.what();
+      return told.substr(told.rfind("found ") + 6);
+    }
+    return "no error";
+  };
+  using Place = const TemporaryFolder&;
+  CHECK(found_in([](Place place) { write_all(place, {"a.txt", "b.jpg", "input.ply"}); }) == "none");
+  CHECK(found_in([](Place place) {
+          place.write("tileset.json", R"({"geometricError": 1, "root": {"content": {"uri": "t/0.glb"}}})");
+          place.write("t/0.glb", "glTF");
+        }) == "tileset.json, a 3D Tiles tileset; give t/0.glb");
+  CHECK(found_in([](Place place) {
+          write_all(place, {"data.bin", "index.bin"});
+          place.write("scan.lcc", R"({"totalSplats": 1, "fileType": "Quality"})");
+        }) == "scan.lcc, an LCC scene of XGRIDS; export a PLY with the program that made it");
+  CHECK(found_in([](Place place) { place.write("nerfstudio_models/step-000029999.ckpt", ""); }) ==
+        "nerfstudio_models, checkpoints of nerfstudio; export a PLY with 'ns-export gaussian-splat'");
+  CHECK(found_in([](Place place) { place.write("ckpts/ckpt_29999_rank0.pt", ""); }) ==
+        "ckpts, checkpoints of gsplat; train with --save_ply and give a PLY of its folder 'ply'");
+  CHECK(found_in([](Place place) { place.write("step.ckpt", "x"); }) ==
+        "step.ckpt, a checkpoint of PyTorch; export a PLY with the program that trained it");
+  CHECK(found_in([](Place place) { place.write("cameras.json", cameras_json); }) ==
+        "cameras.json, which holds cameras alone");
+  CHECK(found_in([](Place place) { place.write("transforms_train.json", transforms_json); }) ==
+        "transforms_train.json, which holds cameras alone");
+  CHECK(found_in([](Place place) { write_colmap(place, "sparse/0", "a.jpg"); }) ==
+        "sparse/0, which holds cameras alone");
+  CHECK(found_in([](Place place) { write_colmap(place, ".", "a.jpg"); }) ==
+        "a COLMAP model, which holds cameras alone");
 }

@@ -330,3 +330,36 @@ TEST_CASE("colmap models: an image without a line of points is not skipped") {
                  "of the image of line 4 in line 5, X Y POINT3D_ID each"));
   CHECK(parse_text(cameras, image + "1.5 2.5e1 -1 nan inf 18446744073709551615\n" + image).size() == 2);
 }
+
+// Editors of Windows and PowerShell write the mark, classic Mac OS the line ends.
+TEST_CASE("colmap models: a byte order mark and any line ends are no part of the text") {
+  const std::string cameras = "# Cameras\n1 PINHOLE 640 480 500 510 321 239\n",
+                    images = "# Images\n1 1 0 0 0 0 0 3 1 a b.jpg\n1 2 -1\n2 1 0 0 0 0 0 3 1 b.jpg\n\n";
+  for (const std::string mark : {"", "\xef\xbb\xbf"})
+    for (const std::string end : {"\n", "\r\n", "\r"}) {
+      const auto as_written = [&](std::string text) {
+        for (std::size_t at = 0; (at = text.find('\n', at)) != text.npos; at += end.size())
+          text.replace(at, 1, end);
+        return mark + text;
+      };
+      const auto found = parse_text(as_written(cameras), as_written(images));
+      REQUIRE(found.size() == 2);
+      CHECK(found[0].name == "a b.jpg");
+      CHECK(found[1].fy == 510);
+      const std::string place =
+          "images.txt: byte " + std::to_string(mark.size()) + ": expected a number for ";
+      CHECK(contains(complaint([&] { parse_text(cameras, mark + "x"); }), place + "an image id"));
+    }
+}
+
+TEST_CASE("colmap models: texts in other encodings are refused with what they are") {
+  const std::string line = "1 PINHOLE", image = "1 1 0 0 0 0 0 3 1 a.jpg\n";
+  std::string little, big;
+  for (const char c : line) little += {c, '\0'}, big += {'\0', c};
+  for (const std::string& text : {"\xff\xfe" + little, "\xfe\xff" + big, little, big}) {
+    const std::string found = "expected a text in UTF-8, found one in UTF-16";
+    CHECK(complaint([&] { parse_text(text, image); }) == "cameras.txt: byte 0: " + found);
+    CHECK(complaint([&] { parse_text("1 PINHOLE 640 480 500 510 321 239", text); }) ==
+          "images.txt: byte 0: " + found);
+  }
+}

@@ -14,6 +14,16 @@ TEST_CASE("ply: an ascii file that ends early never crashes") {
     CHECK_NOTHROW(complaint_about(file.substr(0, length)));
 }
 
+TEST_CASE("ply: the first line is ply alone") {
+  for (const std::string line_break : {"\r", " \r"})
+    CHECK(complaint_about(ply(plain_gaussian(), {.format = "ascii", .line_break = line_break})) ==
+          "a file: byte 0: expected header lines that end in LF or CR LF, found CR alone, as old Macs wrote");
+  const std::string file = ply(plain_gaussian());
+  for (const std::string first : {"ply x\n", "plyx\n", "PLY\n", "\nply\n", " ply\n"})
+    CHECK(complaint_about(with(file, "ply\n", first)) ==
+          "a file: byte 0: expected a scene of Gaussians, found something else");
+}
+
 TEST_CASE("ply: a count that the file cannot hold is refused before memory is taken") {
   const std::string file = ply(plain_gaussian()), ascii = ply(plain_gaussian(), {.format = "ascii"});
   const auto counted = [](const std::string& content, const std::string& count) {

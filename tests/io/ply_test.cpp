@@ -28,6 +28,17 @@ TEST_CASE("ply: every encoding and line break hold the same Gaussian, or none") 
     }
 }
 
+// Exporters pad lines with blanks, editors of Windows write a byte order mark.
+TEST_CASE("ply: blanks at the ends of header lines and a byte order mark change nothing") {
+  for (const char* format : ply_formats)
+    for (const std::string line_break : {" \n", "\t \n", "  \r\n"})
+      for (const std::string mark : {"", "\xef\xbb\xbf"})
+        check_plain(read(mark + ply(plain_gaussian(), {.format = format, .line_break = line_break})));
+  // Places count the mark.
+  CHECK(complaint_about("\xef\xbb\xbfply\nelement") ==
+        "a file: byte 7: expected a 'format' line before the first element");
+}
+
 TEST_CASE("ply: every type of both families is understood and signed ones keep their sign") {
   for (const std::string type : {"char", "int8", "uchar", "uint8", "short", "int16", "ushort", "uint16",
                                  "int", "int32", "uint", "uint32", "float", "float32", "double", "float64"}) {

@@ -11,6 +11,7 @@
 
 using namespace swiftgs;
 using namespace swiftgs::test;
+using namespace std::literals;
 
 namespace {
 
@@ -38,7 +39,16 @@ TEST_CASE("scene file: foreign files are refused at byte 0 and named where they 
       {R"({"frames": [{"transform_matrix": []}]})", "JSON of cameras (transforms.json)"},
       {R"({"frames": [], "camera_angle_x": 0.7})", "JSON of cameras (transforms.json)"},
       {R"([{"img_name": 1}])", "JSON of cameras (cameras.json)"},
-      {"{}", "JSON"},
+      {R"([{"file": "a.ply"}])", "a list of scenes"},
+      {R"({"camera_path": []})", "JSON of cameras (camera_path.json)"},
+      {"{}", "a JSON object with no keys"},
+      {R"({"b": 1, "a": 2})", "a JSON object with the keys a, b"},
+      {"[1]", "a JSON array"},
+      {"{'a': 1}", "a text that begins as JSON does and is none"},
+      {"// made by hand\n{}", "a text that begins with a comment, which JSON has not"},
+      {"\xff\xfe{\0}\0"s, "a text in UTF-16; save it in UTF-8"},
+      {"\0{\0}"s, "a text in UTF-16; save it in UTF-8"},
+      {"\xff\xfe\0\0{\0\0\0"s, "a text in UTF-32; save it in UTF-8"},
       {"\x89PNG\r\n", "a PNG image"},
       {"<!DOCTYPE html><html>", "a page of HTML"},
       {"version https://git-lfs.github.com/spec/v1\noid", "a pointer of Git LFS, whose content is not there"},
@@ -47,6 +57,67 @@ TEST_CASE("scene file: foreign files are refused at byte 0 and named where they 
       {"plywood\n", "something else"}};
   for (const auto& [content, found] : cases)
     CHECK(complaint_about(content) == "a file: byte 0: expected a scene of Gaussians, found " + found);
+}
+
+// Each begins as the program writes it.
+TEST_CASE("scene file: scenes that no reader takes are refused with what to give in their place") {
+  const std::string lcc = "an LCC scene of XGRIDS; export a PLY with the program that made it",
+                    checkpoint = "a checkpoint of PyTorch; export a PLY with the program that trained it";
+  const std::string root =
+      R"({"asset": {"version": "1.1"}, "geometricError": 500, "root": {"geometricError": 0, "content": )";
+  const std::string extension =
+      R"(, "extensions": {"3DTILES_content_gltf": {"extensionsUsed": ["KHR_gaussian_splatting"]}}})";
+  const std::string cases[][3] = {
+      {root + R"({"uri": "t.glb"}}})", "tileset.json", "a 3D Tiles tileset; give t.glb"},
+      {root + R"({"uri": "t.glb"}})" + extension, "a", "a 3D Tiles tileset; give t.glb"},
+      {root + R"({"url" : "a.glb"}, "children": [{"content": {"uri": "b/c.glb"}}]}})", "a",
+       "a 3D Tiles tileset; give one of its files: a.glb, b/c.glb"},
+      {root + "{}}}", "a", "a 3D Tiles tileset; give one of its .glb files"},
+      {R"({"version": "5.0", "totalSplats": 9, "fileType": "Portable"})", "a.lcc", lcc},
+      {R"({"version": "5.0", "totalSplats": 9, "fileType": "Portable"})", "a", lcc},
+      {R"({"a": 1})", "a.LCC2", lcc},
+      {R"({"means": {"mins": [0]}, "scales": {}, "quats": {}, "opacities": {}, "sh0": {}, "shN": {}})",
+       "meta.json", "the meta.json of gsplat's PngCompression; write a PLY with gsplat's export_splats"},
+      {"RAD0\1\0\0\0"s, "a.rad", "a .rad of Spark; give the scene that it was made of"},
+      {"\x80\2\x8a\n", "a.pt", checkpoint},
+      {"\x80\2\x8a\n", "a.pth", checkpoint},
+      {"\x40\0\0\0\0\0\0\0{\"means\""s, "a.safetensors",
+       "a file of weights; export a PLY with the program that trained them"},
+      {"\x93NUMPY\1\0"s, "a.npy", "an array of NumPy; write a PLY of it"},
+      {"\xabKTX 20\xbb", "a.ktx2", "a KTX texture"},
+      {"ASTM-E57\1", "a.e57", "an E57 point cloud, which holds no Gaussians"},
+      {"LASF\0\0"s, "a.laz", "a LAS point cloud, which holds no Gaussians"},
+      {"# Blender 4.2\nv 0 0 0\n", "a.obj", "an OBJ mesh, which holds no Gaussians"},
+      {"Kaydara FBX Binary  \0"s, "a.fbx", "an FBX mesh, which holds no Gaussians"},
+      {"<?xml version=\"1.0\"?>\n<COLLADA>", "a.dae", "a COLLADA mesh, which holds no Gaussians"},
+      {"\xef\xbb\xbf<?xml version=\"1.0\"?><a>", "a.xml", "a file of XML"},
+      {"\0\5\x16\7\0\2\0\0"s, "._a.ply",
+       "what macOS stores beside a file; give the file whose name lacks the ._"},
+      {"RIFF....WEBPVP8L", "a.webp", "a WebP image"},
+      {"# Camera list\n", "sparse/0/cameras.txt", "a file of a COLMAP model, which is read by its folder"}};
+  for (const auto& [content, name, found] : cases)
+    CHECK(complaint_about(content, name) == name + ": byte 0: expected a scene of Gaussians, found " + found);
+  // Some bytes say what a file is, whatever its name.
+  CHECK(contains(complaint_about("LASF" + std::string(28, '\0'), "a.splat"), "found a LAS point cloud"));
+  CHECK(contains(complaint_about("RAD0" + std::string(28, '\0'), "a.ksplat"), "found a .rad of Spark"));
+}
+
+// Editors of Windows and PowerShell write the mark.
+TEST_CASE("scene file: a byte order mark before a text is skipped") {
+  const std::string mark = "\xef\xbb\xbf", gltf = "expected a glTF with Gaussians";
+  const std::string cases[][3] = {
+      {R"({"asset": 1, "meshes": []})", "a", gltf},
+      {" {}", "a.gltf", gltf},
+      {R"({"means": 1, "quats": 1})", "meta.json", "found JSON of a SOG in memory"},
+      {R"({"lodLevels": 1, "filenames": []})", "lod-meta.json", "found JSON of a SOG in memory"},
+      {R"({"fl_x": 1})", "a.json", "found JSON of cameras (transforms.json)"},
+      {R"([{"img_name": 1}])", "a.json", "found JSON of cameras (cameras.json)"},
+      {"<!DOCTYPE html>", "a.html", "found a page of HTML"}};
+  for (const auto& [content, name, expected] : cases) {
+    CHECK(contains(complaint_about(content, name), expected));
+    CHECK(contains(complaint_about(mark + content, name), expected));
+  }
+  CHECK(complaint_about(mark, "a") == "a: byte 0: expected a scene of Gaussians, found something else");
 }
 
 TEST_CASE("scene file: formats without a beginning of their own go by the ending") {

@@ -53,6 +53,7 @@ TEST_CASE("report errors: what is no JSON is named with the byte where it ends t
   refuses("nothing that was measured", {"byte", "expected JSON"});
   refuses("[1, 2, NaN]", {"byte 7: expected JSON"});
   refuses(good.substr(0, good.size() - 1) + ", \"x\": 1e999}", {"expected numbers that a double can hold"});
+  refuses("\xff\xfe{", {"byte 0: expected JSON of swiftgs bench or stress in UTF-8, found a text in UTF-16"});
   refuses(std::string(100000, '['), {"expected objects and arrays at most 16 deep"});
 }
 

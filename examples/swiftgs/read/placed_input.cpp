@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
+#include <string>
+#include <string_view>
 #include <utility>
 
 #include <swiftgs/edit/transform.hpp>
@@ -22,8 +24,12 @@ namespace fs = std::filesystem;
 /// Whether `name` is a file of a JSON array. Scenes in JSON are objects.
 bool is_list(const std::string& name) {
   if (!name.ends_with(".json") || !fs::is_regular_file(name)) return false;
+  constexpr std::string_view mark = "\xef\xbb\xbf";  // which editors of Windows write first
+  std::ifstream file(name);
+  for (const char byte : mark)
+    if (file.peek() == std::char_traits<char>::to_int_type(byte)) file.get();
   char first = 0;
-  std::ifstream(name) >> first;
+  file >> first;
   return first == '[';
 }
 

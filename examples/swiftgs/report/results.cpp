@@ -209,6 +209,9 @@ Json parsed(const std::string& file, const std::string& text) {
   try {
     return Json::parse(text, not_too_deep);
   } catch (const Json::parse_error& error) {
+    // As PowerShell writes what a program prints.
+    if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff"))
+      throw FormatError(file, 0, "JSON of swiftgs bench or stress in UTF-8, found a text in UTF-16");
     const bool at_end = error.byte > text.size();
     throw FormatError(
         file, at_end ? text.size() : error.byte - 1,

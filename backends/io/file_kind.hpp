@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace swiftgs::io {
+
+/// Files that somebody here reads.
+enum class FileKind {
+  ply,
+  spz,
+  gltf,
+  ksplat,
+  sog,
+  streamed_sog,
+  splat,
+  cameras_json,  ///< INRIA's
+  transforms_json,
+  camera_path,
+  scene_list,
+  other
+};
+
+/// What a file is, by its content; by the ending of `name` where nothing else tells. All readers go by it.
+FileKind kind_of(std::string_view text, std::string_view name);
+
+/// What a file is, for an error of a reader of other files. What is no scene but often taken for one has its
+/// name, and what to give in its place. Of an archive it tells the scenes in it.
+std::string what_it_is(std::string_view text, std::string_view name);
+
+}  // namespace swiftgs::io
