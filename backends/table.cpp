@@ -8,6 +8,7 @@
 
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/swiftgs.hpp>
+#include <swiftgs/thread_count.hpp>
 
 #if defined(SWIFTGS_HAS_CPU)
 #include <swiftgs/cpu.hpp>
@@ -84,6 +85,7 @@ const RendererEntry& find_renderer(std::string_view name) {
 }
 
 std::unique_ptr<AnyRenderer> make_renderer(std::string_view name, const BackendOptions& options) {
+  require_thread_count(options.threads);
   for (const RendererEntry& entry : renderers()) {
     if (entry.name != name) continue;
     if (!entry.usable)

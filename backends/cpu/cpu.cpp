@@ -14,6 +14,7 @@
 #include <swiftgs/cpu.hpp>
 #include <swiftgs/processor_name.hpp>
 #include <swiftgs/round_to_nearest.hpp>
+#include <swiftgs/thread_count.hpp>
 
 #include "parts.hpp"
 
@@ -42,11 +43,12 @@ void Cpu::run(std::size_t n, std::size_t grain, PartLoop part) const {
 
 Cpu::Cpu(int threads, const MemoryHook& memory) : memory_(memory), histograms_(memory) {
   validate(memory);
+  require_thread_count(threads);
   // Asked for more than it may use, oneTBB would print a warning.
   const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   const int most = int(std::min<std::size_t>(allowed, 1 << 15));
   arena_.reset(
-      new Arena{tbb::task_arena(threads > 0 ? std::min(threads, most) : int(tbb::task_arena::automatic))});
+      new Arena{tbb::task_arena(threads == 0 ? int(tbb::task_arena::automatic) : std::min(threads, most))});
 }
 
 int Cpu::threads_at_once() const {

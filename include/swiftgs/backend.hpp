@@ -117,7 +117,7 @@ struct MemoryUse {
 
 /// What a program gives to the backend of a renderer. Backends ignore what they have no use for.
 struct BackendOptions {
-  int threads = 0;                     ///< of a host; 0: all
+  int threads = 0;                     ///< of a host, 0 or more; 0: all
   ::CUstream_st* stream = nullptr;     ///< of a device, as its constructor takes it
   std::optional<MemoryHook> memory{};  ///< none: the backend's own
 };

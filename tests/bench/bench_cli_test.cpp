@@ -196,7 +196,8 @@ TEST_CASE("bench: what cannot be measured is one line that says why") {
   fails("builtin:500 --precision 0", {"--precision"});
   fails("builtin:500 --images im", {"--images", "--json"});
   fails("same.ply --json same.ply", {"same.ply"});
-  fails("builtin:500 --threads 0", {"--threads", "1 to"});
+  fails("builtin:500 --threads 0", {"--threads 0: expected 1 to"});
+  fails("builtin:500 --threads -1", {"--threads '-1'"});
   fails("builtin:500 --gaussians 0", {"--gaussians", "100000000"});
   fails("builtin:500 --gaussians 18446744073709551615", {"--gaussians", "100000000"});
   fails("builtin:500 --enlarge 1e39", {"--enlarge", "1000"});

@@ -51,6 +51,11 @@ void test_table(void) {
   CHECK(name && strcmp(name, "cpu/early/per-pixel/ellipse") == 0);
   CHECK(device && strstr(device, "1 thread") != NULL);
   swiftgs_renderer_free(renderer);
+  const swiftgs_renderer_options negative = {.size = sizeof(negative), .threads = -1};
+  CHECK_INVALID(swiftgs_renderer_create("cpu/early/per-pixel/ellipse", &negative, &renderer),
+                "threads is -1, expected 1 or more, or 0 for all");
+  CHECK_INVALID(swiftgs_renderer_create("serial/early/per-pixel/ellipse", &negative, &renderer),
+                "threads is -1");
 }
 
 void test_recorded(void) {

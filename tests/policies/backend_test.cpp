@@ -4,7 +4,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <memory>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -90,6 +94,18 @@ TEST_CASE("cpu: sort and scan give the same result on 1 2 4 and 8 threads") {
     CHECK(sorts(backend, random_keys<std::uint64_t>(200'000, 5), 44));
     CHECK(scans(backend, std::vector<std::uint32_t>(200'000, 3)));
   }
+}
+
+TEST_CASE("cpu: a negative number of threads is refused") {
+  for (const int threads : {-1, -2, std::numeric_limits<int>::min()}) {
+    CAPTURE(threads);
+    const std::string said =
+        "backend: threads is " + std::to_string(threads) + ", expected 1 or more, or 0 for all";
+    CHECK_THROWS_WITH_AS(Cpu{threads}, said.c_str(), std::invalid_argument);
+    CHECK_THROWS_WITH_AS(make_backend(std::type_identity<Cpu>(), {.threads = threads}), said.c_str(),
+                         std::invalid_argument);
+  }
+  CHECK(Cpu(0).threads() >= 1);
 }
 
 SWIFTGS_CASE_ON("backend: an uploaded scene is shared and seen as it is", SWIFTGS_TEST_HOSTS) {

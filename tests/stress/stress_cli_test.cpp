@@ -148,7 +148,8 @@ TEST_CASE("stress: options that make no sense are one line with what was typed a
   fails("--search 1 --seeds 3", {"--seeds", "--search"});
   fails("--search 1 --size 16x16", {"--size", "--search"});
   fails("--seed 3", {"--seed", "--search"});
-  fails("--threads 0" + one, {"--threads", "1 to"});
+  for (const std::string threads : {"0", "-1", "100000"})
+    fails("--threads " + threads + one, {"--threads " + threads + ": expected 1 to"});
   fails("--renderers nothing", {"--renderers 'nothing'", "swiftgs list"});
   fails("--json no/such/folder/r.json" + one, {"no/such/folder"});
 }

@@ -19,14 +19,14 @@ struct ThreadLimit::Control {
 #endif
 };
 
-ThreadLimit::ThreadLimit(std::optional<std::size_t> threads)
+ThreadLimit::ThreadLimit(std::optional<std::int64_t> threads)
     : threads_(std::max(1, int(std::thread::hardware_concurrency()))) {
   if (!threads) return;
-  if (*threads == 0 || *threads > std::size_t(threads_))
-    throw std::invalid_argument("--threads: expected 1 to " + std::to_string(threads_) +
-                                ", as many as there are processors");
+  if (*threads < 1 || *threads > threads_)
+    throw std::invalid_argument("--threads " + std::to_string(*threads) + ": expected 1 to " +
+                                std::to_string(threads_) + ", as many as there are processors");
 #if defined(SWIFTGS_HAS_CPU)
-  control_ = std::make_unique<Control>(*threads);
+  control_ = std::make_unique<Control>(std::size_t(*threads));
   threads_ = int(*threads);
 #else
   throw std::invalid_argument("--threads: expected a build with oneTBB");

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <optional>
 
@@ -10,9 +10,9 @@ namespace swiftgs::cli {
 /// Keeps oneTBB, and so renderers that are made meanwhile, to a number of threads.
 class ThreadLimit {
  public:
-  /// Without `threads` as many as there are processors. Throws `std::invalid_argument` for 0 and for more
-  /// than those, and in a build without oneTBB for any number.
-  explicit ThreadLimit(std::optional<std::size_t> threads);
+  /// Without `threads` as many as there are processors. Throws `std::invalid_argument` for less than 1 and
+  /// for more than those, and in a build without oneTBB for any number.
+  explicit ThreadLimit(std::optional<std::int64_t> threads);
   ~ThreadLimit();
 
   int threads() const { return threads_; }

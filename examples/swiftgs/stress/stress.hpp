@@ -16,7 +16,7 @@ struct StressOptions {
   std::string families;  ///< separated by commas; empty for all
   std::string severities = "all", sizes = "64x48";
   int seeds = 8;
-  std::optional<std::size_t> threads;
+  std::optional<std::int64_t> threads;
   std::string json;
   std::optional<double> search;  ///< for so long, in place of the families' own frames @units{seconds}
   std::uint64_t seed = 1;        ///< of the search

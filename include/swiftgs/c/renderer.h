@@ -58,7 +58,7 @@ enum {
 
 typedef struct swiftgs_renderer_options {
   uint32_t size;              ///< `sizeof(swiftgs_renderer_options)`
-  int32_t threads;            ///< of the backend `cpu`; 0: all
+  int32_t threads;            ///< of the backend `cpu`, 0 or more; 0: all
   void* stream;               ///< of the backend `cuda`: a `cudaStream_t`, which outlives the renderer
   swiftgs_allocate allocate;  ///< of all the renderer's memory; NULL: the backend's own. With `release` only.
   swiftgs_release release;    ///< on a device in stream order, as docs/embedding.md says

@@ -54,9 +54,9 @@ class SWIFTGS_API Cpu {
   using SceneOn = HostScene;
   using TimePoint = std::chrono::steady_clock::time_point;
 
-  /// `threads`: how many run at once, at most what oneTBB allows the process; 0: all of them. Each backend
-  /// has its own arena, so renderers and other users of oneTBB do not disturb each other. oneTBB does not
-  /// take memory of its tasks from `memory`.
+  /// `threads`: how many run at once, at most what oneTBB allows; 0: all. Each backend has its own arena, so
+  /// renderers and other users of oneTBB do not disturb each other. oneTBB does not take memory of its tasks
+  /// from `memory`. Throws `std::invalid_argument` for a negative number of threads.
   explicit Cpu(int threads = 0, const MemoryHook& memory = hook_of<LargePageMemory>());
   ~Cpu();
   Cpu(Cpu&&) noexcept;
