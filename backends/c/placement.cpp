@@ -45,6 +45,8 @@ Placement to_placement(const swiftgs_placement& from) {
   to.opacity = float(1 - from.transparency);
   to.clip = to_clip(from);
   to.first = std::size_t(from.first);
+  if (from.count == Placement::all)  // as -1 is stored; C++ takes it for all
+    refuse("swiftgs_placement: count is ", from.count, ", expected fewer, or 0 for all");
   if (from.count != 0) to.count = std::size_t(from.count);
   to.tint = {vec3(from.tint[0], from.tint[1], from.tint[2]), from.tint_amount};
   return to;

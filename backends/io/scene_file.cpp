@@ -27,6 +27,8 @@ constexpr Reader readers[] = {{FileKind::ply, read_ply, true},    {FileKind::spz
 
 SceneFile read(const Source& source, const SceneReadOptions& options) {
   validate(options.part);
+  if (options.level < 0)
+    detail::refuse(source.name, ": level is ", options.level, ", expected 0, the finest detail, or more");
   const FileKind kind = kind_of(source.text(), source.name);
   for (const Reader& reader : readers)
     if (reader.kind == kind) {

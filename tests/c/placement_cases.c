@@ -258,6 +258,8 @@ void test_placed_errors(void) {
   REFUSE(wrong.tint_amount = NAN, "placed scene: expected a tint with an amount of 0 to 1");
   REFUSE(wrong.tint[2] = INFINITY, "placed scene: expected a tint with a finite colour of 0 or more");
   REFUSE(wrong.tint[0] = -1, "placed scene: expected a tint with a finite colour of 0 or more");
+  REFUSE(wrong.count = (uint64_t)-1,
+         "swiftgs_placement: count is 18446744073709551615, expected fewer, or 0");
   REFUSE((wrong.first = half, wrong.count = 1), "place: placement 0 shows 1 Gaussians from number");
   REFUSE(wrong.first = half + 1, "placement 0 shows all Gaussians from number");
   REFUSE(wrong.size = 8, "swiftgs_placement: size is 8, expected 272");
