@@ -1,16 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstddef>
-#include <cstring>
 #include <memory>
 #include <string_view>
-#include <vector>
 
 #include <name_ending.hpp>
 
 #include <swiftgs/c/view.h>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/io/image.hpp>
-#include <swiftgs/render_input.hpp>
 
 #include "error.hpp"
 #include "structs.hpp"
@@ -23,37 +20,28 @@ struct swiftgs_picture {
 namespace swiftgs::c {
 namespace {
 
-using Writer = void (*)(const std::filesystem::path& path, const Frame& frame);
+/// Views as they are written, with what they were drawn before.
+struct Picture {
+  FrameView view;
+  vec3 background;
+};
 
-Writer writer_of(std::string_view path) {
-  if (io::has_ending(path, ".png")) return &write_png;
-  if (io::has_ending(path, ".pfm")) return &write_pfm;
-  if (io::has_ending(path, ".exr")) return &write_exr;
-  refuse(path, ": expected a name that ends in .png, .pfm or .exr");
-}
-
-/// The rows of a plane, one behind the other.
-template <class T>
-void copy(const swiftgs_plane& from, std::size_t row, std::size_t rows, std::vector<T>& to) {
-  const auto plane = to_plane<const T>(from);
-  if (!plane.data) return;
-  to.resize(row * rows);
-  for (std::size_t y = 0; y < rows; ++y) std::memcpy(&to[y * row], plane.row(y), row * sizeof(T));
-}
-
-Frame to_frame(const swiftgs_image& from) {
+Picture read_picture(const swiftgs_image* image) {
+  const swiftgs_image from = read_struct(image, "swiftgs_image");
   require_pointer(from.colour.data, "swiftgs_image: colour");
-  FrameView view{.width = from.width, .height = from.height};
+  require_choice(from.format, format_count, "swiftgs_image: format");
+  require_zero(from.reserved, "swiftgs_image");
+  FrameView view{.width = from.width, .height = from.height, .format = PixelFormat(from.format)};
   set_planes(view, from);
-  validate(view);
-  Frame frame;
-  frame.width = from.width, frame.height = from.height, frame.feature_channels = from.feature_channels;
-  for_each_plane(
-      [&](std::size_t channels, const swiftgs_plane& plane, auto& to) {
-        copy(plane, channels * std::size_t(from.width), std::size_t(from.height), to);
-      },
-      from, frame);
-  return frame;
+  view.over = from.over != 0;
+  return {view, vec3(from.background[0], from.background[1], from.background[2])};
+}
+
+void write(std::string_view path, const Picture& picture) {
+  if (io::has_ending(path, ".png")) return write_png(path, picture.view, picture.background);
+  if (io::has_ending(path, ".pfm")) return write_pfm(path, picture.view);
+  if (io::has_ending(path, ".exr")) return write_exr(path, picture.view);
+  refuse(path, ": expected a name that ends in .png, .pfm or .exr");
 }
 
 }  // namespace
@@ -66,8 +54,16 @@ extern "C" {
 swiftgs_status swiftgs_image_write(const char* path, const swiftgs_image* image) {
   return guarded([&] {
     require_pointer(path, "path");
-    const Writer write = writer_of(path);
-    write(path, to_frame(read_struct(image, "swiftgs_image")));
+    write(path, read_picture(image));
+  });
+}
+
+swiftgs_status swiftgs_png_encode(const swiftgs_image* image, swiftgs_take_bytes take, void* context) {
+  return guarded([&] {
+    if (!take) refuse("take is NULL, expected a function");
+    const Picture picture = read_picture(image);
+    const auto bytes = swiftgs::encode_png(picture.view, picture.background);
+    take(context, bytes.data(), bytes.size());
   });
 }
 

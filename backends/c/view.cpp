@@ -79,7 +79,7 @@ Conventions to_conventions(const swiftgs_conventions* given) {
 }
 
 View to_view(const swiftgs_view& from) {
-  require_choice(from.format, 5, "swiftgs_view: format");
+  require_choice(from.format, format_count, "swiftgs_view: format");
   require_choice(from.conversion, 3, "swiftgs_view: conversion");
   require_pointer(from.camera, "swiftgs_view: camera");
   const Camera camera = to_camera(from.camera);

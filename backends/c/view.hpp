@@ -16,6 +16,9 @@ Plane<T> to_plane(const swiftgs_plane& from) {
   return {static_cast<T*>(from.data), std::ptrdiff_t(from.pitch)};
 }
 
+/// Numbers of `swiftgs_view::format`.
+inline constexpr int format_count = 5;
+
 /// Sets the planes of `frame` to those of `from`, a struct of the C interface.
 template <class From>
 void set_planes(FrameView& frame, const From& from) {

@@ -2,6 +2,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <png.h>
@@ -17,9 +19,8 @@ std::uint8_t to_byte(float value) {
   return value >= 1 ? 255 : std::uint8_t(std::lround(value * 255));
 }
 
-}  // namespace
-
-void write_png(const std::filesystem::path& path, const Frame& frame) {
+/// `name` begins the message of an error.
+std::vector<std::byte> encode(const Frame& frame, const std::string& name) {
   io::expect_colour(frame);
   const bool has_alpha = frame.alpha.size() == frame.pixels();
   std::vector<std::uint8_t> bytes;
@@ -35,12 +36,22 @@ void write_png(const std::filesystem::path& path, const Frame& frame) {
   image.width = png_uint_32(frame.width);
   image.height = png_uint_32(frame.height);
   image.format = has_alpha ? PNG_FORMAT_RGBA : PNG_FORMAT_RGB;
-  std::vector<std::uint8_t> encoded(PNG_IMAGE_PNG_SIZE_MAX(image));
+  std::vector<std::byte> encoded(PNG_IMAGE_PNG_SIZE_MAX(image));
   png_alloc_size_t size = encoded.size();
   if (!png_image_write_to_memory(&image, encoded.data(), &size, 0, bytes.data(), 0, nullptr))
-    throw std::runtime_error(path.string() + ": PNG encoder: " + image.message);
+    throw std::runtime_error(name + ": PNG encoder: " + image.message);
+  encoded.resize(size);
+  return encoded;
+}
+
+}  // namespace
+
+std::vector<std::byte> encode_png(const Frame& frame) { return encode(frame, "image"); }
+
+void write_png(const std::filesystem::path& path, const Frame& frame) {
+  const std::vector<std::byte> encoded = encode(frame, path.string());
   io::OutputFile file(path);
-  file.write(encoded.data(), size);
+  file.write(encoded.data(), encoded.size());
   file.close();
 }
 

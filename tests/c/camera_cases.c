@@ -2,6 +2,7 @@
 
 /* Cameras and images. */
 #include <math.h>
+#include <stdio.h>
 #include <string.h>
 
 #include "check.h"
@@ -177,7 +178,54 @@ void test_matrices(void) {
   CHECK_INVALID(swiftgs_camera_from_matrices(&from, &camera, NULL), "view: row 0 is (2, 0, 0) of length 2");
 }
 
+struct png {
+  uint8_t bytes[1024];
+  uint64_t count;
+};
+
+static void keep_bytes(void* context, const void* bytes, uint64_t count) {
+  struct png* const png = context;
+  CHECK(png->count == 0 && count > 0 && count <= sizeof(png->bytes));
+  if (count <= sizeof(png->bytes)) memcpy(png->bytes, bytes, count);
+  png->count = count;
+}
+
+static bool is_file(const struct png* png, const char* path) {
+  uint8_t bytes[sizeof(png->bytes)];
+  FILE* const file = fopen(path, "rb");
+  const size_t count = file ? fread(bytes, 1, sizeof(bytes), file) : 0;
+  if (file) fclose(file);
+  return count == png->count && memcmp(bytes, png->bytes, count) == 0;
+}
+
+/* Pixels of 8 bits with blue first, of half their colours' alpha. */
+static void test_png(void) {
+  const uint8_t pixels[2][4] = {{10, 20, 30, 255}, {50, 100, 0, 128}};
+  swiftgs_image image = {.size = sizeof(image), .width = 2, .height = 1, .format = SWIFTGS_BGRA_8};
+  image.colour.data = (void*)pixels, image.colour.pitch = sizeof(pixels);
+  struct png png = {.count = 0};
+  CHECK_OK(swiftgs_png_encode(&image, keep_bytes, &png));
+  CHECK_OK(swiftgs_image_write("c_bgra.png", &image));
+  CHECK(is_file(&png, "c_bgra.png"));
+  swiftgs_picture* picture = NULL;
+  swiftgs_pixels read = {.size = sizeof(read)};
+  CHECK_OK(swiftgs_picture_read("c_bgra.png", &picture));
+  CHECK_OK(swiftgs_picture_get(picture, &read));
+  const float expected[8] = {30, 20, 10, 255, 0, 199, 100, 128};
+  CHECK(read.width == 2 && read.height == 1 && read.channels == 4);
+  for (int i = 0; i < 8; ++i) CHECK(read.data[i] == expected[i] / 255);
+  swiftgs_picture_free(picture);
+
+  CHECK_INVALID(swiftgs_png_encode(&image, NULL, NULL), "take is NULL, expected a function");
+  CHECK_INVALID(swiftgs_png_encode(NULL, keep_bytes, &png), "swiftgs_image is NULL");
+  for (image.format = -1; image.format <= 5; image.format += 6)
+    CHECK_INVALID(swiftgs_png_encode(&image, keep_bytes, &png), "swiftgs_image: format is");
+  image.format = SWIFTGS_BGRA_8, image.colour.data = NULL;
+  CHECK_INVALID(swiftgs_png_encode(&image, keep_bytes, &png), "colour is NULL");
+}
+
 void test_images(void) {
+  test_png();
   /* Two rows of two pixels, in memory from the bottom up. */
   float pixels[2][8] = {{7, 8, 9, 10, 11, 12, -1, -1}, {1, 2, 3, 4, 5, 6, -1, -1}};
   float depth[2][2] = {{1, 2}, {3, 4}};

@@ -144,13 +144,19 @@ typedef struct swiftgs_view {
 } swiftgs_view;
 
 /// Pixels of an image on the host, for `swiftgs_image_write`. Planes are those of `swiftgs_view`, only read.
-/// PNG holds colour, and alpha with straight colours; EXR holds all.
+/// PNG holds colour, and alpha with straight colours: the last channel of RGBA, or of RGB the plane `alpha`.
+/// It is opaque if it was drawn before a `background` that is not black, or as RGB `over` an image. EXR holds
+/// all.
 typedef struct swiftgs_image {
   uint32_t size;             ///< `sizeof(swiftgs_image)`
   int32_t width, height;     ///< @units{pixels}
   int32_t feature_channels;  ///< of `features`
-  swiftgs_plane colour;      ///< RGB in float
+  swiftgs_plane colour;      ///< of `format`
   swiftgs_plane alpha, depth, squared_depth, first_depth, median_depth, normal, id, median_id, features;
+  int32_t format;       ///< of `colour`, as of `swiftgs_view`; 0: RGB in float
+  int32_t over;         ///< as of `swiftgs_view`
+  float background[3];  ///< as of `swiftgs_view`
+  uint32_t reserved;    ///< 0
 } swiftgs_image;
 
 /// Writes an image as its name's ending says: `.png` with 8 bits a channel, `.pfm`, or `.exr`. Values are
@@ -158,6 +164,14 @@ typedef struct swiftgs_image {
 /// `SWIFTGS_INVALID_ARGUMENT`, `SWIFTGS_SYSTEM_ERROR`, and `SWIFTGS_UNAVAILABLE` for EXR in a build without
 /// OpenEXR.
 SWIFTGS_C_API swiftgs_status swiftgs_image_write(const char* path, const swiftgs_image* image);
+
+/// Takes `count` bytes, which are valid until it returns.
+typedef void (*swiftgs_take_bytes)(void* context, const void* bytes, uint64_t count);
+
+/// Calls `take` once, with the bytes of the PNG that `swiftgs_image_write` writes. Errors:
+/// `SWIFTGS_INVALID_ARGUMENT`.
+SWIFTGS_C_API swiftgs_status swiftgs_png_encode(const swiftgs_image* image, swiftgs_take_bytes take,
+                                                void* context);
 
 /// A picture of a file, such as a photograph that frames are compared with.
 typedef struct swiftgs_picture swiftgs_picture;

@@ -9,6 +9,7 @@
 
 #include <swiftgs/api.hpp>
 #include <swiftgs/frame.hpp>
+#include <swiftgs/math.hpp>
 
 namespace swiftgs {
 
@@ -29,11 +30,14 @@ SWIFTGS_API Image read_image(std::span<const std::byte> bytes, const std::string
 
 /// Writes colour as 8-bit RGB, clamped to 0 to 1 and rounded; a NaN becomes 0. With alpha in the frame the
 /// image is RGBA, of straight colours: of colours over alpha, so the background should be black. Values are
-/// the scene's own and written as they are: no gamma is applied. That is right if they are sRGB-encoded, as they usually
-/// are. The writers throw `std::invalid_argument` if the frame holds no colour, or `std::system_error` if
-/// the file cannot be written; `path` then keeps what it held, as the new file takes its place when it is
-/// whole.
+/// the scene's own and written as they are: no gamma is applied. That is right if they are sRGB-encoded, as
+/// they usually are. The writers throw `std::invalid_argument` if the frame holds no colour, or
+/// `std::system_error` if the file cannot be written; `path` then keeps what it held, as the new file takes
+/// its place when it is whole.
 SWIFTGS_API void write_png(const std::filesystem::path& path, const Frame& frame);
+
+/// The bytes of the file that `write_png` writes.
+SWIFTGS_API std::vector<std::byte> encode_png(const Frame& frame);
 
 /// Writes colour as three floats a pixel in the byte order of this machine, which the file states.
 SWIFTGS_API void write_pfm(const std::filesystem::path& path, const Frame& frame);
@@ -42,5 +46,19 @@ SWIFTGS_API void write_pfm(const std::filesystem::path& path, const Frame& frame
 /// depth.squared, depth.first, depth.median, normal.X to normal.Z, features.0 and up, and id.gaussian and
 /// id.median as unsigned integers. Throws `std::runtime_error` in a build without OpenEXR.
 SWIFTGS_API void write_exr(const std::filesystem::path& path, const Frame& frame);
+
+/// @name Views
+/// The same of planes in host memory, of any `PixelFormat` and any pitch. The last channel of RGBA is the
+/// picture's alpha, and colours are multiplied by it: a PNG has straight ones, PFM and EXR have them as they
+/// are. Of RGB the plane `alpha` is. A PNG is opaque if it was drawn before a `background` that is not black,
+/// or as RGB `over` an image. The occluder is not read. They also throw `std::invalid_argument` for a null
+/// colour, and as `validate(FrameView)`.
+/// @{
+SWIFTGS_API void write_png(const std::filesystem::path& path, const FrameView& view,
+                           vec3 background = vec3(0));
+SWIFTGS_API std::vector<std::byte> encode_png(const FrameView& view, vec3 background = vec3(0));
+SWIFTGS_API void write_pfm(const std::filesystem::path& path, const FrameView& view);
+SWIFTGS_API void write_exr(const std::filesystem::path& path, const FrameView& view);
+/// @}
 
 }  // namespace swiftgs
