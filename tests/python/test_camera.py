@@ -85,7 +85,7 @@ def test_a_camera_moves_around_a_point():
 
 
 @pytest.mark.parametrize("make, text", [
-    (lambda: swiftgs.Camera.from_projection(np.eye(3), np.eye(4), 4, 4, "opengl"), "view has shape (3, 3)"),
+    (lambda: swiftgs.Camera.from_projection(np.eye(3), np.eye(4), 4, 4, "opengl"), "view has the shape (3, 3)"),
     (lambda: swiftgs.Camera.from_projection(*opengl(), 4, 4, "metal"),
      "clip_space is 'metal', expected one of opengl, vulkan, direct3d"),
     (lambda: swiftgs.Camera.from_projection(opengl()[0].T, opengl()[1], 4, 4, "opengl"),
@@ -94,12 +94,12 @@ def test_a_camera_moves_around_a_point():
     (lambda: swiftgs.OrbitView(swiftgs.Camera(4, 4, 1), (0, 0, 1), (0, 0, 0)).orbit(1), "up is (0.0, 0.0, 0.0)"),
     (lambda: swiftgs.OrbitView(swiftgs.Camera(4, 4, 1), (0, 0, 1)).orbit(np.nan), "finite angles"),
     (lambda: swiftgs.Camera(0, 4, 1), "expected a width and a height above 0"),
-    (lambda: swiftgs.Camera(4, 4, 1, rotation=np.eye(2)), "rotation has shape (2, 2)"),
-    (lambda: swiftgs.Camera(4, 4, 1, translation=(0, 0)), "translation (2,)"),
+    (lambda: swiftgs.Camera(4, 4, 1, rotation=np.eye(2)), "rotation has the shape (2, 2), expected (3, 3)"),
+    (lambda: swiftgs.Camera(4, 4, 1, translation=(0, 0)), "translation has the shape (2,), expected (3,)"),
     (lambda: swiftgs.Camera(4, 4, 1, model="pinhole"), "model is 'pinhole', expected one of perspective, fisheye"),
     (lambda: swiftgs.Camera(4, 4, 1, radial=(1, 2, 3, 4, 5)), "radial has the shape (5,), expected at most 4 numbers"),
     (lambda: swiftgs.Camera(4, 4, 1, prism=1), "prism has the shape (), expected at most 2 numbers"),
-    (lambda: swiftgs.Camera.from_matrices(np.eye(3), np.eye(3), 4, 4), "viewmat has shape (3, 3)"),
+    (lambda: swiftgs.Camera.from_matrices(np.eye(3), np.eye(3), 4, 4), "viewmat has the shape (3, 3), expected (4, 4)"),
     (lambda: swiftgs.Camera.look_at((0, 0, 0), (0, 0, 1), width=4, height=4, vertical_fov=4), "vertical_fov is 4"),
     (lambda: swiftgs.Camera(4, 4, 1).scaled(0), "a finite scale above 0"),
     (lambda: swiftgs.load_cameras("/"), "/")])

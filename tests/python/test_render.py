@@ -168,7 +168,7 @@ def test_conversions_of_colours(renderer, camera):
     between = (plain > 0) & (plain < 1)
     assert between.mean() > 0.5 and (linear < plain)[between].all() and (encoded > plain)[between].all()
     assert np.array_equal(linear[0], linear[1]) and np.array_equal(encoded[0], encoded[1])
-    with pytest.raises(ValueError, match="conversion is 'gamma', expected one of None, 'srgb-to-linear', "):
+    with pytest.raises(ValueError, match="conversion is 'gamma', expected one of None, srgb-to-linear, "):
         renderer.render(camera, conversion="gamma")
 
 
@@ -237,7 +237,7 @@ def test_conventions_reach_the_frame(renderer, camera, expected):
     (lambda: swiftgs.Frame([[0, 0, 0]]), TypeError, "colour is of type list, expected an array"),
     (lambda: swiftgs.Frame.empty(4, 4, format="bgr"), ValueError, "format is 'bgr', expected one of rgb, rgba"),
     (lambda: swiftgs.Frame.empty(4, 4, background=(0, 0)), ValueError, "background has the shape (2,)"),
-    (lambda: swiftgs.Frame.empty(4, 4).save("a.png", 1), IndexError, "out of range")])
+    (lambda: swiftgs.Frame.empty(4, 4).save("a.png", 1), ValueError, "save: index is 1, expected -1 to 0")])
 def test_what_is_no_frame_is_refused(make, kind, text):
     with pytest.raises(kind, match=re.escape(text)):
         make()
@@ -265,7 +265,7 @@ def test_what_cannot_be_drawn_is_refused(renderer, camera, arrays, expected):
             (lambda: renderer.render(camera, over=True), ValueError, "a new frame holds no colour to draw over"),
             (lambda: swiftgs.Renderer("cpu").render(camera), swiftgs.OrderError, "expected a scene before"),
             (lambda: swiftgs.Renderer("cpu/a/b/c"), swiftgs.InvalidArgument, "cpu/a/b/c"),
-            (lambda: swiftgs.Renderer("cpu", threads=-1), ValueError, "threads is -1, expected 0 or more"),
+            (lambda: swiftgs.Renderer("cpu", threads=-1), ValueError, "threads is -1, expected 1 or more, or 0 for"),
             (lambda: swiftgs.Renderer("cpu", harmonics="double"), ValueError, "expected one of float, smallest, half"),
             (lambda: swiftgs.Renderer("cpu", stream="a"), TypeError, "stream is of type str"),
             (lambda: renderer.set_gaussians(**dict(arrays, means=nan)), swiftgs.InvalidArgument, "Gaussian 7 is nan"),
@@ -323,9 +323,9 @@ def test_what_cannot_be_picked_is_refused(renderer, camera):
             (lambda: renderer.pick(WIDTH, 0), swiftgs.InvalidArgument, "pixels 80 to 80 along x"),
             (lambda: renderer.pick(0, -1), swiftgs.InvalidArgument, "pixels -1 to -1 along y"),
             (lambda: renderer.pick_rectangle(0, 0, 1, -1), swiftgs.InvalidArgument, "-1 pixels along y"),
-            (lambda: renderer.pick(0, 0, view=-1), ValueError, "expected a view from 0"),
-            (lambda: renderer.pick(1 << 32, 0), ValueError, "numbers of 32 bits"),
-            (lambda: renderer.pick(0.5, 0), TypeError, "float")]:
+            (lambda: renderer.pick(0, 0, view=-1), ValueError, "pick: view is -1, expected 0 or more"),
+            (lambda: renderer.pick(1 << 32, 0), ValueError, "pick: x is 4294967296, expected -2147483648 to"),
+            (lambda: renderer.pick(0.5, 0), TypeError, "pick: x is 0.5, expected a whole number")]:
         with pytest.raises(kind, match=text):
             call()
     renderer.trim()
@@ -432,7 +432,12 @@ def test_images_are_saved(renderer, camera, tmp_path):
     assert (tmp_path / "a.png").read_bytes().startswith(b"\x89PNG")
     read = swiftgs.load_image(tmp_path / "a.pfm")
     assert read.dtype == np.float32 and np.array_equal(read, frame.colour[1])
-    assert swiftgs.load_image(tmp_path / "a.png").shape == (HEIGHT, WIDTH, 3)
+    straight = swiftgs.load_image(tmp_path / "a.png")
+    assert straight.shape == (HEIGHT, WIDTH, 4)
+    covered = frame.alpha[0] > 0.5
+    wanted = (frame.colour[0] / np.maximum(frame.alpha[0], 1e-9)[..., None]).clip(0, 1)
+    assert covered.any() and np.abs(straight[..., :3] - wanted)[covered].max() < 2.1 / 255
+    assert np.abs(straight[..., 3] - frame.alpha[0]).max() < 0.6 / 255
     frame = renderer.render([camera, camera], **{**ALL_PLANES, "features": 0})
     try:
         frame.save(tmp_path / "a.exr", 1)
@@ -446,9 +451,57 @@ def test_images_are_saved(renderer, camera, tmp_path):
     with pytest.raises(swiftgs.FileError, match="none.png"):
         swiftgs.load_image(tmp_path / "none.png")
     with pytest.raises(swiftgs.InvalidArgument, match="a.gif"):
-        frame.save(tmp_path / "a.gif")
+        frame.save(tmp_path / "a.gif", 0)
     with pytest.raises(ValueError, match="expected a frame on the host with colour"):
         renderer.render(camera, colour=False, depth=True).save(tmp_path / "b.png")
+
+
+def test_a_batch_is_saved_an_image_at_a_time(renderer, camera, tmp_path):
+    frame = renderer.render([camera, seen_from(0, -1, -5)])
+    with pytest.raises(swiftgs.InvalidArgument, match="save: index is None in a frame of 2 images, expected one from 0 "
+                       "to 1, such as '.*/a_0.png' with index 0 up to '.*/a_1.png' with index 1"):
+        frame.save(tmp_path / "a.png")
+    assert not list(tmp_path.iterdir())
+    for index in (0, 1, -1):
+        frame.save(tmp_path / "a.pfm", index)
+        assert np.array_equal(swiftgs.load_image(tmp_path / "a.pfm"), frame.colour[index])
+    renderer.render([camera]).save(tmp_path / "one.png")  # a batch of one has no other
+    assert (tmp_path / "one.png").exists()
+
+
+@pytest.mark.parametrize("form", ["rgb", "rgba", "rgba-half", "rgba8"])
+def test_a_frame_is_shown_by_notebooks_as_what_it_saves(renderer, camera, tmp_path, form):
+    frame = renderer.render(camera, format=form, alpha=form == "rgb")
+    frame.save(tmp_path / "a.png")
+    assert frame._repr_png_() == (tmp_path / "a.png").read_bytes()
+    assert swiftgs.load_image(tmp_path / "a.png").shape == (HEIGHT, WIDTH, 4)
+    assert renderer.render([camera, camera])._repr_png_() is None
+    assert renderer.render(camera, colour=False, depth=True)._repr_png_() is None
+
+
+def test_rows_that_go_up_are_saved_from_the_top(renderer, camera, tmp_path):
+    memory = np.zeros((HEIGHT, WIDTH + 3, 4), np.uint8)
+    out = renderer.render(camera, out=swiftgs.Frame(memory[::-1, :WIDTH]))
+    assert out._repr_png_() == renderer.render(camera, format="rgba8")._repr_png_()
+
+
+@pytest.mark.parametrize("form", ["rgb", "rgba", "rgba8"])
+def test_what_is_before_a_background_is_saved_as_a_whole(renderer, camera, tmp_path, form):
+    frame = renderer.render([camera, camera], format=form, alpha=True, background=[(0, 0, 0), (1, 0.5, 0)])
+    frame.save(tmp_path / "a.png", 0)
+    assert swiftgs.load_image(tmp_path / "a.png").shape == (HEIGHT, WIDTH, 4)
+    frame.save(tmp_path / "a.png", 1)
+    found = swiftgs.load_image(tmp_path / "a.png")
+    wanted = renderer.render(camera, background=(1, 0.5, 0)).colour.clip(0, 1)
+    assert found.shape == (HEIGHT, WIDTH, 3) and np.abs(found - wanted).max() < 1.01 / 255
+
+
+def test_what_lies_over_a_picture_is_saved_as_a_whole(renderer, camera, tmp_path):
+    alpha = np.empty((HEIGHT, WIDTH), np.float32)
+    out = renderer.render(camera, out=swiftgs.Frame(np.ones((HEIGHT, WIDTH, 3), np.float32), alpha, over=True))
+    out.save(tmp_path / "a.png")
+    found = swiftgs.load_image(tmp_path / "a.png")
+    assert found.shape == (HEIGHT, WIDTH, 3) and np.abs(found - out.colour.clip(0, 1)).max() < 0.51 / 255
 
 
 def test_without_a_device_what_needs_one_is_refused(scene):

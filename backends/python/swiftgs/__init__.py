@@ -11,7 +11,8 @@ from ._arrays import DeviceArray, LentArray
 from ._c import NOTHING, lib as _lib
 from ._camera import Camera, Cameras, Conventions, OrbitView, StoredDepth, load_cameras
 from ._errors import (Cancelled, CapacityError, DeviceError, Error, FileError, FormatError, InternalError,
-                      InvalidArgument, OrderError, OutOfMemory, Unavailable)
+                      InvalidArgument, InvalidType, NoSuchResult, NotLent, NotOffered, OrderError, OutOfMemory,
+                      Unavailable)
 from ._frame import Frame, load_image
 from ._gsplat import rasterization
 from ._placement import Clip, Placement, RecordedScenes, Tint
@@ -23,8 +24,9 @@ __version__ = _lib.version().decode()
 
 __all__ = [
     "Camera", "Cameras", "Cancelled", "CapacityError", "Clip", "Conventions", "DeviceArray", "DeviceError", "Error",
-    "FileError", "FormatError", "Frame", "InternalError", "InvalidArgument", "LentArray", "Memory", "NOTHING",
-    "OrbitView", "OrderError", "OutOfMemory", "Picked", "Placement", "RecordedScenes", "Renderer", "RendererEntry",
-    "Report", "Scene", "SceneBounds", "Statistics", "StoredDepth", "Times", "Tint", "Unavailable",
-    "find_renderer", "list_renderers", "load", "load_cameras", "load_image", "rasterization"
+    "FileError", "FormatError", "Frame", "InternalError", "InvalidArgument", "InvalidType", "LentArray", "Memory",
+    "NoSuchResult", "NOTHING", "NotLent", "NotOffered", "OrbitView", "OrderError", "OutOfMemory", "Picked", "Placement",
+    "RecordedScenes", "Renderer", "RendererEntry", "Report", "Scene", "SceneBounds", "Statistics", "StoredDepth",
+    "Times", "Tint", "Unavailable", "find_renderer", "list_renderers", "load", "load_cameras", "load_image",
+    "rasterization"
 ]

@@ -13,8 +13,9 @@ from typing import Any, Iterable, List, NamedTuple, Optional, Set, Tuple
 
 import numpy as np
 
-from . import _dlpack
+from . import _checks, _dlpack
 from ._c import Handle, lib
+from ._errors import InvalidArgument, InvalidType, NotLent
 
 
 # Libraries that are known by name, and touched only where arrays of theirs were given.
@@ -55,15 +56,15 @@ def _library_of_type(kind: type) -> str:
 
 
 def read(array: Any, what: str, stream: Optional[int] = 0) -> Memory:
-    """Where `array` lies. On a device it is ready for work on `stream`, unless that is None. TypeError for what is no
-    array."""
+    """Where `array` lies. On a device it is ready for work on `stream`, unless that is None. InvalidType for what is
+    no array."""
     if isinstance(array, np.ndarray):
         return _of_interface(array.__array_interface__, None, array)
     library = library_of(array)
     if library == "torch":
         if array.requires_grad and sys.modules["torch"].is_grad_enabled():
-            raise ValueError(f"{what} requires gradients, expected none: swiftgs renders forward only. Call it under "
-                             "torch.no_grad(), or give it tensors after detach()")
+            raise InvalidArgument(f"{what} requires gradients, expected none: swiftgs renders forward only. Call it "
+                                  "under torch.no_grad(), or give it tensors after detach()")
         kind = _kind_of_tensor(array.dtype)
         if kind and array.device.type in ("cpu", "cuda") and array.layout is sys.modules["torch"].strided:
             return _of_tensor(array, kind, stream)
@@ -72,7 +73,7 @@ def read(array: Any, what: str, stream: Optional[int] = 0) -> Memory:
         kind, device = array.__dlpack_device__()
         kind = int(kind)
         if kind not in (_dlpack.CPU, _dlpack.CUDA, _dlpack.CUDA_HOST, _dlpack.CUDA_MANAGED):
-            raise TypeError(f"{what} lies on a device of DLPack's type {kind}, expected the host or a CUDA device")
+            raise InvalidType(f"{what} lies on a device of DLPack's type {kind}, expected the host or a CUDA device")
         on_device = kind in (_dlpack.CUDA, _dlpack.CUDA_MANAGED)
         # DLPack calls the default stream 1, and none -1.
         capsule = array.__dlpack__(stream=-1 if stream is None else stream or 1) if on_device else array.__dlpack__()
@@ -85,8 +86,8 @@ def read(array: Any, what: str, stream: Optional[int] = 0) -> Memory:
         if ready is not None and stream is not None:
             lib.device_order(ready, stream)
         return _of_interface(interface, current_device(), array)
-    raise TypeError(f"{what} is of type {type(array).__name__}, expected an array with DLPack or "
-                    "__cuda_array_interface__, or of NumPy")
+    raise InvalidType(f"{what} is of type {type(array).__name__}, expected an array with DLPack or "
+                      "__cuda_array_interface__, or of NumPy")
 
 
 def _of_tensor(array: Any, kind: str, stream: Optional[int]) -> Memory:
@@ -162,9 +163,9 @@ def stream_handle(stream: Any) -> int:
         if hasattr(stream, member):
             return int(getattr(stream, member))
     if isinstance(stream, int):
-        return stream
-    raise TypeError(f"stream is of type {type(stream).__name__}, expected a stream of PyTorch or CuPy, an object with "
-                    "__cuda_stream__, or the number of a cudaStream_t")
+        return _checks.whole(stream, "stream", 0, 2**64)
+    raise InvalidType(f"stream is of type {type(stream).__name__}, expected a stream of PyTorch or CuPy, an object "
+                      "with __cuda_stream__, or the number of a cudaStream_t")
 
 
 def contiguous(array: Any) -> Any:
@@ -178,19 +179,21 @@ def contiguous(array: Any) -> Any:
         return np.ascontiguousarray(array)
     if library == "jax":
         return array
-    raise ValueError(f"an array of type {type(array).__name__} has gaps, expected one without")
+    raise InvalidArgument(f"an array of type {type(array).__name__} has gaps, expected one without")
 
 
 def host(array: Any, what: str) -> np.ndarray:
     """The numbers as an array of NumPy. Waits for those of a device."""
-    if isinstance(array, (np.ndarray, list, tuple, float, int)):
-        return np.asarray(array)
+    if isinstance(array, np.ndarray):
+        return array
+    if isinstance(array, (list, tuple, float, int)):
+        return _checks.reals(array, what)
     found = read(array, what)
     if found.strides != _dlpack.dense_strides(found.shape, int(found.kind[1:])) and np.prod(found.shape) > 1:
         array = contiguous(array)
         found = read(array, what)
     if not found.kind.startswith(("f", "i", "u")):
-        raise TypeError(f"{what} has the type {found.kind}, expected real numbers")
+        raise InvalidType(f"{what} has the type {found.kind}, expected real numbers")
     copy = np.empty(found.shape, np.dtype(found.kind))
     if found.device is None:
         ctypes.memmove(copy.ctypes.data, found.address, copy.nbytes)
@@ -240,8 +243,8 @@ class DeviceArray:
     """
 
     def __init__(self, shape: Tuple[int, ...], device: Optional[int] = None) -> None:
-        self.shape = tuple(shape)
-        self.device = current_device() if device is None else device
+        self.shape = tuple(_checks.whole(side, "shape", 0) for side in _checks.listed(shape, "shape"))
+        self.device = current_device() if device is None else _checks.whole(device, "device", 0)
         self.stream = 0  # of the work that writes it
         self._stream_owner: Any = None  # keeps the stream
         bytes_ = int(np.prod(self.shape, dtype=np.int64)) * 4
@@ -262,9 +265,9 @@ class DeviceArray:
     def __dlpack__(self, *, stream: Any = None, max_version: Any = None, dl_device: Any = None,
                    copy: Any = None) -> Any:
         if dl_device not in (None, self.__dlpack_device__()) or copy:
-            raise BufferError("a DeviceArray is offered where it lies, expected neither another device nor a copy")
+            raise NotLent("a DeviceArray is offered where it lies, expected neither another device nor a copy")
         if stream == 0:
-            raise ValueError("stream is 0, expected None, -1, 1, 2 or the number of a cudaStream_t")
+            raise InvalidArgument("stream is 0, expected None, -1, 1, 2 or the number of a cudaStream_t")
         if stream != -1:
             lib.device_order(self.stream, stream or 1)
         return _dlpack.offer(self._memory, self._memory.pointer, self.shape, self.device)
@@ -277,7 +280,7 @@ class DeviceArray:
 
     def __array__(self, dtype: Any = None, copy: Any = None) -> np.ndarray:
         if copy is False:
-            raise ValueError("a DeviceArray comes to the host as a copy only, expected copy=None or True")
+            raise InvalidArgument("a DeviceArray comes to the host as a copy only, expected copy=None or True")
         found = self.numpy()
         return found if dtype is None else found.astype(dtype)
 

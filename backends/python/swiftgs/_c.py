@@ -11,7 +11,7 @@ from ctypes import c_char_p, c_double, c_float, c_int32, c_int64, c_size_t, c_ui
 
 from typing import Any
 
-from ._errors import exception_of
+from ._errors import InvalidArgument, InvalidType, exception_of
 
 ABI_MAJOR, ABI_MINOR = 1, 11
 
@@ -31,6 +31,7 @@ SPZ_AXES = ("specified", "rub", "rdf", "luf", "raw")
 
 PROGRESS = ctypes.CFUNCTYPE(c_int32, c_void_p, c_double)
 NOTE = ctypes.CFUNCTYPE(None, c_void_p, c_char_p)
+TAKE_BYTES = ctypes.CFUNCTYPE(None, c_void_p, c_void_p, c_uint64)
 
 
 class Plane(ctypes.Structure):
@@ -45,10 +46,15 @@ class _Sized(ctypes.Structure):
     """A struct that begins with its size."""
 
     def __init__(self, **members):
-        super().__init__(size=ctypes.sizeof(self), **members)
+        super().__init__(size=ctypes.sizeof(self))
         for name, given in members.items():
-            if isinstance(given, int) and isinstance(getattr(self, name), int) and getattr(self, name) != given:
-                raise ValueError(f"{name} is {given}, expected a number that its {type(self).__name__} can hold")
+            try:
+                setattr(self, name, given)
+            except (TypeError, ValueError, OverflowError):
+                raise InvalidType(f"{name} is {given!r}, expected what its {type(self).__name__} can hold") from None
+            kept = getattr(self, name)
+            if isinstance(kept, int) and hasattr(given, "__index__") and kept != given:
+                raise InvalidArgument(f"{name} is {given}, expected a number that its {type(self).__name__} can hold")
 
 
 class Camera(_Sized):
@@ -103,7 +109,8 @@ class Image(_Sized):
     _fields_ = [("size", c_uint32), ("width", c_int32), ("height", c_int32), ("feature_channels", c_int32),
                 ("colour", Plane), ("alpha", Plane), ("depth", Plane), ("squared_depth", Plane),
                 ("first_depth", Plane), ("median_depth", Plane), ("normal", Plane), ("id", Plane),
-                ("median_id", Plane), ("features", Plane)]
+                ("median_id", Plane), ("features", Plane), ("format", c_int32), ("over", c_int32),
+                ("background", c_float * 3), ("reserved", c_uint32)]
 
 
 class Pixels(_Sized):
@@ -260,6 +267,7 @@ for _name, _arguments in {
         "device_copy": (c_void_p, c_void_p, c_uint64, c_void_p),
         "device_order": (c_void_p, c_void_p),
         "image_write": (c_char_p, c_void_p),
+        "png_encode": (c_void_p, TAKE_BYTES, c_void_p),
         "picture_read": (c_char_p, c_void_p),
         "picture_get": (c_void_p, c_void_p),
         "renderers_count": (c_void_p,),

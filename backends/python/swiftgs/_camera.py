@@ -8,8 +8,9 @@ from typing import Any, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from . import _c
+from . import _c, _checks
 from ._c import Handle, count_of, lib, text_of
+from ._errors import InvalidArgument, InvalidType
 
 
 class StoredDepth(NamedTuple):
@@ -24,12 +25,12 @@ class StoredDepth(NamedTuple):
         """That of a perspective projection of OpenGL (its window depth), Vulkan or Direct3D, by the depths at the
         values 0 and 1: those of the near and the far plane, or with reversed depth of the far and the near one. Either
         may be infinite."""
-        return cls._of(lib.stored_perspective(at_0, at_1))
+        return cls._of(lib.stored_perspective(_checks.real(at_0, "at_0"), _checks.real(at_1, "at_1")))
 
     @classmethod
     def orthographic(cls, at_0: float, at_1: float) -> "StoredDepth":
         """That of an orthographic projection."""
-        return cls._of(lib.stored_orthographic(at_0, at_1))
+        return cls._of(lib.stored_orthographic(_checks.real(at_0, "at_0"), _checks.real(at_1, "at_1")))
 
     @classmethod
     def _of(cls, found: Any) -> "StoredDepth":
@@ -70,16 +71,12 @@ class Camera:
                  tangential: Sequence[float] = (), prism: Sequence[float] = (), name: str = "") -> None:
         """`fy` is `fx` and the principal point is the centre of the image unless they are given. `rotation` [3, 3]
         turns the world into the camera's axes."""
-        turn = np.eye(3) if rotation is None else np.asarray(rotation, np.float64)
-        move = np.asarray(translation, np.float64)
-        if turn.shape != (3, 3) or move.shape != (3,):
-            raise ValueError(f"camera: rotation has shape {turn.shape} and translation {move.shape}, expected (3, 3) "
-                             "and (3,)")
-        if model not in _c.LENSES:
-            raise ValueError(f"camera: model is '{model}', expected one of {', '.join(_c.LENSES)}")
+        turn = np.eye(3) if rotation is None else _checks.reals(rotation, "camera: rotation", (3, 3))
+        move = _checks.reals(translation, "camera: translation", (3,))
+        width, height = _checks.whole(width, "camera: width"), _checks.whole(height, "camera: height")
         distortion = {"radial": radial, "rational": rational, "tangential": tangential, "prism": prism}
-        self._take(_c.Camera(width=width, height=height, lens=_c.LENSES.index(model), rotation=tuple(turn.ravel()),
-                             translation=tuple(move), fx=fx, fy=fx if fy is None else fy,
+        self._take(_c.Camera(width=width, height=height, rotation=tuple(turn.ravel()), translation=tuple(move),
+                             lens=_checks.choice(model, "camera: model", _c.LENSES), fx=fx, fy=fx if fy is None else fy,
                              cx=width / 2 if cx is None else cx, cy=height / 2 if cy is None else cy,
                              **{part: _coefficients(part, given) for part, given in distortion.items()}), name)
 
@@ -93,10 +90,8 @@ class Camera:
     def from_matrices(cls, viewmat: Any, K: Any, width: int, height: int, *, name: str = "", **lens: Any) -> "Camera":
         """Of a matrix [4, 4] from the world to the camera and one [3, 3] of intrinsics, as `rasterization` takes.
         `model`, `radial` and so on are those of the class."""
-        view, intrinsics = np.asarray(viewmat, np.float64), np.asarray(K, np.float64)
-        if view.shape != (4, 4) or intrinsics.shape != (3, 3):
-            raise ValueError(f"camera: viewmat has shape {view.shape} and K {intrinsics.shape}, expected (4, 4) and "
-                             "(3, 3)")
+        view = _checks.reals(viewmat, "camera: viewmat", (4, 4))
+        intrinsics = _checks.reals(K, "camera: K", (3, 3))
         return cls(width, height, intrinsics[0, 0], intrinsics[1, 1], intrinsics[0, 2], intrinsics[1, 2],
                    rotation=view[:3, :3], translation=view[:3, 3], name=name, **lens)
 
@@ -107,10 +102,8 @@ class Camera:
         its depth buffer holds, for `Frame`. `clip_space` is "opengl", "vulkan" or "direct3d". Either matrix may be
         right-handed or left-handed, and the projection off-centre, jittered, flipped, reversed or infinite. A matrix
         whose points are rows is the transpose of one of these. InvalidArgument names the row of what is no pinhole."""
-        matrices = {"view": np.asarray(view, np.float64), "projection": np.asarray(projection, np.float64)}
-        for what, matrix in matrices.items():
-            if matrix.shape != (4, 4):
-                raise ValueError(f"camera: {what} has shape {matrix.shape}, expected (4, 4)")
+        matrices = {what: _checks.reals(given, f"camera: {what}", (4, 4))
+                    for what, given in (("view", view), ("projection", projection))}
         given = _c.Matrices(clip_space=_clip_space(clip_space), width=width, height=height,
                             **{what: tuple(matrix.T.ravel()) for what, matrix in matrices.items()})
         struct, depth = _c.Camera(), _c.StoredDepth()
@@ -122,7 +115,8 @@ class Camera:
         or along z if the rotation's determinant is -1. The depth buffer holds 0 and 1 at the depths `at_0` and `at_1`:
         near and far, or far and near for reversed depth; the far one may be infinite."""
         made = _c.Matrices()
-        lib.camera_to_matrices(ctypes.byref(self._struct), _clip_space(clip_space), at_0, at_1, ctypes.byref(made))
+        lib.camera_to_matrices(ctypes.byref(self._struct), _clip_space(clip_space),
+                               _checks.real(at_0, "at_0"), _checks.real(at_1, "at_1"), ctypes.byref(made))
         return np.array(made.view).reshape(4, 4).T, np.array(made.projection).reshape(4, 4).T
 
     @classmethod
@@ -130,8 +124,8 @@ class Camera:
                 name: str = "") -> "Camera":
         """From `eye` to `target`, which appears in the centre. `up` points up in the image; in captures y often points
         down. `vertical_fov` is the full angle in radians."""
-        at = _c.LookAt(width=width, height=height, eye=tuple(map(float, eye)), target=tuple(map(float, target)),
-                       up=tuple(map(float, up)), vertical_fov=vertical_fov)
+        at = _c.LookAt(width=width, height=height, eye=_vector(eye, "eye"), target=_vector(target, "target"),
+                       up=_vector(up, "up"), vertical_fov=vertical_fov)
         struct = _c.Camera()
         lib.camera_look_at(ctypes.byref(at), ctypes.byref(struct))
         return cls.__new__(cls)._take(struct, name)
@@ -140,19 +134,20 @@ class Camera:
     def builtin(cls, width: int = 1280, height: int = 720) -> "Camera":
         """The view that the built-in scene is composed for."""
         struct = _c.Camera()
-        lib.camera_builtin(width, height, ctypes.byref(struct))
+        lib.camera_builtin(_checks.whole(width, "camera: width"), _checks.whole(height, "camera: height"),
+                           ctypes.byref(struct))
         return cls.__new__(cls)._take(struct, "")
 
     def scaled(self, scale: float) -> "Camera":
         """The same view at `scale` times the size. Sides are rounded to whole pixels."""
         struct = _c.Camera.from_buffer_copy(self._struct)
-        lib.camera_scale(ctypes.byref(struct), scale)
+        lib.camera_scale(ctypes.byref(struct), _checks.real(scale, "camera: scale"))
         return type(self).__new__(type(self))._take(struct, self.name)
 
     def relative_to(self, origin: Any) -> "Camera":
         """The same camera in a world whose zero lies at `origin` [3] of this one, such as that of a scene."""
         struct = _c.Camera.from_buffer_copy(self._struct)
-        struct.translation = tuple(self.translation + self.rotation @ np.asarray(origin, np.float64))
+        struct.translation = tuple(self.translation + self.rotation @ _checks.reals(origin, "origin", (3,)))
         return type(self).__new__(type(self))._take(struct, self.name)
 
     @property
@@ -270,26 +265,29 @@ class OrbitView(NamedTuple):
         """The camera moved around the target, which stays where it is in the image: to its right by `turn`
         about the axis `up`, by `rise` towards `up`, never within a degree of the axis, in radians, and to `distance`
         times its distance, by which an orthographic camera's focal lengths are divided."""
-        axis = tuple(map(float, self.up))
+        axis, distance = _vector(self.up, "up"), _checks.real(distance, "distance")
         if not any(axis) or not distance:  # zeros have defaults in C
-            raise ValueError(f"orbit: up is {axis} and distance {distance}, expected a length and a number above 0")
-        by = _c.Orbit(target=tuple(map(float, self.target)), up=axis, turn=turn, rise=rise, distance=distance)
+            raise InvalidArgument(f"orbit: up is {axis} and distance {distance}, expected a length and a number above "
+                                  "0")
+        by = _c.Orbit(target=_vector(self.target, "target"), up=axis, turn=turn, rise=rise, distance=distance)
         struct = _c.Camera.from_buffer_copy(self.camera._struct)
         lib.camera_orbit(ctypes.byref(struct), ctypes.byref(by))
         return Camera.__new__(Camera)._take(struct, self.camera.name)
 
 
 def _clip_space(name: str) -> int:
-    if name not in _c.CLIP_SPACES:
-        raise ValueError(f"camera: clip_space is '{name}', expected one of {', '.join(_c.CLIP_SPACES)}")
-    return _c.CLIP_SPACES.index(name)
+    return _checks.choice(name, "camera: clip_space", _c.CLIP_SPACES)
+
+
+def _vector(given: Any, what: str) -> Tuple[float, ...]:
+    return tuple(_checks.reals(given, what, (3,)))
 
 
 def _coefficients(name: str, given: Any) -> Tuple[float, ...]:
     """As many as the struct has."""
-    found, most = np.asarray(given, np.float64), len(getattr(_c.Camera(), name))
+    found, most = _checks.reals(given, f"camera: {name}"), len(getattr(_c.Camera(), name))
     if found.ndim != 1 or len(found) > most:
-        raise ValueError(f"camera: {name} has the shape {found.shape}, expected at most {most} numbers")
+        raise InvalidArgument(f"camera: {name} has the shape {found.shape}, expected at most {most} numbers")
     return tuple(found) + (0.0,) * (most - len(found))
 
 
@@ -315,7 +313,7 @@ def load_cameras(path: Union[str, "os.PathLike[str]"]) -> Cameras:
     Each has the name of its image. What of the file was not read and may change a picture is in `notes` of the list.
     FormatError, FileError, or InvalidArgument for a folder without cameras.
     """
-    cameras = Handle(lib.cameras_free, lib.cameras_read, os.fsencode(path))
+    cameras = Handle(lib.cameras_free, lib.cameras_read, _checks.path(path))
     found = Cameras()
     found.notes = tuple(text_of(lib.cameras_note, cameras.pointer, index)
                         for index in range(count_of(lib.cameras_note_count, cameras.pointer)))
@@ -356,7 +354,7 @@ class Conventions:
     def named(cls, name: str) -> "Conventions":
         """The preset "gsplat" or "inria"."""
         struct = _c.Conventions()
-        lib.conventions_named(name.encode(), ctypes.byref(struct))
+        lib.conventions_named(_checks.text(name, "conventions"), ctypes.byref(struct))
         values = {field.name: getattr(struct, field.name) for field in dataclasses.fields(cls)}
         values.update({name: words[values[name]] for name, words in _WORDS.items()})
         return cls(**{name: bool(value) if isinstance(getattr(cls, name), bool) else value
@@ -365,9 +363,7 @@ class Conventions:
     def _to_struct(self) -> _c.Conventions:
         values = dict(vars(self))
         for name, words in _WORDS.items():
-            if values[name] not in words:
-                raise ValueError(f"conventions: {name} is '{values[name]}', expected one of {', '.join(words)}")
-            values[name] = words.index(values[name])
+            values[name] = _checks.choice(values[name], f"conventions: {name}", words)
         return _c.Conventions(**values)
 
 
@@ -381,24 +377,28 @@ def _struct_of(given: Union[str, Conventions]) -> _c.Conventions:
     if isinstance(given, Conventions):
         return given._to_struct()
     struct = _c.Conventions()
-    lib.conventions_named(given.encode(), ctypes.byref(struct))
+    lib.conventions_named(_checks.text(given, "conventions"), ctypes.byref(struct))
     return struct
 
 
 def conventions_of(given: Union[str, Conventions]) -> _c.Conventions:
     if not isinstance(given, (str, Conventions)):
-        raise TypeError(f"conventions are of type {type(given).__name__}, expected 'gsplat', 'inria' or Conventions")
-    return _struct_of(given)
+        raise InvalidType(f"conventions are of type {type(given).__name__}, expected 'gsplat', 'inria' or Conventions")
+    try:
+        return _struct_of(given)
+    except TypeError:  # no number, such as a list, which the cache does not take
+        if isinstance(given, str):
+            raise
+        return given._to_struct()
 
 
 def check_cameras(cameras: Union[Camera, Sequence[Camera]]) -> List[Camera]:
     """A list of one camera or more."""
     if isinstance(cameras, Camera):
         return [cameras]
-    found = list(cameras)
+    found = _checks.listed(cameras, "cameras")
     for index, camera in enumerate(found):
-        if not isinstance(camera, Camera):
-            raise TypeError(f"camera {index} is of type {type(camera).__name__}, expected swiftgs.Camera")
+        _checks.of_type(camera, Camera, f"camera {index}")
     if not found:
-        raise ValueError("there is no camera, expected one or more")
+        raise InvalidArgument("there is no camera, expected one or more")
     return found

@@ -6,9 +6,27 @@ from typing import Tuple, Type
 class Error(Exception):
     """What the library refused, in one line: what, where and what was expected."""
 
+    __str__ = Exception.__str__  # a KeyError's own is the text's `repr`
+
 
 class InvalidArgument(Error, ValueError):
     """An argument that a function does not take."""
+
+
+class InvalidType(InvalidArgument, TypeError):
+    """An argument of another type than a function takes."""
+
+
+class NotOffered(InvalidArgument, NotImplementedError):
+    """An argument that gsplat takes and `rasterization` does not."""
+
+
+class NotLent(InvalidArgument, BufferError):
+    """An array lies elsewhere than DLPack was asked for."""
+
+
+class NoSuchResult(Error, KeyError):
+    """What gsplat returns in `meta` and `rasterization` does not."""
 
 
 class FormatError(Error, ValueError):
@@ -31,8 +49,9 @@ class CapacityError(Error, RuntimeError):
     """A frame exceeds a limit or the device's memory; the renderer stays usable."""
 
 
-class OrderError(Error, RuntimeError):
-    """A call out of turn, such as a frame before a scene."""
+class OrderError(Error, RuntimeError, ValueError):
+    """A call out of turn, such as a frame before a scene, or of what is closed, for which Python's files raise a
+    ValueError."""
 
 
 class OutOfMemory(Error, MemoryError):

@@ -7,9 +7,10 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from . import _arrays, _c
+from . import _arrays, _c, _checks
 from ._c import Handle, OwnedFloats, lib
 from ._camera import Camera, Conventions, StoredDepth, check_cameras, conventions_of, size_of
+from ._errors import InvalidArgument, InvalidType
 from ._planes import FORMATS, PLANES, read_planes
 
 _VIEW = np.dtype(_c.View)
@@ -21,7 +22,7 @@ def _column_and_row(first_pixel: Any) -> Tuple[int, int]:
     try:
         column, row = map(operator.index, first_pixel)
     except (TypeError, ValueError):
-        raise TypeError(f"first_pixel is {first_pixel!r}, expected two whole numbers, column and row") from None
+        raise InvalidType(f"first_pixel is {first_pixel!r}, expected two whole numbers, column and row") from None
     return column, row
 
 
@@ -82,12 +83,9 @@ class Frame:
         self._cameras: Any = (_c.Camera * len(self._views))()
         self._camera_bytes = memoryview(self._cameras).cast("B")
         if stored_depth is not None:
-            if not isinstance(stored_depth, StoredDepth):
-                raise TypeError(f"stored_depth is of type {type(stored_depth).__name__}, expected swiftgs.StoredDepth")
+            _checks.of_type(stored_depth, StoredDepth, "stored_depth")
             self._views[0].stored_depth = _c.StoredDepth(*stored_depth)
-        if conversion not in _CONVERSIONS:
-            raise ValueError(f"conversion is {conversion!r}, expected one of {', '.join(map(repr, _CONVERSIONS))}")
-        self._views[0].conversion = _CONVERSIONS.index(conversion)
+        self._views[0].conversion = _checks.choice(conversion, "conversion", _CONVERSIONS)
         self._fill(over)
         if background is not _BLACK:
             self.background = background
@@ -137,12 +135,12 @@ class Frame:
         """A frame in arrays of NumPy: `count` images, or one without an index of the image, with the first `features`
         of the scene's. `options` are `alpha=True`, `depth=True` and so on for other planes, and the rules of the
         constructor."""
-        if format not in FORMATS:
-            raise ValueError(f"format is '{format}', expected one of {', '.join(FORMATS)}")
+        chosen = list(FORMATS.values())[_checks.choice(format, "format", tuple(FORMATS))]
+        width, height = _checks.whole(width, "width", 1), _checks.whole(height, "height", 1)
+        features = _checks.whole(features, "features", 0)
         if options.get("over"):
-            raise ValueError("over: a new frame holds no colour to draw over, expected a Frame of yours")
-        chosen = FORMATS[format]
-        images = (height, width) if count is None else (count, height, width)
+            raise InvalidArgument("over: a new frame holds no colour to draw over, expected a Frame of yours")
+        images = (height, width) if count is None else (_checks.whole(count, "count", 1), height, width)
         if colour:
             options["colour"] = np.empty((*images, chosen.channels), chosen.kind)
         if features:
@@ -160,10 +158,7 @@ class Frame:
 
     @background.setter
     def background(self, value: Any) -> None:
-        found = np.asarray(value, np.float32)
-        if found.shape not in ((3,), (len(self._views), 3)):
-            raise ValueError(f"background has the shape {found.shape}, expected (3,) or ({len(self._views)}, 3)")
-        self._table["background"] = found
+        self._table["background"] = _checks.reals(value, "background", (3,), (len(self._views), 3), dtype=np.float32)
 
     @property
     def shows(self) -> List[Optional[range]]:
@@ -173,14 +168,15 @@ class Frame:
 
     @shows.setter
     def shows(self, value: Any) -> None:
-        each = [value] * len(self._views) if value is None or isinstance(value, range) else list(value)
+        each = [value] * len(self._views) if value is None or isinstance(value, range) else (
+            _checks.listed(value, "shows"))
         if len(each) != len(self._views):
-            raise ValueError(f"shows has {len(each)} ranges, expected one, or {len(self._views)}, one an image")
+            raise InvalidArgument(f"shows has {len(each)} ranges, expected one, or {len(self._views)}, one an image")
         for found in each:
             if found is not None and not (isinstance(found, range) and found and found.step == 1 and
                                           0 <= found.start and found.stop < 2**32):
-                raise ValueError(f"shows has {found!r}, expected None or a range of one placed scene or more, such as "
-                                 "range(2, 5)")
+                raise InvalidArgument(f"shows has {found!r}, expected None or a range of one placed scene or more, "
+                                      "such as range(2, 5)")
         for view, found in zip(self._views, each):
             view.first_shown, view.shown_count = (found.start, len(found)) if found else (0, 0)
 
@@ -192,38 +188,54 @@ class Frame:
         """Sets the cameras of the next frame."""
         found = check_cameras(cameras)
         if len(found) != len(self._views):
-            raise ValueError(f"{len(found)} cameras for a frame of {len(self._views)} images, expected as many")
+            raise InvalidArgument(f"{len(found)} cameras for a frame of {len(self._views)} images, expected as many")
         for camera in found:
             if not self._is_part and camera._size != (self.width, self.height):
-                raise ValueError(f"the camera has {camera.width}x{camera.height} pixels and the frame {self.width}x"
-                                 f"{self.height}, expected as many, or first_pixel for a part of the image")
+                raise InvalidArgument(f"the camera has {camera.width}x{camera.height} pixels and the frame "
+                                      f"{self.width}x{self.height}, expected as many, or first_pixel for a part of the "
+                                      "image")
         self._camera_bytes[:] = b"".join(camera._bytes for camera in found)
 
     def _measure(self, times: bool, counts: bool) -> None:
         self._times, self._counts = times, counts
         self._struct.measure = _c.MEASURE_TIMES * bool(times) + _c.MEASURE_COUNTS * bool(counts)
 
-    def save(self, path: Union[str, "os.PathLike[str]"], index: int = 0) -> None:
-        """Writes image `index` of a frame on the host as its ending says: `.png`, with alpha and straight colours if
-        the frame has the plane, `.pfm`, or `.exr`, which has all planes. Values are written as they are, without
-        gamma."""
+    def save(self, path: Union[str, "os.PathLike[str]"], index: Optional[int] = None) -> None:
+        """Writes an image of a frame on the host as its ending says: `.png`, `.pfm`, or `.exr`, which has all planes.
+        Values are written as they are, without gamma. A PNG of RGBA, or of a frame with the plane `alpha`, has alpha
+        and straight colours. It is opaque before a background that is not black, and of RGB over a picture.
+
+        Of a frame of several images `index` says which; without it InvalidArgument names the files for all.
+        """
+        if index is None and len(self) > 1:
+            stem, ending = os.path.splitext(os.fsdecode(_checks.path(path)))
+            raise InvalidArgument(f"save: index is None in a frame of {len(self)} images, expected one from 0 to "
+                                  f"{len(self) - 1}, such as '{stem}_0{ending}' with index 0 up to "
+                                  f"'{stem}_{len(self) - 1}{ending}' with index {len(self) - 1}")
+        at = _checks.whole(0 if index is None else index, "save: index", -len(self), len(self))
+        lib.image_write(_checks.path(path), ctypes.byref(self._image(at % len(self))))
+
+    def _repr_png_(self) -> Optional[bytes]:
+        """How notebooks show a frame: the PNG of its image. One of several images, on a device or without colour is
+        shown as text."""
+        if self.device is not None or self.colour is None or len(self) > 1:
+            return None
+        pieces: List[bytes] = []
+        take = _c.TAKE_BYTES(lambda _context, address, count: pieces.append(ctypes.string_at(address, count)))
+        lib.png_encode(ctypes.byref(self._image(0)), take, None)
+        return b"".join(pieces)
+
+    def _image(self, index: int) -> _c.Image:
+        """The struct of image `index`, whose memory is the frame's own."""
         if self.device is not None or self.colour is None:
-            raise ValueError("save: expected a frame on the host with colour")
-        at = range(len(self))[index]
-        colour = np.asarray(self.colour).reshape(len(self), self.height, self.width, -1)[at]
-        scale = 255 if colour.dtype == np.uint8 else 1
-        rgb = np.ascontiguousarray(colour[..., :3], np.float32) / np.float32(scale)
-        image = _c.Image(width=self.width, height=self.height)
-        kept = {"colour": rgb}
-        for name, array in self._arrays().items():
-            if name != "colour":
-                shape = (len(self), self.height, self.width, -1)
-                kept[name] = np.ascontiguousarray(np.asarray(array).reshape(shape)[at])
-        if self.features is not None:
-            image.feature_channels = kept["features"].shape[-1]
-        for name, array in kept.items():
-            setattr(image, name, _c.Plane(array.ctypes.data, array.strides[0]))
-        lib.image_write(os.fsencode(path), ctypes.byref(image))
+            raise InvalidArgument("save: expected a frame on the host with colour")
+        view = self._views[index]
+        image = _c.Image(width=self.width, height=self.height, format=view.format, over=view.over,
+                         background=view.background, feature_channels=view.feature_channels)
+        for name, memory, layout in self._planes:
+            if name != "occluder":
+                setattr(image, name, _c.Plane(memory.address + index * layout.step, layout.pitch))
+        return image
 
     def __repr__(self) -> str:
         number = f"{len(self)} x " if self.batched else ""
@@ -236,7 +248,7 @@ def load_image(path: Union[str, "os.PathLike[str]"]) -> np.ndarray:
 
     Values are those of the file, without gamma. FormatError or FileError.
     """
-    picture = Handle(lib.picture_free, lib.picture_read, os.fsencode(path))
+    picture = Handle(lib.picture_free, lib.picture_read, _checks.path(path))
     pixels = _c.Pixels()
     lib.picture_get(picture.pointer, ctypes.byref(pixels))
     return np.asarray(OwnedFloats(picture, pixels.data, (pixels.height, pixels.width, pixels.channels)))

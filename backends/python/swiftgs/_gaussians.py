@@ -3,7 +3,8 @@
 import functools
 from typing import Any, Dict, List, Optional, Tuple
 
-from . import _arrays, _c, _dlpack
+from . import _arrays, _c, _checks, _dlpack
+from ._errors import InvalidArgument, InvalidType
 
 # Names of the struct's members, and the shapes of one Gaussian.
 _PARTS = {"means": (3,), "scales": (3,), "rotations": (4,), "opacities": (), "sh0": (3,)}
@@ -16,7 +17,7 @@ def _rows(array: Any, what: str, count: Optional[int], shape: Tuple[Optional[int
     if not _lies_in_rows(what, memory.kind, memory.shape, memory.strides, (count, *shape)):
         return _rows(_copied(array, what), what, count, shape, stream)
     if memory.address % 4 != 0:
-        raise ValueError(f"{what} begins at the address {memory.address}, expected a multiple of 4")
+        raise InvalidArgument(f"{what} begins at the address {memory.address}, expected a multiple of 4")
     return memory
 
 
@@ -25,10 +26,10 @@ def _lies_in_rows(what: str, kind: str, shape: Tuple[int, ...], strides: Tuple[i
                   expected: Tuple[Optional[int], ...]) -> bool:
     """Whether the library can read an array as it lies. An exception if it is not the expected one."""
     if kind != "f4":
-        raise TypeError(f"{what} has numbers of type {kind}, expected float32 (f4)")
+        raise InvalidType(f"{what} has numbers of type {kind}, expected float32 (f4)")
     if len(shape) != len(expected) or any(n is not None and n != found for n, found in zip(expected, shape)):
         wanted = ", ".join("N" if n is None else str(n) for n in expected)
-        raise ValueError(f"{what} has the shape {shape}, expected ({wanted})")
+        raise InvalidArgument(f"{what} has the shape {shape}, expected ({wanted})")
     dense = _dlpack.dense_strides(shape, 4)
     if any(side != 1 and stride != wanted for side, stride, wanted in zip(shape[1:], strides[1:], dense[1:])):
         return False
@@ -38,8 +39,8 @@ def _lies_in_rows(what: str, kind: str, shape: Tuple[int, ...], strides: Tuple[i
 def _copied(array: Any, what: str) -> Any:
     try:
         return _arrays.contiguous(array)
-    except ValueError as error:
-        raise ValueError(f"{what}: {error}") from None
+    except InvalidArgument as error:
+        raise InvalidArgument(f"{what}: {error}") from None
 
 
 def _array(memory: _arrays.Memory, offset: int = 0) -> _c.Array:
@@ -86,26 +87,26 @@ def gaussians_of(means: Any, scales: Any, rotations: Any, opacities: Any, sh0: A
         if name in memory:
             setattr(struct, name, _array(memory[name]))
     if not memory:
-        raise TypeError("all arrays are None, expected one or more")
+        raise InvalidType("all arrays are None, expected one or more")
     first_name, first = next(iter(memory.items()))
     for name, found in memory.items():
         if found.device != first.device:
-            raise ValueError(f"{said(name, name)} lies on {found.place} and {said(first_name, first_name)} on "
-                             f"{first.place}, expected all on one")
+            raise InvalidArgument(f"{said(name, name)} lies on {found.place} and {said(first_name, first_name)} on "
+                                  f"{first.place}, expected all on one")
     check_device(first.device, said(first_name, first_name))
     struct.count = first.shape[0]
     struct.memory = _c.HOST if first.device is None else _c.DEVICE
     struct.stream = stream or None
-    struct.raw = (_c.LOG_SCALES * log_scales + _c.LOGIT_OPACITIES * logit_opacities +
-                  _c.ANY_ROTATIONS * any_rotations + _c.PLAIN_COLOURS * (colours is not None))
+    struct.raw = (_c.LOG_SCALES * bool(log_scales) + _c.LOGIT_OPACITIES * bool(logit_opacities) +
+                  _c.ANY_ROTATIONS * bool(any_rotations) + _c.PLAIN_COLOURS * (colours is not None))
     return struct, list(memory.values())
 
 
 def check_device(device: Optional[int], what: str) -> None:
-    """ValueError for memory of a device that is not the current one."""
+    """InvalidArgument for memory of a device that is not the current one."""
     if device is not None and device != _arrays.current_device():
-        raise ValueError(f"{what} lies on CUDA device {device} and device {_arrays.current_device()} is current, "
-                         "expected it on the current one")
+        raise InvalidArgument(f"{what} lies on CUDA device {device} and device {_arrays.current_device()} is current, "
+                              "expected it on the current one")
 
 
 def _degree(stored: int, what: str, of_band_0: int, wanted: Optional[int]) -> int:
@@ -114,13 +115,12 @@ def _degree(stored: int, what: str, of_band_0: int, wanted: Optional[int]) -> in
     if wanted is None:
         if not degrees:
             counts = ", ".join(str((degree + 1) ** 2 - 1 + of_band_0) for degree in range(4))
-            raise ValueError(f"{what} has {stored} coefficients, expected {counts} for degree 0, 1, 2, 3")
+            raise InvalidArgument(f"{what} has {stored} coefficients, expected {counts} for degree 0, 1, 2, 3")
         return degrees[0]
-    if not 0 <= wanted <= 3:
-        raise ValueError(f"sh_degree is {wanted}, expected 0 to 3")
+    wanted = _checks.whole(wanted, "sh_degree", 0, 4)
     if (wanted + 1) ** 2 - 1 + of_band_0 > stored:
-        raise ValueError(f"{what} has {stored} coefficients, expected {(wanted + 1) ** 2 - 1 + of_band_0} or more for "
-                         f"sh_degree {wanted}")
+        raise InvalidArgument(f"{what} has {stored} coefficients, expected {(wanted + 1) ** 2 - 1 + of_band_0} or more "
+                              f"for sh_degree {wanted}")
     return wanted
 
 

@@ -8,8 +8,9 @@ from typing import Any, Dict, Optional, Sequence, Tuple
 
 import numpy as np
 
-from . import _arrays, _c
+from . import _arrays, _c, _checks
 from ._camera import Conventions
+from ._errors import InvalidArgument, NoSuchResult, NotOffered
 from ._frame import Frame
 from ._gaussians import check_device
 from ._renderer import Renderer
@@ -35,7 +36,7 @@ class Meta(Dict[str, Any]):
     """What `rasterization` tells beside its images."""
 
     def __missing__(self, key: str) -> Any:
-        raise KeyError(f"meta has no '{key}', expected one of {', '.join(self)}: intermediate results are not kept")
+        raise NoSuchResult(f"meta has no '{key}', expected one of {', '.join(self)}: intermediate results are not kept")
 
 
 def rasterization(
@@ -81,26 +82,29 @@ def rasterization(
     for name, default in _REFUSED.items():
         value = arguments[name]
         if value is not default and (default is None or value != default):
-            raise NotImplementedError(f"rasterization: {name} is {_short(value)}, expected {default!r}: nothing else "
-                                      "is offered")
-    if camera_model not in _LENSES:
-        raise NotImplementedError(f"rasterization: camera_model is {camera_model!r}, expected 'pinhole', 'ortho' or "
-                                  "'fisheye': nothing else is offered")
+            raise NotOffered(f"rasterization: {name} is {_short(value)}, expected {default!r}: nothing else is offered")
+    if camera_model not in tuple(_LENSES):
+        raise NotOffered(f"rasterization: camera_model is {camera_model!r}, expected 'pinhole', 'ortho' or 'fisheye': "
+                         "nothing else is offered")
     if rolling_shutter is not None and "GLOBAL" not in str(rolling_shutter):
-        raise NotImplementedError(f"rasterization: rolling_shutter is {_short(rolling_shutter)}, expected GLOBAL: "
-                                  "nothing else is offered")
+        raise NotOffered(f"rasterization: rolling_shutter is {_short(rolling_shutter)}, expected GLOBAL: nothing else "
+                         "is offered")
     if render_mode not in _MODES:
-        raise NotImplementedError(f"rasterization: render_mode is {render_mode!r}, expected one of {', '.join(_MODES)}")
+        raise NotOffered(f"rasterization: render_mode is {render_mode!r}, expected one of {', '.join(_MODES)}")
     if rasterize_mode not in ("classic", "antialiased"):
-        raise ValueError(f"rasterization: rasterize_mode is {rasterize_mode!r}, expected 'classic' or 'antialiased'")
+        raise InvalidArgument(f"rasterization: rasterize_mode is {rasterize_mode!r}, expected 'classic' or "
+                              "'antialiased'")
     if extra_signals is not None and extra_signals_sh_degree is not None:
-        raise NotImplementedError(f"rasterization: extra_signals_sh_degree is {extra_signals_sh_degree}, expected "
-                                  "None: signals have no harmonics")
+        raise NotOffered(f"rasterization: extra_signals_sh_degree is {extra_signals_sh_degree}, expected None: signals "
+                         "have no harmonics")
     # Of the backward pass, of speed, and of what is refused above.
     del sparse_grad, absgrad, packed, tile_size, channel_chunk, segmented, renderer_config
     del ftheta_coeffs, ut_params, extra_signals_sh_degree
     del with_ut  # lenses are linearised either way
 
+    width, height = _checks.whole(width, "width", 1), _checks.whole(height, "height", 1)
+    if renderer is not None:
+        _checks.of_type(renderer, Renderer, "renderer")
     batch = _batch_of(means)
     if batch:
         means, quats, scales, opacities, colors, extra_signals = (
@@ -128,8 +132,8 @@ def rasterization(
     if in_colour and sh_degree is None and _channels(colors, "colors") != 3:
         features["colors"], coloured = colors, {"colours": means}
         if backgrounds is not None:
-            raise NotImplementedError(f"rasterization: backgrounds is {_short(backgrounds)}, expected None for colors "
-                                      f"of {_channels(colors, 'colors')} channels")
+            raise NotOffered(f"rasterization: backgrounds is {_short(backgrounds)}, expected None for colors of "
+                             f"{_channels(colors, 'colors')} channels")
     if extra_signals is not None:
         features["extra_signals"] = extra_signals
     channels = [_channels(array, name) for name, array in features.items()]
@@ -137,24 +141,24 @@ def rasterization(
     check_device(device, "means")
     drawing = renderer or _renderer(device)
     if (device is not None) != drawing.on_device:
-        raise ValueError(f"means lies on {'the host' if device is None else f'CUDA device {device}'}, expected the "
-                         f"memory of the renderer '{drawing.name}'")
+        raise InvalidArgument(f"means lies on {'the host' if device is None else f'CUDA device {device}'}, expected "
+                              f"the memory of the renderer '{drawing.name}'")
 
     shape = (count, height, width)
     library = _arrays.library_of(means)
     if device is not None and library not in _arrays.LIBRARIES:
         alone = f"for arrays of '{library}': planes are put together by {', '.join(_arrays.LIBRARIES)} alone"
         if render_mode not in ("RGB", "ED"):
-            raise NotImplementedError(f"rasterization: render_mode is '{render_mode}', expected 'RGB' or 'ED' {alone}")
+            raise NotOffered(f"rasterization: render_mode is '{render_mode}', expected 'RGB' or 'ED' {alone}")
         if len(features) > 1:
-            raise NotImplementedError("rasterization: extra_signals is given, expected None or colors of 3 channels "
-                                      f"{alone}")
+            raise NotOffered(f"rasterization: extra_signals is given, expected None or colors of 3 channels {alone}")
     colour = _arrays.empty(means, (*shape, 3), device) if in_colour and "colors" not in features else None
     alpha = _arrays.empty(means, (*shape, 1), device)
     depth = _arrays.empty(means, (*shape, 1), device) if render_mode != "RGB" else None
     signals = _arrays.empty(means, (*shape, sum(channels)), device) if features else None
     frame = Frame(colour, alpha, depth, features=signals,
-                  conventions=_conventions(float(near_plane), float(far_plane), float(eps2d),
+                  conventions=_conventions(_checks.real(near_plane, "near_plane"),
+                                           _checks.real(far_plane, "far_plane"), _checks.real(eps2d, "eps2d"),
                                            rasterize_mode == "antialiased"))
     if backgrounds is not None and in_colour:
         frame.background = _backgrounds(backgrounds, count)
@@ -235,7 +239,7 @@ def _batch_of(means: Any) -> Tuple[int, ...]:
     """Dimensions before [N, 3]."""
     batch = tuple(getattr(means, "shape", ()))[:-2]
     if math.prod(batch) == 0:
-        raise ValueError(f"means has the shape {tuple(means.shape)}, expected a batch of one scene or more")
+        raise InvalidArgument(f"means has the shape {tuple(means.shape)}, expected a batch of one scene or more")
     return batch
 
 
@@ -245,11 +249,11 @@ def _joined_batch(array: Any, name: str, batch: Tuple[int, ...], ranks: Sequence
         return None
     shape, after = tuple(getattr(array, "shape", ())), len(batch)
     if shape[:after] != batch or len(shape) - after not in ranks:
-        raise ValueError(f"{name} has the shape {shape}, expected the batch {batch} of means first, and "
-                         f"{' or '.join(map(str, ranks))} dimensions after it")
+        raise InvalidArgument(f"{name} has the shape {shape}, expected the batch {batch} of means first, and "
+                              f"{' or '.join(map(str, ranks))} dimensions after it")
     if not hasattr(array, "reshape"):
-        raise NotImplementedError(f"rasterization: {name} has a batch of {batch}, expected none of arrays of "
-                                  f"'{_arrays.library_of(array)}', which are not reshaped")
+        raise NotOffered(f"rasterization: {name} has a batch of {batch}, expected none of arrays of "
+                         f"'{_arrays.library_of(array)}', which are not reshaped")
     return array.reshape((math.prod(shape[:after + 1]), *shape[after + 1:]))
 
 
@@ -261,26 +265,26 @@ def _parted(plane: Any, batch: Tuple[int, ...], worlds: int) -> Any:
 def _check_shapes(coloured: Dict[str, Any], count: int) -> None:
     """Refuses by name what gsplat takes and this does not."""
     if "sh" in coloured:
-        if coloured["sh_degree"] > 3:
-            raise NotImplementedError(f"rasterization: sh_degree is {coloured['sh_degree']}, expected 0 to 3")
+        if _checks.whole(coloured["sh_degree"], "sh_degree", 0) > 3:
+            raise NotOffered(f"rasterization: sh_degree is {coloured['sh_degree']}, expected 0 to 3")
         return
     colours = tuple(getattr(coloured["colours"], "shape", ()))
     if len(colours) == 3 and colours[:1] == (count,):
-        raise NotImplementedError(f"rasterization: colors has the shape {colours}, expected (N, 3): colours of each "
-                                  "camera are not offered, call it for each")
+        raise NotOffered(f"rasterization: colors has the shape {colours}, expected (N, 3): colours of each camera are "
+                         "not offered, call it for each")
 
 
 def _cameras(viewmats: Any, intrinsics: Any, width: int, height: int) -> np.ndarray:
     """[C] structs."""
     views, ks = _arrays.host(viewmats, "viewmats"), _arrays.host(intrinsics, "Ks")
     if views.ndim != 3 or views.shape[1:] != (4, 4) or len(views) == 0:
-        raise ValueError(f"viewmats has the shape {views.shape}, expected (C, 4, 4)")
+        raise InvalidArgument(f"viewmats has the shape {views.shape}, expected (C, 4, 4)")
     if ks.shape != (len(views), 3, 3):
-        raise ValueError(f"Ks has the shape {ks.shape}, expected ({len(views)}, 3, 3)")
+        raise InvalidArgument(f"Ks has the shape {ks.shape}, expected ({len(views)}, 3, 3)")
     if (views[:, 3] != _LAST_ROW).any():
-        raise ValueError("viewmats: expected 0, 0, 0, 1 in the last row")
+        raise InvalidArgument("viewmats: expected 0, 0, 0, 1 in the last row")
     if ks[:, 0, 1].any() or ks[:, 1, 0].any():
-        raise NotImplementedError("rasterization: Ks has a skew, expected 0 beside the focal lengths")
+        raise NotOffered("rasterization: Ks has a skew, expected 0 beside the focal lengths")
     cameras = np.zeros(len(views), _CAMERA)
     cameras["size"], cameras["width"], cameras["height"] = _CAMERA.itemsize, width, height
     cameras["rotation"] = views[:, :3, :3].reshape(-1, 9)
@@ -318,17 +322,17 @@ def _coefficients(name: str, given: Any, shape: Tuple[int, int]) -> np.ndarray:
         return np.zeros(shape)
     found = _arrays.host(given, name)
     if found.shape != shape:
-        raise ValueError(f"{name} has the shape {found.shape}, expected {shape}")
+        raise InvalidArgument(f"{name} has the shape {found.shape}, expected {shape}")
     return found
 
 
 def _refuse(name: str, given: Any, found: np.ndarray, why: str) -> None:
     if found.any():
-        raise NotImplementedError(f"rasterization: {name} is {_short(given)}, expected None or zeros: {why}")
+        raise NotOffered(f"rasterization: {name} is {_short(given)}, expected None or zeros: {why}")
 
 
 def _backgrounds(backgrounds: Any, count: int) -> np.ndarray:
     found = _arrays.host(backgrounds, "backgrounds")
     if found.shape != (count, 3):
-        raise ValueError(f"backgrounds has the shape {found.shape}, expected ({count}, 3)")
+        raise InvalidArgument(f"backgrounds has the shape {found.shape}, expected ({count}, 3)")
     return found

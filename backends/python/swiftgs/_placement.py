@@ -2,27 +2,15 @@
 """Placed scenes: where scenes stand in a frame, and what of them shows."""
 import dataclasses
 import math
-import operator
 from typing import Any, NamedTuple, Optional
 
 import numpy as np
 
-from . import _arrays, _c
+from . import _arrays, _c, _checks
+from ._errors import InvalidArgument
 
 _MAX_HALF_SPACES = 6
 _SAME = 1e-4  # what matrices of single precision keep to
-
-
-def _floats(value: Any, shape: Any, what: str) -> np.ndarray:
-    try:
-        found = np.asarray(value, np.float64)
-    except (TypeError, ValueError):
-        raise TypeError(f"{what} is {value!r}, expected numbers") from None
-    if found.shape != shape:
-        raise ValueError(f"{what} has the shape {found.shape}, expected {shape}")
-    if not np.isfinite(found).all():
-        raise ValueError(f"{what} is {found.tolist()}, expected finite numbers")
-    return found
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -37,7 +25,7 @@ class Clip:
     @classmethod
     def box(cls, low: Any, high: Any) -> "Clip":
         """From the least to the greatest coordinates."""
-        low, high = _floats(low, (3,), "low"), _floats(high, (3,), "high")
+        low, high = _checks.finite(low, "low", (3,)), _checks.finite(high, "high", (3,))
         return cls(np.vstack([np.column_stack([np.eye(3), -low]), np.column_stack([-np.eye(3), high])]))
 
     @classmethod
@@ -46,16 +34,17 @@ class Clip:
         return cls(centre=centre, radius=radius)
 
     def _fill(self, struct: Any) -> None:
-        count = len(self.half_spaces)
+        count = len(_checks.listed(self.half_spaces, "half_spaces"))
         if count > _MAX_HALF_SPACES:
-            raise ValueError(f"half_spaces are {count}, expected {_MAX_HALF_SPACES} at most")
+            raise InvalidArgument(f"half_spaces are {count}, expected {_MAX_HALF_SPACES} at most")
         if count:
-            found = _floats(self.half_spaces, (count, 4), "half_spaces")
+            found = _checks.finite(self.half_spaces, "half_spaces", (count, 4))
             struct.half_space_count, struct.half_spaces[:4 * count] = count, found.ravel().tolist()
-        if not self.radius > 0:
-            raise ValueError(f"radius is {self.radius}, expected more than 0")
-        struct.centre[:] = _floats(self.centre, (3,), "centre").tolist()
-        struct.radius = 0 if self.radius == math.inf else self.radius
+        radius = _checks.real(self.radius, "radius")
+        if not radius > 0:
+            raise InvalidArgument(f"radius is {radius:g}, expected more than 0")
+        struct.centre[:] = _checks.finite(self.centre, "centre", (3,)).tolist()
+        struct.radius = 0 if radius == math.inf else radius
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -94,20 +83,14 @@ class Placement:
     tint: Tint = Tint()  #: by default colours stay as they are
 
     def _struct(self) -> Any:
-        scene = operator.index(self.scene)
-        if scene < 0:
-            raise ValueError(f"scene is number {scene}, expected 0 or more")
-        if not 0 <= self.opacity <= 1:
-            raise ValueError(f"opacity is {self.opacity}, expected 0 to 1")
-        if not isinstance(self.clip, Clip):
-            raise TypeError(f"clip is of type {type(self.clip).__name__}, expected swiftgs.Clip")
-        if not isinstance(self.tint, Tint):
-            raise TypeError(f"tint is of type {type(self.tint).__name__}, expected swiftgs.Tint")
-        first, count = operator.index(self.first), 0 if self.count is None else operator.index(self.count)
-        if first < 0 or count < (self.count is not None):
-            raise ValueError(f"first is {first} and count is {self.count}, expected first of 0 or more and count of 1 "
-                             "or more, or None")
-        struct = _c.Placement(scene=scene, transparency=1 - float(self.opacity), first=first, count=count)
+        opacity = _checks.real(self.opacity, "opacity")
+        if not 0 <= opacity <= 1:
+            raise InvalidArgument(f"opacity is {opacity}, expected 0 to 1")
+        _checks.of_type(self.clip, Clip, "clip")
+        _checks.of_type(self.tint, Tint, "tint")
+        struct = _c.Placement(scene=_checks.whole(self.scene, "scene", 0, 2**64), transparency=1 - opacity,
+                              first=_checks.whole(self.first, "first", 0, 2**64),
+                              count=0 if self.count is None else _checks.whole(self.count, "count", 1, 2**64))
         self.clip._fill(struct)
         self.tint._fill(struct)
         if self.world_from_scene is not None:
@@ -115,16 +98,16 @@ class Placement:
         return struct
 
     def _fill_pose(self, struct: Any) -> None:
-        matrix = _floats(self.world_from_scene, (4, 4), "world_from_scene")
+        matrix = _checks.finite(self.world_from_scene, "world_from_scene", (4, 4))
         if np.abs(matrix[3] - (0, 0, 0, 1)).max() > 0:
-            raise ValueError(f"world_from_scene has the last row {matrix[3].tolist()}, expected [0, 0, 0, 1]")
+            raise InvalidArgument(f"world_from_scene has the last row {matrix[3].tolist()}, expected [0, 0, 0, 1]")
         left, scales, right = np.linalg.svd(matrix[:3, :3])
         rotation, scale = left @ right, scales.mean()
         if not scales[0] - scales[2] <= _SAME * scales[0] or scale <= 0:
-            raise ValueError(f"world_from_scene stretches scenes by {scales[2]:g} to {scales[0]:g}, expected a "
-                             "rotation times one scale above 0")
+            raise InvalidArgument(f"world_from_scene stretches scenes by {scales[2]:g} to {scales[0]:g}, expected a "
+                                  "rotation times one scale above 0")
         if np.linalg.det(rotation) < 0:
-            raise ValueError("world_from_scene mirrors scenes, expected a rotation times one scale above 0")
+            raise InvalidArgument("world_from_scene mirrors scenes, expected a rotation times one scale above 0")
         struct.rotation[:], struct.scale = rotation.ravel().tolist(), float(scale)
         struct.translation[:] = matrix[:3, 3].tolist()
 

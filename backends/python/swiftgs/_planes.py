@@ -4,6 +4,7 @@ import functools
 from typing import Any, List, NamedTuple, Optional, Tuple
 
 from . import _arrays, _dlpack
+from ._errors import InvalidArgument, InvalidType
 from ._gaussians import check_device
 
 
@@ -52,25 +53,26 @@ def read_planes(**arrays: Any) -> List[_Plane]:
         if array is None:
             continue
         if name != "occluder" and _arrays.library_of(array) == "jax":
-            raise TypeError(f"{name} is an array of JAX, which cannot be written to, expected one of PyTorch, CuPy or "
-                            "NumPy, or a swiftgs.DeviceArray, which jax.dlpack.from_dlpack takes")
+            raise InvalidType(f"{name} is an array of JAX, which cannot be written to, expected one of PyTorch, CuPy "
+                              "or NumPy, or a swiftgs.DeviceArray, which jax.dlpack.from_dlpack takes")
         memory = _arrays.read(array, name, None)  # a frame is ordered when it is drawn
         if name != "occluder" and not memory.writable:
-            raise ValueError(f"{name} is read-only, expected memory to write to")
+            raise InvalidArgument(f"{name} is read-only, expected memory to write to")
         images = planes[0].layout.images if planes else None
         layout = _layout_of(name, memory.kind, memory.shape, memory.strides, images)
         if memory.address % int(memory.kind[1:]):
-            raise ValueError(f"{name} begins at the address {memory.address}, expected multiples of {memory.kind[1:]}")
+            raise InvalidArgument(f"{name} begins at the address {memory.address}, expected multiples of "
+                                  f"{memory.kind[1:]}")
         if not planes:
             check_device(memory.device, name)
         elif layout.images != images:
-            raise ValueError(f"{name} has images of the shape {layout.images}, expected {images}, that of the other "
-                             "planes")
+            raise InvalidArgument(f"{name} has images of the shape {layout.images}, expected {images}, that of the "
+                                  "other planes")
         elif memory.device != planes[0].memory.device:
-            raise ValueError(f"{name} lies on {memory.place}, expected all planes on one")
+            raise InvalidArgument(f"{name} lies on {memory.place}, expected all planes on one")
         planes.append(_Plane(name, memory, layout))
     if not planes:
-        raise ValueError(f"a frame without planes, expected one of colour, {', '.join(PLANES)}")
+        raise InvalidArgument(f"a frame without planes, expected one of colour, {', '.join(PLANES)}")
     return planes
 
 
@@ -81,8 +83,8 @@ def _layout_of(name: str, kind: str, shape: Tuple[int, ...], strides: Tuple[int,
     if name == "colour":
         formats = [f for f in FORMATS.values() if (f.kind, f.channels) == (kind, shape[-1] if shape else 0)]
         if len(shape) not in (3, 4) or not formats:
-            raise ValueError(f"colour has the shape {shape} of type {kind}, expected ([C,] H, W, 3) of f4, or "
-                             "([C,] H, W, 4) of f4, f2 or u1")
+            raise InvalidArgument(f"colour has the shape {shape} of type {kind}, expected ([C,] H, W, 3) of f4, or "
+                                  "([C,] H, W, 4) of f4, f2 or u1")
         chosen, images = formats[0], shape[:-1]
     else:
         plane = PLANES.get(name, _SCALAR)
@@ -93,20 +95,20 @@ def _layout_of(name: str, kind: str, shape: Tuple[int, ...], strides: Tuple[int,
             images = shape[:-1]
             chosen, shapes = _Format(0, kind, shape[-1] if shape else 0), f"([C,] H, W, {plane.channels or 'F'})"
         if len(images) not in (2, 3) or kind != plane.kind or plane.channels not in (None, chosen.channels):
-            raise ValueError(f"{name} has the shape {shape} of type {kind}, expected {shapes} of {plane.kind}")
+            raise InvalidArgument(f"{name} has the shape {shape} of type {kind}, expected {shapes} of {plane.kind}")
     if not all(0 < side < 2**31 for side in (*images, chosen.channels)):
-        raise ValueError(f"{name} has the shape {shape}, expected no side of 0 and none of 2^31 or more")
+        raise InvalidArgument(f"{name} has the shape {shape}, expected no side of 0 and none of 2^31 or more")
     item = int(kind[1:])
     if any(stride % item for stride in strides):
-        raise ValueError(f"{name} has the strides {strides} bytes, expected multiples of {item}")
+        raise InvalidArgument(f"{name} has the strides {strides} bytes, expected multiples of {item}")
     rows, width = len(images) - 2, images[-1]
     pixels = _dlpack.dense_strides((width, chosen.channels), item)
     found = strides[rows + 1:rows + 2] + (strides[rows + 2:] or (item,))
     if any(side > 1 and stride != wanted for side, stride, wanted in zip((width, chosen.channels), found, pixels)):
-        raise ValueError(f"{name} has the strides {strides} bytes, expected pixels of a row side by side, {pixels} at "
-                         "the end")
+        raise InvalidArgument(f"{name} has the strides {strides} bytes, expected pixels of a row side by side, "
+                              f"{pixels} at the end")
     step = strides[0] if len(images) == 3 and images[0] > 1 else 0
     if step == 0 and len(images) == 3 and images[0] > 1 and name != "occluder":
-        raise ValueError(f"{name} has its {images[0]} images in one place, expected a place for each")
+        raise InvalidArgument(f"{name} has its {images[0]} images in one place, expected a place for each")
     pitch = strides[rows] if images[rows] > 1 else pixels[0] * width
     return _Layout(images, chosen.channels, chosen.number, pitch, step)

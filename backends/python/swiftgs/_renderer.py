@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Renderers, by name."""
 import ctypes
-import operator
 import threading
 from typing import Any, Dict, List, NamedTuple, Optional, Sequence, Tuple, Union
 
 import numpy as np
 
-from . import _arrays, _c
+from . import _arrays, _c, _checks
 from ._c import Handle, count_of, lib, render, text_of
 from ._camera import Camera, check_cameras
+from ._errors import InvalidArgument, InvalidType, OrderError
 from ._frame import Frame
 from ._gaussians import gaussians_of
 from ._placement import Placement, RecordedScenes
@@ -106,7 +106,7 @@ def find_renderer(name: Optional[str] = None) -> RendererEntry:
     """The renderer of that name, the usual one of a backend, or without a name that of the quickest backend that runs
     here. InvalidArgument for any other name."""
     entry = _c.RendererEntry()
-    lib.renderers_find(None if name is None else name.encode(), ctypes.byref(entry))
+    lib.renderers_find(None if name is None else _checks.text(name, "renderer"), ctypes.byref(entry))
     return _entry_of(entry)
 
 
@@ -143,13 +143,9 @@ class Renderer:
         "float", so that `update_scene` may replace them; or "half", rounded. Those of arrays stay floats.
         """
         entry = find_renderer(name)
-        if threads < 0:
-            raise ValueError(f"threads is {threads}, expected 0 or more")
-        if harmonics not in _c.HARMONICS:
-            raise ValueError(f"harmonics is '{harmonics}', expected one of {', '.join(_c.HARMONICS)}")
         self._stream = _arrays.stream_handle(stream)
         options = _c.RendererOptions(threads=threads, stream=self._stream,
-                                     harmonics=_c.HARMONICS.index(harmonics))
+                                     harmonics=_checks.choice(harmonics, "harmonics", _c.HARMONICS))
         self._handle: Optional[Handle] = Handle(lib.renderer_free, lib.renderer_create, entry.name.encode(),
                                                 ctypes.byref(options), outlived_by=stream)
         self.name = entry.name  #: BACKEND/SORT/RASTER/BOUNDS
@@ -189,19 +185,16 @@ class Renderer:
 
     @staticmethod
     def _handle_of(scene: Scene) -> Handle:
-        if not isinstance(scene, Scene):
-            raise TypeError(f"scene is of type {type(scene).__name__}, expected swiftgs.Scene; swiftgs.load reads one")
-        return scene._open()
+        return _checks.of_type(scene, Scene, "scene", "; swiftgs.load reads one")._open()
 
     def place(self, placements: Sequence[Placement]) -> None:
         """Sets the placed scenes that frames show: any of the renderer's scenes, any number of times. Gaussians are
         numbered over all of them, those of the first placed scene first: see `placed_scene_of`. If something of
         `placements` is refused, nothing changes."""
-        structs: Any = (_c.Placement * len(placements))()
-        for index, placement in enumerate(placements):
-            if not isinstance(placement, Placement):
-                raise TypeError(f"placement {index} is of type {type(placement).__name__}, expected swiftgs.Placement")
-            structs[index] = placement._struct()
+        found = _checks.listed(placements, "placements")
+        structs: Any = (_c.Placement * len(found))()
+        for index, placement in enumerate(found):
+            structs[index] = _checks.of_type(placement, Placement, f"placement {index}")._struct()
         with self._scene_lock:
             lib.renderer_place(self._open(), structs, len(structs))
             ends = (each.first + each.count if each.count else self._counts[each.scene] for each in structs)
@@ -210,9 +203,9 @@ class Renderer:
     def placed_scene_of(self, numbers: Any) -> Tuple[np.ndarray, np.ndarray]:
         """The placement of each Gaussian that a frame numbers, such as by its plane `id`, and the Gaussian's index in
         that scene: two arrays of the shape of `numbers`, with -1 in both for `NOTHING`."""
-        found = np.asarray(numbers)
+        found = _checks.reals(numbers, "numbers", dtype=None)
         if found.dtype.kind not in "ui":
-            raise TypeError(f"numbers are of type {found.dtype}, expected whole numbers")
+            raise InvalidType(f"numbers are of type {found.dtype}, expected whole numbers")
         found = found.astype(np.int64)
         with self._scene_lock:
             firsts = np.cumsum([0] + [len(shown) for shown in self._placed])
@@ -220,7 +213,7 @@ class Renderer:
         nothing = found == _c.NOTHING
         wrong = ~nothing & ((found < 0) | (found >= firsts[-1]))
         if wrong.any():
-            raise ValueError(f"numbers have {found[wrong][0]}, expected less than {firsts[-1]} or NOTHING")
+            raise InvalidArgument(f"numbers have {found[wrong][0]}, expected less than {firsts[-1]} or NOTHING")
         placement = np.searchsorted(firsts[1:], found, side="right")
         placement = np.where(nothing, 0, placement)
         index = found - firsts[placement] + starts[placement]
@@ -228,8 +221,7 @@ class Renderer:
 
     def share_scene(self, other: "Renderer") -> None:
         """Shares the scenes that `other`, a renderer of the same backend, has uploaded, and their placements."""
-        if not isinstance(other, Renderer):
-            raise TypeError(f"other is of type {type(other).__name__}, expected swiftgs.Renderer")
+        _checks.of_type(other, Renderer, "other")
         first, second = sorted((self, other), key=id)  # two that share with each other must not wait for ever
         with first._scene_lock, second._scene_lock:
             lib.renderer_share_scene(self._open(), other._open())
@@ -247,7 +239,7 @@ class Renderer:
         not drawn; on the host it is refused.
         """
         if (sh0 is None) == (colours is None):
-            raise TypeError("set_gaussians takes either sh0 or colours")
+            raise InvalidType("set_gaussians takes either sh0 or colours")
         self._set_gaussians(means, scales, rotations, opacities, sh0, sh_rest, colours=colours, log_scales=log_scales,
                             logit_opacities=logit_opacities, any_rotations=any_rotations, features=features)
 
@@ -299,11 +291,10 @@ class Renderer:
         later and recorded frames. On the host none of them may be drawing, and the `Scene` stays as it is. If something
         is refused, nothing changes.
         """
-        number, start = operator.index(scene), operator.index(first)
-        if not (0 <= number < 1 << 64 and 0 <= start < 1 << 64):
-            raise ValueError(f"update_scene: scene is number {number} and first is {start}, expected numbers from 0 on")
+        number = _checks.whole(scene, "update_scene: scene", 0, 2**64)
+        start = _checks.whole(first, "update_scene: first", 0, 2**64)
         if sh0 is not None and colours is not None:
-            raise TypeError("update_scene takes either sh0 or colours")
+            raise InvalidType("update_scene takes either sh0 or colours")
         arrays = (means, scales, rotations, opacities, sh0, sh_rest)
         options = dict(colours=colours, log_scales=log_scales, logit_opacities=logit_opacities,
                        any_rotations=any_rotations, features=features)
@@ -352,12 +343,12 @@ class Renderer:
         library's stream. `times` and `counts` fill `self.times` and `self.statistics`.
         """
         if out is None:
-            cameras = cameras if isinstance(cameras, Camera) else list(cameras)
+            cameras = cameras if isinstance(cameras, Camera) else _checks.listed(cameras, "cameras")
             out = self._new_frame(cameras, format, frame)
         elif frame or format != "rgb":
-            raise TypeError(f"render takes either out or {', '.join(frame) or 'format'}")
-        elif not isinstance(out, Frame):
-            raise TypeError(f"out is of type {type(out).__name__}, expected swiftgs.Frame")
+            raise InvalidType(f"render takes either out or {', '.join(frame) or 'format'}")
+        else:
+            _checks.of_type(out, Frame, "out")
         # A frame leaves the processor's caches cold, so that each step of Python costs microseconds: this is the way of
         # the usual call.
         if type(cameras) is Camera and cameras._size is out._one_size:
@@ -375,8 +366,8 @@ class Renderer:
         size = found[0]._size
         for index, camera in enumerate(found):
             if camera._size != size:
-                raise ValueError(f"camera {index} has {camera.width}x{camera.height} pixels, expected "
-                                 f"{size[0]}x{size[1]}, as the first")
+                raise InvalidArgument(f"camera {index} has {camera.width}x{camera.height} pixels, expected "
+                                      f"{size[0]}x{size[1]}, as the first")
         return Frame.empty(*size, None if isinstance(cameras, Camera) else len(found), format=form, **options)
 
     def _draw(self, out: Frame) -> None:
@@ -390,10 +381,11 @@ class Renderer:
 
     def _check_on_device(self, out: Frame) -> None:
         if not self.on_device:
-            raise ValueError(f"the frame lies on CUDA device {out.device}, expected the host for '{self.name}'")
+            raise InvalidArgument(f"the frame lies on CUDA device {out.device}, expected the host for '{self.name}'")
         self._check_device()
         if out.device != self._device:
-            raise ValueError(f"the frame lies on CUDA device {out.device}, expected {self._device}, the renderer's")
+            raise InvalidArgument(f"the frame lies on CUDA device {out.device}, expected {self._device}, the "
+                                  "renderer's")
 
     def _draw_on_device(self, handle: Handle, out: Frame) -> None:
         self._check_on_device(out)
@@ -414,8 +406,8 @@ class Renderer:
         if not self.on_device:
             return
         if _arrays.current_device() != self._device:
-            raise ValueError(f"CUDA device {_arrays.current_device()} is current, expected {self._device}, the "
-                             "renderer's")
+            raise InvalidArgument(f"CUDA device {_arrays.current_device()} is current, expected {self._device}, the "
+                                  "renderer's")
 
     def reserve(self, cameras: Union[Camera, Sequence[Camera]], out: Frame, *, splats: int = 0,
                 intersections: int = 0) -> None:
@@ -430,14 +422,15 @@ class Renderer:
     def set_views(self, cameras: Union[Camera, Sequence[Camera]], out: Frame) -> None:
         """Sets the cameras and the arrays of recorded frames, in the order of the renderer's stream: as many images of
         the same size with the same planes as were reserved."""
+        self._check_reserved("set_views")
         lib.renderer_set_views(self._open(), self._recorded_frame(cameras, out))
         self._recorded = out
 
     def _recorded_frame(self, cameras: Union[Camera, Sequence[Camera]], out: Frame) -> Any:
-        if out.device is not None:
+        if _checks.of_type(out, Frame, "out").device is not None:
             self._check_on_device(out)
         elif self.on_device:
-            raise ValueError(f"the frame lies on the host, expected CUDA device {self._device}, the renderer's")
+            raise InvalidArgument(f"the frame lies on the host, expected CUDA device {self._device}, the renderer's")
         out._aim(cameras)
         out._measure(False, False)
         return out._argument
@@ -447,17 +440,20 @@ class Renderer:
         alone: what else works on the arrays must be on that stream. A CUDA graph may capture it, such as
         `with torch.cuda.graph(graph, stream=stream): renderer.record()` with `Renderer("cuda", stream=stream)`.
         docs/scenes.md says what may change between replays. Keep the frame as long as the graph."""
-        if self._recorded is None:
-            raise ValueError("record: nothing was reserved, expected Renderer.reserve before")
+        self._check_reserved("record")
         lib.renderer_record(self._open(), ctypes.c_void_p(self._report._memory.pointer) if self.on_device else
                             ctypes.byref(self._report))
         self._has_recorded = True
+
+    def _check_reserved(self, what: str) -> None:
+        if self._recorded is None:
+            raise OrderError(f"{what}: nothing was reserved, expected Renderer.reserve before")
 
     @property
     def report(self) -> Report:
         """Of the last recorded frame. Waits."""
         if self._recorded is None or not self._has_recorded:
-            raise ValueError("report: nothing was recorded, expected Renderer.reserve and record before")
+            raise OrderError("report: nothing was recorded, expected Renderer.reserve and record before")
         found = _c.Report()
         if self.on_device:
             lib.device_copy(ctypes.byref(found), self._report._memory.pointer, ctypes.sizeof(found), self._stream)
@@ -507,10 +503,9 @@ class Renderer:
         Waits, and does not look at occluders. OrderError before the first frame, and after `trim` or a frame that
         failed; InvalidArgument for an image that there is not and a rectangle that does not lie in it.
         """
-        numbers = [operator.index(number) for number in (view, x, y, width, height)]
-        if numbers[0] < 0 or max(map(abs, numbers)) >= 1 << 31:
-            raise ValueError(f"pick: view, x, y, width, height are {numbers}, expected a view from 0 and numbers of 32 "
-                             "bits")
+        numbers = [_checks.whole(view, "pick: view", 0)]
+        for name, number in (("x", x), ("y", y), ("width", width), ("height", height)):
+            numbers.append(_checks.whole(number, f"pick: {name}"))
         handle = self._open()
         self._check_device()
         # The library refuses sides out of range before it writes.
@@ -559,7 +554,7 @@ class Renderer:
         """To be held as long as it is used."""
         handle = self._handle
         if handle is None:
-            raise ValueError("the renderer is closed")
+            raise OrderError("the renderer is closed")
         return handle
 
     def close(self) -> None:

@@ -9,9 +9,10 @@ from typing import Any, Callable, List, NamedTuple, Optional, Tuple, Union
 
 import numpy as np
 
-from . import _c
+from . import _c, _checks
 from ._c import Handle, OwnedFloats, lib
 from ._camera import Camera, OrbitView
+from ._errors import InvalidType, OrderError
 from ._gaussians import gaussians_of
 
 Path = Union[str, "os.PathLike[str]"]
@@ -22,6 +23,8 @@ class _Callbacks:
     """Progress and notes of one call. What Python raises within comes out of `run`, Ctrl-C among it."""
 
     def __init__(self, progress: Optional[Progress]) -> None:
+        if not (progress is None or callable(progress)):
+            raise InvalidType(f"progress is {progress!r}, expected a function")
         self.notes: List[str] = []
         self._raised: Optional[BaseException] = None
         self._signals: List[Any] = []
@@ -57,9 +60,7 @@ class _Callbacks:
 
 
 def _axes(spz_axes: str) -> int:
-    if spz_axes not in _c.SPZ_AXES:
-        raise ValueError(f"spz_axes is '{spz_axes}', expected one of {', '.join(_c.SPZ_AXES)}")
-    return _c.SPZ_AXES.index(spz_axes)
+    return _checks.choice(spz_axes, "spz_axes", _c.SPZ_AXES)
 
 
 class Scene:
@@ -84,9 +85,7 @@ class Scene:
     @classmethod
     def builtin(cls, count: int = 200_000) -> "Scene":
         """A scene that needs no file: the same picture at any count."""
-        if not 0 <= count < 2**32:
-            raise ValueError(f"count is {count}, expected fewer than 2^32")
-        return cls(Handle(lib.scene_free, lib.scene_builtin, count))
+        return cls(Handle(lib.scene_free, lib.scene_builtin, _checks.whole(count, "count", 0, 2**32)))
 
     @classmethod
     def from_arrays(cls, means: Any, scales: Any, rotations: Any, opacities: Any, sh0: Any = None, sh_rest: Any = None,
@@ -102,11 +101,11 @@ class Scene:
         was subtracted from positions in the world.
         """
         if (sh0 is None) == (colours is None):
-            raise TypeError("from_arrays takes either sh0 or colours")
+            raise InvalidType("from_arrays takes either sh0 or colours")
         struct, memory = gaussians_of(means, scales, rotations, opacities, sh0, sh_rest, colours=colours,
                                       log_scales=log_scales, logit_opacities=logit_opacities,
                                       any_rotations=any_rotations, antialiased=antialiased, features=features)
-        struct.origin = tuple(map(float, origin))
+        struct.origin = tuple(_checks.reals(origin, "origin", (3,)))
         handle = Handle(lib.scene_free, lib.scene_from_arrays, ctypes.byref(struct))
         del memory  # copied
         return cls(handle)
@@ -115,8 +114,11 @@ class Scene:
     def from_bytes(cls, data: Any, name: str, *, spz_axes: str = "specified",
                    progress: Optional[Progress] = None) -> "Scene":
         """Reads a file that is in memory; `name` stands for it in messages, and its ending names a `.splat`."""
-        view = np.frombuffer(data, np.uint8)
-        file = _c.FileBytes(data=view.ctypes.data, count=view.size, name=os.fsencode(name))
+        try:
+            view = np.frombuffer(data, np.uint8)
+        except (TypeError, ValueError, AttributeError):
+            raise InvalidType(f"data is of type {type(data).__name__}, expected bytes") from None
+        file = _c.FileBytes(data=view.ctypes.data, count=view.size, name=_checks.path(name))
         return cls._read(lib.scene_read_bytes, ctypes.byref(file), spz_axes, 0, progress)
 
     @classmethod
@@ -134,17 +136,17 @@ class Scene:
         does not carry. `progress` is called with the part that is done, and cancels by returning False.
         """
         calls = _Callbacks(progress)
-        ending = None if format is None else ("." + format.lstrip(".")).encode()
+        ending = None if format is None else b"." + _checks.text(format, "format").lstrip(b".")
         options = _c.WriteOptions(spz_version=spz_version, spz_axes=_axes(spz_axes), ending=ending,
                                   progress=calls.progress, note=calls.note)
-        calls.run(lib.scene_write, self._open(), os.fsencode(path), ctypes.byref(options))
+        calls.run(lib.scene_write, self._open(), _checks.path(path), ctypes.byref(options))
         return tuple(calls.notes)
 
     def _open(self) -> Handle:
         """To be held as long as its memory is used."""
         handle = self._handle
         if handle is None:
-            raise ValueError("the scene is closed")
+            raise OrderError("the scene is closed")
         return handle
 
     def _array(self, name: str, *shape: int) -> np.ndarray:
@@ -220,9 +222,10 @@ class Scene:
         """Where to start to look at a scene without cameras, less `origin`: at its middle, from where most of it is
         seen and nothing stands in the way. `up` is where up is in the scene's world; without it up is guessed, mostly
         as -y."""
-        orbit = _c.Orbit(up=(0, 0, 0) if up is None else tuple(map(float, up)))
+        orbit = _c.Orbit(up=(0, 0, 0) if up is None else tuple(_checks.reals(up, "up", (3,))))
         camera = _c.Camera()
-        lib.scene_default_view(self._open(), width, height, ctypes.byref(camera), ctypes.byref(orbit))
+        lib.scene_default_view(self._open(), _checks.whole(width, "width"), _checks.whole(height, "height"),
+                               ctypes.byref(camera), ctypes.byref(orbit))
         return OrbitView(Camera.__new__(Camera)._take(camera, ""), np.array(orbit.target), np.array(orbit.up))
 
     @property
@@ -282,7 +285,7 @@ def load(path: Path, *, spz_axes: str = "specified", level: int = 0, progress: O
     the part that is done, and cancels by returning False. FormatError, FileError or Cancelled; Ctrl-C stops it, too.
     What the scene does not take from the file is in `notes`; Gaussians that cannot be drawn are a warning.
     """
-    scene = Scene._read(lib.scene_read, os.fsencode(path), spz_axes, level, progress)
+    scene = Scene._read(lib.scene_read, _checks.path(path), spz_axes, level, progress)
     if scene.dropped:
         warnings.warn(f"{os.fspath(path)}: {scene.dropped:,} of {scene.stored:,} Gaussians are not finite or have no "
                       "rotation, and were left out; notes say how many of each", stacklevel=2)
