@@ -4,10 +4,11 @@
 #       -P preset.cmake
 #
 # Configures by PRESET and installs what building by it would make. Fails unless configuring prints LINES, and unless
-# the programs and libraries that are installed are INSTALLED. Without INSTALLED it fails if there is anything to install.
+# the programs and libraries that are installed are INSTALLED. Without INSTALLED it fails unless installing is refused with
+# the preset that installs.
 file(REMOVE_RECURSE "${FOLDER}")
 execute_process(COMMAND ${CMAKE_COMMAND} --preset ${PRESET} -B "${FOLDER}" -DCMAKE_SKIP_RPATH=ON
-                        -DCMAKE_INSTALL_LIBDIR=lib ${OPTIONS}
+                        -DCMAKE_INSTALL_LIBDIR=lib "-DCMAKE_INSTALL_PREFIX=${FOLDER}/prefix" ${OPTIONS}
   WORKING_DIRECTORY "${ROOT}" OUTPUT_VARIABLE said COMMAND_ERROR_IS_FATAL ANY)
 foreach(line IN LISTS LINES)
   if(NOT said MATCHES "${line}")
@@ -16,8 +17,11 @@ foreach(line IN LISTS LINES)
 endforeach()
 
 if(NOT INSTALLED)
-  if(EXISTS "${FOLDER}/cmake_install.cmake")
-    message(FATAL_ERROR "the preset ${PRESET}: expected nothing to install, as it builds no library or program alone")
+  execute_process(COMMAND ${CMAKE_COMMAND} --install "${FOLDER}" --prefix "${FOLDER}/prefix"
+    RESULT_VARIABLE result OUTPUT_VARIABLE said ERROR_VARIABLE said)
+  string(REGEX REPLACE "[ \n]+" " " said "${said}")
+  if(result EQUAL 0 OR NOT said MATCHES "cmake --preset cpu -DCMAKE_INSTALL_PREFIX=FOLDER" OR EXISTS "${FOLDER}/prefix")
+    message(FATAL_ERROR "the preset ${PRESET}: expected a refusal to install that names the preset cpu, found: ${said}")
   endif()
   return()
 endif()
@@ -45,7 +49,13 @@ foreach(link IN LISTS links)
   execute_process(COMMAND ${CMAKE_COMMAND} -E ${link} WORKING_DIRECTORY "${FOLDER}" COMMAND_ERROR_IS_FATAL ANY)
 endforeach()
 
-execute_process(COMMAND ${CMAKE_COMMAND} --install "${FOLDER}" --prefix "${FOLDER}/prefix" OUTPUT_QUIET
+# What is installed is optimised and runs on every processor of its kind: kernels are chosen when they run.
+string(REGEX MATCHALL "-O[^ ]+|-m(arch|cpu)=[^ ]+" flags "${commands}")
+list(REMOVE_DUPLICATES flags)
+if(NOT flags STREQUAL "-O3")
+  message(FATAL_ERROR "the preset ${PRESET}: expected to compile with -O3 for every processor, found '${flags}'")
+endif()
+execute_process(COMMAND ${CMAKE_COMMAND} --install "${FOLDER}" OUTPUT_QUIET
   COMMAND_ERROR_IS_FATAL ANY)
 file(GLOB_RECURSE found LIST_DIRECTORIES false RELATIVE "${FOLDER}/prefix"
   "${FOLDER}/prefix/bin/*" "${FOLDER}/prefix/*.a" "${FOLDER}/prefix/*.so" "${FOLDER}/prefix/*.py")
