@@ -1,10 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Makes a wheel that needs no package of the system but the C and C++ run-time libraries: wheel.py BUILD FOLDER.
+"""Makes a wheel that needs no package of the system but the C and C++ run-time libraries.
 
-BUILD is a build by the preset `distribution` with static libraries and its target swiftgs_c. What that library loads is
-put into the wheel under names of its own, so that it meets no other copy in the process, as auditwheel does. The tag
-says which glibc is needed. Needs patchelf and readelf. The same build gives the same bytes.
+    pip wheel ./backends/python --no-deps -w FOLDER    builds the library by the preset `distribution`, or
+    wheel.py BUILD FOLDER                              takes a build by that preset with static libraries
+
+What the library loads is put into the wheel under names of its own, so that it meets no other copy in the process, as
+auditwheel does. The tag says which glibc is needed. Needs patchelf and readelf. The same build gives the same bytes.
 """
 import base64
 import hashlib
@@ -129,10 +131,31 @@ def main(build, out):
         out.mkdir(parents=True, exist_ok=True)
         wheel = out / f"swiftgs-{version}-{tag}.whl"
         write(folder, wheel)
-    print(wheel)
+    return wheel
+
+
+def build_library(cuda):
+    """A build of the library, in the folder that an earlier one left."""
+    missing = [name for name in ("cmake", "ninja", "patchelf", "readelf", "dpkg") if not shutil.which(name)]
+    if missing:
+        sys.exit(f"wheel: found no {', '.join(missing)}, expected what cmake/packages.txt lists; cmake/setup.sh test "
+                 "installs it")
+    build = ROOT / "build" / "wheel"
+    subprocess.run(["cmake", "--preset", "distribution", "-B", build, "-DBUILD_SHARED_LIBS=OFF",
+                    "-DSWIFTGS_BUILD_EXAMPLES=OFF", f"-DSWIFTGS_BUILD_CUDA={cuda}"], cwd=ROOT, check=True)
+    subprocess.run(["cmake", "--build", build, "--target", "swiftgs_c"], check=True)
+    return build
+
+
+def build_wheel(wheel_directory, config_settings=None, metadata_directory=None):  # pylint: disable=unused-argument
+    """What pip calls (PEP 517). Settings: `cuda`, ON or OFF, by default whether there is nvcc; `build`, a build that is
+    there already."""
+    settings = config_settings or {}
+    cuda = settings.get("cuda", "ON" if shutil.which("nvcc") else "OFF")
+    return main(settings.get("build") or build_library(cuda), wheel_directory).name
 
 
 if __name__ == "__main__":
     if len(sys.argv) != 3:
         sys.exit("usage: wheel.py BUILD FOLDER")
-    main(*sys.argv[1:])
+    print(main(*sys.argv[1:]))

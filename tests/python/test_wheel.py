@@ -75,5 +75,14 @@ def test_it_draws_with_them(unpacked):
         assert [pathlib.Path(path).parent.name for path in loaded if name in path] == ["swiftgs.libs"]
 
 
+def test_pip_makes_it(wheel, tmp_path):
+    pip = [sys.executable, "-m", "pip"]
+    if subprocess.run([*pip, "--version"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode:
+        pytest.skip("no pip here (package python3-pip)")
+    subprocess.run([*pip, "wheel", ROOT / "backends/python", "--no-deps", "--no-index", f"--config-settings=build={BUILD}",
+                    "-w", tmp_path], check=True, stdout=subprocess.DEVNULL)
+    assert (tmp_path / wheel.name).read_bytes() == wheel.read_bytes()
+
+
 def test_it_is_the_same_each_time(wheel, tmp_path):
     assert make(tmp_path).read_bytes() == wheel.read_bytes()
