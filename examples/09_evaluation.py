@@ -56,7 +56,7 @@ def main():
     photographs = {camera.name: swiftgs.load_image(found[camera.name])[..., :3] for camera in held_out}
     if not held_out:
         raise SystemExit(f"{arguments.capture / 'photos'}: expected photographs with the names of cameras")
-    rules = swiftgs.Conventions(antialiased=scene.antialiased)
+    rules = swiftgs.Conventions(blur=scene.model.blur, antialiased=scene.model.antialiased)
 
     with swiftgs.Renderer() as renderer:
         results = evaluate(renderer, as_parameters(scene), held_out, photographs, rules, arguments.batch)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
 """Scenes from files, from arrays, to files."""
+import dataclasses
 import gc
 import pathlib
 import re
@@ -14,6 +15,7 @@ import pytest
 import swiftgs
 from conftest import ARRAYS, Lent
 
+MODEL = swiftgs.RenderingModel(blur=0.1, antialiased=True, order="distance", colours="linear")
 PLY_NAMES = "x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 rot_0 rot_1 rot_2 rot_3".split()
 
 
@@ -30,7 +32,7 @@ def same(first, second):
 
 
 def test_a_scene_tells_what_it_holds(scene):
-    assert len(scene) == 2000 and scene.sh_degree == 3 and not scene.antialiased
+    assert len(scene) == 2000 and scene.sh_degree == 3 and scene.model == swiftgs.RenderingModel()
     assert scene.format == "" and scene.stored == 2000 and scene.dropped == 0
     assert {name: getattr(scene, name).shape for name in ARRAYS} == {
         "means": (2000, 3), "scales": (2000, 3), "rotations": (2000, 4), "opacities": (2000,), "sh0": (2000, 3),
@@ -209,10 +211,11 @@ def test_numbers_are_activated_as_training_stores_them(arrays):
     raw = dict(arrays, scales=np.log(np.maximum(arrays["scales"], 1e-30)),
                opacities=np.log(arrays["opacities"] / (1 - np.minimum(arrays["opacities"], 0.999))),
                rotations=arrays["rotations"] * 3)
-    scene = swiftgs.Scene.from_arrays(**raw, log_scales=True, logit_opacities=True, antialiased=True)
+    scene = swiftgs.Scene.from_arrays(**raw, log_scales=True, logit_opacities=True, model=MODEL)
     assert np.allclose(scene.scales, np.maximum(arrays["scales"], 1e-30), rtol=1e-5)
     assert np.allclose(scene.opacities, arrays["opacities"], atol=2e-3)
-    assert np.allclose(scene.rotations, arrays["rotations"], atol=1e-6) and scene.antialiased
+    assert np.allclose(scene.rotations, arrays["rotations"], atol=1e-6)
+    assert scene.model == dataclasses.replace(MODEL, blur=pytest.approx(0.1))
     del raw["sh0"], raw["sh_rest"]
     colours = np.random.default_rng(1).random((2000, 3), np.float32)
     plain = swiftgs.Scene.from_arrays(**raw, colours=colours)

@@ -15,6 +15,7 @@ from ._errors import (Cancelled, CapacityError, DeviceError, Error, FileError, F
                       Unavailable)
 from ._frame import Frame, load_image
 from ._gsplat import rasterization
+from ._model import RenderingModel
 from ._placement import Clip, Placement, RecordedScenes, Tint
 from ._renderer import (Memory, Picked, Renderer, RendererEntry, Report, Statistics, Times, find_renderer,
                         list_renderers)
@@ -26,7 +27,7 @@ __all__ = [
     "Camera", "Cameras", "Cancelled", "CapacityError", "Clip", "Conventions", "DeviceArray", "DeviceError", "Error",
     "FileError", "FormatError", "Frame", "InternalError", "InvalidArgument", "InvalidType", "LentArray", "Memory",
     "NoSuchResult", "NOTHING", "NotLent", "NotOffered", "OrbitView", "OrderError", "OutOfMemory", "Picked", "Placement",
-    "RecordedScenes", "Renderer", "RendererEntry", "Report", "Scene", "SceneBounds", "Statistics", "StoredDepth",
+    "RecordedScenes", "Renderer", "RendererEntry", "RenderingModel", "Report", "Scene", "SceneBounds", "Statistics", "StoredDepth",
     "Times", "Tint", "Unavailable", "find_renderer", "list_renderers", "load", "load_cameras", "load_image",
     "rasterization"
 ]

@@ -335,20 +335,26 @@ class Conventions:
     cull_at_near: bool = False  #: so is one exactly on the near plane
     far_plane: float = 1e10  #: a Gaussian further than this is culled
     clamp: str = "around-image"  #: or "around-centre": where the projection is linearised
-    blur: float = 0.3  #: added to both variances of a splat, in square pixels
-    antialiased: bool = False  #: scale opacity as Mip-Splatting does; for scenes that say so
+    #: added to both variances of a splat, in square pixels; None: as the scene was trained
+    blur: Optional[float] = None
+    antialiased: Optional[bool] = None  #: scale opacity as Mip-Splatting does; None: as the scene was trained
     min_compensation: float = 2.5e-5  #: least ratio of determinants in that
     alpha_min: float = 1 / 255  #: a pixel skips a Gaussian with less alpha
     alpha_max: float = 0.99  #: alpha is cut here
     stop: float = 1e-4  #: a pixel ends before the Gaussian that would bring its transmittance below
     stop_at_equal: bool = True  #: or exactly to `stop`
-    #: What orders splats, is compared with the planes, and is drawn as depth: "z" along the axis, "distance" from the
+    #: What is compared with the planes and occluders, and is drawn as depth: "z" along the axis, "distance" from the
     #: camera, or "of-lens": z of perspective and orthographic lenses, distance of the others.
     depth: str = "of-lens"
     first_alpha: float = 0.05  #: a pixel's first depth is of the Gaussian that takes its alpha above
     #: A splat's depth at a pixel, for planes of depth and occluders: "centre", its mean's, or "ray", where the Gaussian
     #: is densest along the pixel's ray.
     depth_at: str = "centre"
+    #: What orders splats: "depth", or "distance" from the camera; None: as the scenes were trained, by distance if one
+    #: was. Frames with an occluder are ordered by depth.
+    order: Optional[str] = None
+    #: In which values splats are blended: "srgb" or "linear"; None: as the scene was trained.
+    colours: Optional[str] = None
 
     @classmethod
     def named(cls, name: str) -> "Conventions":
@@ -357,18 +363,23 @@ class Conventions:
         lib.conventions_named(_checks.text(name, "conventions"), ctypes.byref(struct))
         values = {field.name: getattr(struct, field.name) for field in dataclasses.fields(cls)}
         values.update({name: words[values[name]] for name, words in _WORDS.items()})
+        # What presets leave to the scene stays as it is by default, None.
         return cls(**{name: bool(value) if isinstance(getattr(cls, name), bool) else value
-                      for name, value in values.items()})
+                      for name, value in values.items() if getattr(cls, name) is not None})
 
     def _to_struct(self) -> _c.Conventions:
         values = dict(vars(self))
         for name, words in _WORDS.items():
             values[name] = _checks.choice(values[name], f"conventions: {name}", words)
-        return _c.Conventions(**values)
+        for name, words in _WORDS_OR_OF_SCENE.items():
+            if values[name] is not None:
+                values[name] = _checks.choice(values[name], f"conventions: {name}", words)
+        return _c.Conventions(**{name: _c.OF_SCENE if value is None else value for name, value in values.items()})
 
 
 #: Members that are words here and numbers in C.
 _WORDS = {"clamp": _c.CLAMPS, "depth": _c.DEPTHS, "depth_at": _c.DEPTHS_AT}
+_WORDS_OR_OF_SCENE = {"order": _c.ORDERS, "colours": _c.COLOURS}
 
 
 @functools.lru_cache(maxsize=64)

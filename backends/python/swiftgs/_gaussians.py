@@ -5,6 +5,7 @@ from typing import Any, Dict, List, Optional, Tuple
 
 from . import _arrays, _c, _checks, _dlpack
 from ._errors import InvalidArgument, InvalidType
+from ._model import RenderingModel
 
 # Names of the struct's members, and the shapes of one Gaussian.
 _PARTS = {"means": (3,), "scales": (3,), "rotations": (4,), "opacities": (), "sh0": (3,)}
@@ -49,8 +50,8 @@ def _array(memory: _arrays.Memory, offset: int = 0) -> _c.Array:
 
 def gaussians_of(means: Any, scales: Any, rotations: Any, opacities: Any, sh0: Any, sh_rest: Any = None, *,
                  sh: Any = None, sh_degree: Optional[int] = None, colours: Any = None, log_scales: bool = False,
-                 logit_opacities: bool = False, any_rotations: bool = True, antialiased: bool = False,
-                 features: Any = None, stream: int = 0, some: bool = False,
+                 logit_opacities: bool = False, any_rotations: bool = True,
+                 model: RenderingModel = RenderingModel(), features: Any = None, stream: int = 0, some: bool = False,
                  names: Optional[dict] = None) -> Tuple[_c.Gaussians, List[_arrays.Memory]]:
     """The struct, and the memory that it points to, ready on `stream`.
 
@@ -68,7 +69,8 @@ def gaussians_of(means: Any, scales: Any, rotations: Any, opacities: Any, sh0: A
             continue
         memory[name] = _rows(array, said(name, name), count, _PARTS[name], stream)
         count = memory[name].shape[0]
-    struct = _c.Gaussians(antialiased=antialiased)
+    struct = _c.Gaussians()
+    _checks.of_type(model, RenderingModel, "model")._fill(struct)
     if sh is not None:
         both = memory["sh"] = _rows(sh, said("sh", "sh"), count, (None, 3), stream)
         struct.sh_degree = _degree(both.shape[1], said("sh", "sh"), 1, sh_degree)

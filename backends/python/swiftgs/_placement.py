@@ -55,12 +55,12 @@ class Tint:
     amount: float = 0  #: 0 to 1: 0 leaves the Gaussians' colours, 1 shows `colour` in their place
 
     def _fill(self, struct: Any) -> None:
-        colour = _floats(self.colour, (3,), "colour")
+        colour, amount = _checks.finite(self.colour, "colour", (3,)), _checks.real(self.amount, "amount")
         if not (colour >= 0).all():
-            raise ValueError(f"colour is {colour.tolist()}, expected 0 or more")
-        if not 0 <= self.amount <= 1:
-            raise ValueError(f"amount is {self.amount}, expected 0 to 1")
-        struct.tint[:], struct.tint_amount = colour.tolist(), float(self.amount)
+            raise InvalidArgument(f"colour is {colour.tolist()}, expected 0 or more")
+        if not 0 <= amount <= 1:
+            raise InvalidArgument(f"amount is {amount}, expected 0 to 1")
+        struct.tint[:], struct.tint_amount = colour.tolist(), amount
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ from ._camera import Camera, check_cameras
 from ._errors import InvalidArgument, InvalidType, OrderError
 from ._frame import Frame
 from ._gaussians import gaussians_of
+from ._model import RenderingModel
 from ._placement import Placement, RecordedScenes
 from ._scene import Scene
 
@@ -231,7 +232,8 @@ class Renderer:
 
     def set_gaussians(self, means: Any, scales: Any, rotations: Any, opacities: Any, sh0: Any = None,
                       sh_rest: Any = None, *, colours: Any = None, log_scales: bool = False,
-                      logit_opacities: bool = False, any_rotations: bool = True, features: Any = None) -> None:
+                      logit_opacities: bool = False, any_rotations: bool = True, features: Any = None,
+                      model: RenderingModel = RenderingModel()) -> None:
         """As `set_scene`, of arrays as `Scene.from_arrays` takes them.
 
         Arrays of a CUDA device go to a renderer of `cuda` within the device, in the order of their library's stream,
@@ -241,7 +243,8 @@ class Renderer:
         if (sh0 is None) == (colours is None):
             raise InvalidType("set_gaussians takes either sh0 or colours")
         self._set_gaussians(means, scales, rotations, opacities, sh0, sh_rest, colours=colours, log_scales=log_scales,
-                            logit_opacities=logit_opacities, any_rotations=any_rotations, features=features)
+                            logit_opacities=logit_opacities, any_rotations=any_rotations, features=features,
+                            model=model)
 
     def _set_gaussians(self, *arrays: Any, **options: Any) -> None:
         with self._scene_lock:

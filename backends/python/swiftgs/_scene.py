@@ -14,6 +14,7 @@ from ._c import Handle, OwnedFloats, lib
 from ._camera import Camera, OrbitView
 from ._errors import InvalidType, OrderError
 from ._gaussians import gaussians_of
+from ._model import RenderingModel
 
 Path = Union[str, "os.PathLike[str]"]
 Progress = Callable[[float], Optional[bool]]
@@ -90,21 +91,21 @@ class Scene:
     @classmethod
     def from_arrays(cls, means: Any, scales: Any, rotations: Any, opacities: Any, sh0: Any = None, sh_rest: Any = None,
                     *, colours: Any = None, log_scales: bool = False, logit_opacities: bool = False,
-                    any_rotations: bool = True, antialiased: bool = False, features: Any = None,
-                    origin: Any = (0, 0, 0)) -> "Scene":
+                    any_rotations: bool = True, features: Any = None,
+                    model: RenderingModel = RenderingModel(), origin: Any = (0, 0, 0)) -> "Scene":
         """Copies arrays of float32 of any library, with gaps or without, on the host or on a CUDA device.
 
         means [N, 3]; scales [N, 3], standard deviations; rotations [N, 4], quaternions w, x, y, z, normalised unless
         `any_rotations` is False; opacities [N]; and either harmonics, `sh0` [N, 3] and `sh_rest` [N, 3 or 8 or 15, 3],
         or `colours` [N, 3]. `log_scales` and `logit_opacities` are for numbers as training stores them.
-        `features` [N, F] are any numbers that frames may draw of Gaussians; files do not hold them. `origin` is what
-        was subtracted from positions in the world.
+        `features` [N, F] are any numbers that frames may draw of Gaussians; files do not hold them. `model` says
+        how they were trained to be drawn. `origin` is what was subtracted from positions in the world.
         """
         if (sh0 is None) == (colours is None):
             raise InvalidType("from_arrays takes either sh0 or colours")
         struct, memory = gaussians_of(means, scales, rotations, opacities, sh0, sh_rest, colours=colours,
                                       log_scales=log_scales, logit_opacities=logit_opacities,
-                                      any_rotations=any_rotations, antialiased=antialiased, features=features)
+                                      any_rotations=any_rotations, model=model, features=features)
         struct.origin = tuple(_checks.reals(origin, "origin", (3,)))
         handle = Handle(lib.scene_free, lib.scene_from_arrays, ctypes.byref(struct))
         del memory  # copied
@@ -203,9 +204,9 @@ class Scene:
         return self._info.sh_degree
 
     @property
-    def antialiased(self) -> bool:
-        """Whether the scene was trained with Mip-Splatting's opacity compensation."""
-        return bool(self._info.antialiased)
+    def model(self) -> RenderingModel:
+        """How the scene was trained to be drawn, which frames follow."""
+        return RenderingModel._of(self._info)
 
     @property
     def bounds(self) -> Tuple[np.ndarray, np.ndarray]:
