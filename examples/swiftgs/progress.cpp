@@ -24,11 +24,14 @@ bool ends_on_terminal() {
 
 }  // namespace
 
-Progress::Progress(std::size_t total)
-    : total_(total), terminal_(Team::here().leads() && ends_on_terminal()) {}
+Progress::Progress(std::size_t total, std::chrono::milliseconds between_lines)
+    : total_(total),
+      leads_(Team::here().leads()),
+      terminal_(leads_ && ends_on_terminal()),
+      between_lines_(between_lines) {}
 
 void Progress::step() {
-  if (Team::here().leads())
+  if (leads_)
     ++done_;
   else
     Team::here().tell_step();
@@ -39,8 +42,15 @@ void Progress::await_others() {
 }
 
 void Progress::start(const std::string& what) {
-  if (Team::here().leads()) done_ += Team::here().steps_told();
-  if (!terminal_) return;
+  if (!leads_) return;
+  done_ += Team::here().steps_told();
+  if (terminal_)
+    draw_bar(what);
+  else if (Clock::now() - last_line_ >= between_lines_)
+    print_line(what);
+}
+
+void Progress::draw_bar(const std::string& what) {
   constexpr std::size_t width = 24;
   const std::size_t filled = total_ ? width * done_ / total_ : 0;
   const std::string bar = std::string(filled, '#') + std::string(width - filled, '.');
@@ -51,9 +61,14 @@ void Progress::start(const std::string& what) {
   shown_ = true;
 }
 
+void Progress::print_line(const std::string& what) {
+  std::fprintf(stderr, "[%zu/%zu%s] %s\n", done_, total_, time_left().c_str(), what.c_str());
+  last_line_ = Clock::now();
+}
+
 std::string Progress::time_left() const {
   if (done_ <= begin_) return {};
-  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begun_;
+  const std::chrono::duration<double> elapsed = Clock::now() - begun_;
   const auto seconds = long(elapsed.count() / double(done_ - begin_) * double(end_ - done_));
   return seconds < 60 ? ", " + std::to_string(seconds) + " s left"
                       : ", " + std::to_string(seconds / 60 + 1) + " min left";

@@ -13,9 +13,10 @@
 #include <swiftgs/version.hpp>
 
 #include "commands.hpp"
+#include "draw/team.hpp"
+#include "interruptible.hpp"
 #include "options.hpp"
 #include "suggestion.hpp"
-#include "draw/team.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -186,6 +187,12 @@ int run(int argc, char** argv) {
     return fail("out of memory");
   } catch (const std::filesystem::filesystem_error& error) {
     return fail(error.path1().string() + ": " + error.code().message());
+  } catch (const Interrupted& error) {
+    const int code = fail(error.what());
+    std::fflush(stdout);
+    std::signal(SIGINT, SIG_DFL);
+    std::raise(SIGINT);
+    return code;
   } catch (const std::exception& error) {
     return fail(error.what());
   }

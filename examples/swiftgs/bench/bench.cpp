@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <limits>
 #include <memory>
@@ -11,14 +13,18 @@
 
 #include <CLI/CLI.hpp>
 
+#include <swiftgs/io/sort_calibrations.hpp>
+
 #include "bench/lists.hpp"
 #include "bench/profile.hpp"
+#include "bench/resume.hpp"
 #include "bench/runner.hpp"
 #include "bench/table.hpp"
 #include "bench/threads.hpp"
 #include "bench/variants.hpp"
 #include "commands.hpp"
 #include "draw/choice.hpp"
+#include "interruptible.hpp"
 #include "measure/photos.hpp"
 #include "read/distinct_files.hpp"
 #include "read/scene_input.hpp"
@@ -36,7 +42,7 @@ struct BenchOptions {
   Plan plan;
   int batch = 1;
   std::string planes, harmonics = "smallest";
-  bool profile = false;
+  bool profile = false, resume = false;
 };
 
 constexpr const char* bench_help =
@@ -49,6 +55,8 @@ With --batch N a frame has N views, the one that a row is of and those after it,
 times are those of the frame divided by N.
 --errors is all, none, or how many views of each scene are compared with float64.
 The columns are means over views; docs/results.md describes the JSON.
+The file of --json is written anew after every row. --resume goes on where a run of the same command
+on the same machine, build and scenes has stopped; a file of another one is refused.
 With --profile nothing is timed or compared: after frames that warm up, each renderer draws each
 view once, and a profiler of CUDA records these frames alone.
 
@@ -140,9 +148,17 @@ class Matrix {
           Session session;
           session.harmonics = harmonics_;
           session.gaussians = std::make_shared<const Scene>(variant(original, count, factor));
-          session.scene = {name_of(input), session.gaussians->size(), original.size(),
-                           factor,         original.sh_degree,        original.model.antialiased};
-          results.scenes.push_back(session.scene);
+          session.scene = {name_of(input),
+                           session.gaussians->size(),
+                           original.size(),
+                           factor,
+                           original.sh_degree,
+                           original.model.antialiased,
+                           options_.json.empty() ? "" : geometry_checksum(*session.gaussians)};
+          if (options_.resume) require_same_scene(options_.json, results, session.scene);
+          std::vector<SceneResult>& scenes = results.scenes;
+          if (std::find(scenes.begin(), scenes.end(), session.scene) == scenes.end())
+            scenes.push_back(session.scene);
           for_each_view_set(input, drawn.camera, session, [&] {
             progress.clear();
             const bool photographed = !options_.profile && session.scale == 1;
@@ -216,11 +232,57 @@ class Matrix {
 
 /// Throws if an option was given that says how to measure.
 void require_nothing_measured(const CLI::App& command) {
-  for (const char* option :
-       {"--errors", "--precision", "--min-frames", "--max-frames", "--batch", "--json", "--images"})
+  for (const char* option : {"--errors", "--precision", "--min-frames", "--max-frames", "--batch", "--json",
+                             "--resume", "--images"})
     if (command.count(option) > 0)
       throw std::invalid_argument(std::string(option) +
                                   ": expected no --profile with it, which measures nothing");
+}
+
+/// The results to add to: none yet, or those that an earlier run left in the file of `--json`.
+Results first_results(const BenchOptions& options) {
+  ResultHead head = head_of("swiftgs-bench");
+  if (!options.resume) return {.head = std::move(head), .scenes = {}, .views = {}, .rows = {}};
+  if (options.json.empty() || options.json == "-")
+    throw std::invalid_argument("--resume: expected --json FILE too, with the rows to go on from");
+  if (Team::here().is_shared())
+    throw std::invalid_argument("--resume: expected one process, found " +
+                                std::to_string(Team::here().size()));
+  head.command = command_line("--resume");  // that of the run which is resumed
+  return resumed_results(options.json, head);
+}
+
+/// What Ctrl-C has left, and how to go on.
+std::string rest_of(const BenchOptions& options, const Results& results, std::size_t all) {
+  const std::string rows =
+      "after " + std::to_string(results.rows.size()) + " of " + std::to_string(all) + " rows";
+  if (options.json.empty() || options.json == "-") return "bench: cancelled " + rows;
+  return options.json + ": cancelled " + rows + "; the same command with --resume measures the others";
+}
+
+void measure_matrix(const BenchOptions& options, const std::vector<RendererEntry>& entries,
+                    const Matrix& matrix, Results& results, Progress& progress) {
+  ResultFile json(options.json);
+  if (!options.images.empty()) std::filesystem::create_directories(options.images);
+  const auto end = [&] {
+    progress.clear();
+    print_tables(results.rows);
+    std::fflush(stdout);
+    json.finish();
+  };
+  Runner runner(entries,
+                {options.plan, judged_views(options.errors), options.images, options.json,
+                 std::size_t(options.batch), options.planes},
+                results, json, progress);
+  try {
+    const Interruptible interruptible;
+    matrix.for_each_session(results, progress, [&](const Session& session) { runner.run(session); });
+  } catch (const Interrupted&) {
+    end();
+    throw Interrupted(rest_of(options, results, matrix.images() * entries.size()));
+  }
+  runner.join();
+  end();
 }
 
 void bench(const BenchOptions& options) {
@@ -230,13 +292,10 @@ void bench(const BenchOptions& options) {
     throw std::invalid_argument("--images " + options.images + ": expected --json too, which names them");
   const std::vector<RendererEntry> entries = renderers_matching(options.renderers);
   const Matrix matrix(options);
-  Results results;
-  results.head = head_of("swiftgs-bench");
   std::vector<NamedFile> scenes;
   for (const Input& input : matrix.inputs()) scenes.push_back({"SCENE", input.capture.scene.string()});
   require_distinct({{"--json", options.json}}, scenes);
-  ResultFile json(options.json);
-  if (!options.images.empty()) std::filesystem::create_directories(options.images);
+  Results results = first_results(options);
 
   Progress progress(matrix.images() * entries.size());
   if (options.profile && Team::here().is_shared())
@@ -245,15 +304,9 @@ void bench(const BenchOptions& options) {
   if (options.profile)
     return matrix.for_each_session(results, progress,
                                    [&](const Session& session) { profile(entries, session, progress); });
-  Runner runner(entries,
-                {options.plan, judged_views(options.errors), options.images, options.json,
-                 std::size_t(options.batch), options.planes},
-                results, json, progress);
-  matrix.for_each_session(results, progress, [&](const Session& session) { runner.run(session); });
-  runner.join();
-  progress.clear();
-  print_tables(results.rows);
-  json.finish();
+  progress.advance_to(results.rows.size());
+  progress.begin_part(matrix.images() * entries.size());
+  measure_matrix(options, entries, matrix, results, progress);
 }
 
 }  // namespace
@@ -289,6 +342,8 @@ void add_bench(CLI::App& app) {
   command->add_option("--seed", options->plan.seed, "Seed of the renderers' order and of thinned scenes")
       ->capture_default_str();
   add_json(*command, options->json);
+  command->add_flag("--resume", options->resume,
+                    "Keep the rows in the file of --json, and measure the others");
   command->add_option("--images", options->images, "Folder for images of each scene's first view");
   command->add_flag("--profile", options->profile, "Only draw the views, for a profiler to record");
   command->callback([options, command] {

@@ -87,11 +87,12 @@ Machine describe_machine() {
   return m;
 }
 
-std::string command_line() {
+std::string command_line(std::string_view left_out) {
   std::ifstream in("/proc/self/cmdline", std::ios::binary);
   std::string line = "swiftgs", word;
   std::getline(in, word, '\0');
-  while (std::getline(in, word, '\0')) line.append(" ").append(shell_word(word));
+  while (std::getline(in, word, '\0'))
+    if (left_out.empty() || word != left_out) line.append(" ").append(shell_word(word));
   return line;
 }
 

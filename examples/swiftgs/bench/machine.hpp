@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 
 namespace swiftgs::cli {
 
@@ -27,8 +28,9 @@ struct Machine {
 /// This machine now. What it does not tell is "unknown".
 Machine describe_machine();
 
-/// The words that this program was called with, after its own name. As a shell takes them.
-std::string command_line();
+/// The words that this program was called with, after its own name. As a shell takes them, and without
+/// `left_out`.
+std::string command_line(std::string_view left_out = {});
 
 /// Gives memory that is free within this process back to the system, so that taking it again is seen.
 void release_free_memory();

@@ -12,6 +12,7 @@
 #include <swiftgs/sort/adaptive.hpp>
 
 #include "draw/renderer_words.hpp"
+#include "interruptible.hpp"
 #include "read/views.hpp"
 
 namespace swiftgs::cli {
@@ -85,7 +86,7 @@ void adapt(AnyRenderer& renderer, Span<const Camera> cameras, const RenderSettin
 
 std::vector<Samples> measure(const std::vector<AnyRenderer*>& renderers, Span<const Camera> cameras,
                              const RenderSettings& settings, const Plan& plan,
-                             const std::function<void(const AnyRenderer&)>& finished) {
+                             const std::function<void(std::size_t, const Samples&)>& finished) {
   std::vector<Samples> samples(renderers.size());
   std::vector<std::size_t> order(renderers.size());
   std::iota(order.begin(), order.end(), 0);
@@ -94,9 +95,11 @@ std::vector<Samples> measure(const std::vector<AnyRenderer*>& renderers, Span<co
     std::shuffle(order.begin(), order.end(), random);
     for (const std::size_t i : order) {
       renderers[i]->render_resident(cameras, settings);
-      for (int frame = 0; frame < frames_a_turn && samples[i].frames() < plan.max_frames; ++frame)
+      for (int frame = 0; frame < frames_a_turn && samples[i].frames() < plan.max_frames; ++frame) {
+        Interruptible::stop_if_interrupted();
         add_frame(*renderers[i], cameras, settings, samples[i]);
-      if (finished && precise(samples[i], plan)) finished(*renderers[i]);
+      }
+      if (finished && precise(samples[i], plan)) finished(i, samples[i]);
     }
     std::erase_if(order, [&](std::size_t i) { return precise(samples[i], plan); });
   }

@@ -40,10 +40,10 @@ void adapt(AnyRenderer& renderer, Span<const Camera> cameras, const RenderSettin
 /// Times frames for `cameras`, a view each, by their duration over the number of views. They stay with the
 /// backends. In each round every renderer has its turn, in a new order each time, so a machine that drifts is
 /// no one's advantage; a turn begins with a frame that is not timed, since the caches are the previous
-/// renderer's. A renderer whose median is precise enough has no further turns. `finished` is called with each
-/// that is.
+/// renderer's. A renderer whose median is precise enough has no further turns. `finished` is called with the
+/// number of each that is, and its samples. Throws `Interrupted` after Ctrl-C.
 std::vector<Samples> measure(const std::vector<AnyRenderer*>& renderers, Span<const Camera> cameras,
                              const RenderSettings& settings, const Plan& plan,
-                             const std::function<void(const AnyRenderer&)>& finished = {});
+                             const std::function<void(std::size_t, const Samples&)>& finished = {});
 
 }  // namespace swiftgs::cli

@@ -20,8 +20,9 @@ Json json_of(const Duration& d) {
 }
 
 Json json_of(const SceneResult& s) {
-  return {{"scene", s.scene},     {"gaussians", s.gaussians}, {"original", s.original},
-          {"enlarge", s.enlarge}, {"sh_degree", s.sh_degree}, {"antialiased", s.antialiased}};
+  return {{"scene", s.scene},      {"gaussians", s.gaussians}, {"original", s.original},
+          {"enlarge", s.enlarge},  {"sh_degree", s.sh_degree}, {"antialiased", s.antialiased},
+          {"geometry", s.geometry}};
 }
 
 Json json_of(const Place& p) {

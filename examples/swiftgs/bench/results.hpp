@@ -34,6 +34,9 @@ struct SceneResult {
   double enlarge = 1;
   int sh_degree = 0;
   bool antialiased = false;
+  std::string geometry;  ///< `geometry_checksum`
+
+  bool operator==(const SceneResult&) const = default;
 };
 
 /// Which image.

@@ -9,6 +9,7 @@
 #include "bench/machine.hpp"
 #include "draw/plane_pictures.hpp"
 #include "draw/renderer_words.hpp"
+#include "interruptible.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -37,23 +38,60 @@ bool fits_memory(const AnyRenderer& like, std::uint64_t bytes) {
 
 }  // namespace
 
+bool Runner::was_measured(const Session& session, std::size_t view, std::string_view renderer) {
+  const Place place = place_of(session, view);
+  for (std::size_t i = 0; i < resumed_.size(); ++i) {
+    const RowResult& row = results_.rows[i];
+    if (!resumed_[i] || row.renderer != renderer || row.threads != session.threads || row.place != place)
+      continue;
+    resumed_[i] = false;
+    return true;
+  }
+  return false;
+}
+
+std::vector<Runner::Task> Runner::tasks_of(const Session& session) {
+  std::vector<Task> tasks;
+  for (const RendererEntry& entry : entries_) {
+    Task task{&entry, {}};
+    for (std::size_t view = 0; view < session.views.size(); ++view)
+      task.lacks.push_back(!was_measured(session, view, entry.name));
+    if (std::find(task.lacks.begin(), task.lacks.end(), true) != task.lacks.end())
+      tasks.push_back(std::move(task));
+  }
+  return tasks;
+}
+
+void Runner::begin(const std::string& what) {
+  Interruptible::stop_if_interrupted();
+  progress_.start(what);
+}
+
 void Runner::run(const Session& session) {
+  const std::vector<Task> tasks = tasks_of(session);
   // As many renderers alternate as fit the memory.
-  for (std::size_t first = 0; first < entries_.size();) {
-    std::vector<Subject> subjects = prepare(session, first);
+  for (std::size_t first = 0; first < tasks.size();) {
+    std::vector<Subject> subjects = prepare(session, tasks, first);
     // Processes that share the views count on as one.
     subjects.resize(Team::here().least(subjects.size()));
     for (std::size_t view = 0; view < session.views.size(); ++view) {
       if (!Team::here().takes(view)) continue;
+      std::vector<Subject*> wanted;
+      for (Subject& subject : subjects)
+        if (subject.lacks[view]) wanted.push_back(&subject);
+      if (wanted.empty()) continue;
       Judge judge(session.gaussians, session.views[view].camera, session.settings,
                   session.photos.empty() ? std::nullopt : session.photos[view]);
       add_view(session, view, judge);
-      measure_view(session, view, subjects, judge);
-      if (file_.is_wanted() && !Team::here().is_shared()) file_.write(to_json(results_));
+      measure_view(session, view, wanted, judge);
     }
     first += subjects.size();
     views_so_far_ += session.views.size();
   }
+}
+
+void Runner::write() {
+  if (file_.is_wanted()) file_.write(to_json(results_));
 }
 
 void Runner::join() {
@@ -63,7 +101,7 @@ void Runner::join() {
   team.join(rows_), team.join(views_);
   results_.rows = rows_of(std::move(rows_)), results_.views.clear();
   for (ViewResult& view : rows_of(std::move(views_))) add(std::move(view));
-  if (file_.is_wanted()) file_.write(to_json(results_));
+  write();
 }
 
 std::vector<Camera> Runner::batch_of(const Session& session, std::size_t view) const {
@@ -73,12 +111,13 @@ std::vector<Camera> Runner::batch_of(const Session& session, std::size_t view) c
   return cameras;
 }
 
-std::vector<Runner::Subject> Runner::prepare(const Session& session, std::size_t first) {
+std::vector<Runner::Subject> Runner::prepare(const Session& session, const std::vector<Task>& tasks,
+                                             std::size_t first) {
   std::vector<Subject> subjects;
   std::uint64_t largest = 0;
-  for (std::size_t i = first; i < entries_.size(); ++i) {
-    progress_.start("warm up " + std::string(entries_[i].name));
-    Subject subject{entries_[i].make()};
+  for (std::size_t i = first; i < tasks.size(); ++i) {
+    begin("warm up " + std::string(tasks[i].entry->name));
+    Subject subject{tasks[i].entry->make(), tasks[i].lacks};
     AnyRenderer& renderer = *subject.renderer;
     if (!subjects.empty() && !fits_memory(renderer, largest)) break;
     if (std::none_of(subjects.begin(), subjects.end(),
@@ -102,7 +141,7 @@ std::vector<Runner::Subject> Runner::prepare(const Session& session, std::size_t
 void Runner::add_view(const Session& session, std::size_t view, Judge& judge) {
   ViewResult result{place_of(session, view), std::nullopt, {}};
   if (view < options_.judged) {
-    progress_.start("reference " + result.place.view);
+    begin("reference " + result.place.view);
     judge.render_reference();
     result.photo = judge.reference_photo();
     if (view == 0 && !options_.images.empty())
@@ -119,25 +158,31 @@ void Runner::add(ViewResult result) {
     results_.views.push_back(std::move(result));
 }
 
-void Runner::measure_view(const Session& session, std::size_t view, std::vector<Subject>& subjects,
+void Runner::measure_view(const Session& session, std::size_t view, const std::vector<Subject*>& subjects,
                           Judge& judge) {
   std::vector<AnyRenderer*> renderers;
-  for (const Subject& subject : subjects) renderers.push_back(subject.renderer.get());
+  for (const Subject* subject : subjects) renderers.push_back(subject->renderer.get());
   const std::vector<Camera> batch = batch_of(session, view);
   const Span<const Camera> cameras{batch.data(), batch.size()};
-  progress_.start(session.scene.scene + " " + session.views[view].name);
+  begin(session.scene.scene + " " + session.views[view].name);
   for (AnyRenderer* renderer : renderers) adapt(*renderer, cameras, session.settings);
-  const std::vector<Samples> samples = measure(
-      renderers, cameras, session.settings, options_.plan,
-      [&](const AnyRenderer& renderer) { progress_.step(), progress_.start(std::string(renderer.name())); });
-  for (std::size_t i = 0; i < subjects.size(); ++i) {
-    results_.rows.push_back(row_of(session, view, subjects[i], samples[i], judge));
-    if (Team::here().is_shared()) rows_.emplace_back(views_so_far_ + view, results_.rows.back());
-  }
+  std::vector<std::size_t> finished;  // those with a row, in the order of `subjects`, as are the rows
+  measure(renderers, cameras, session.settings, options_.plan, [&](std::size_t i, const Samples& samples) {
+    RowResult row = row_of(session, view, *subjects[i], samples, judge);
+    const auto place = std::lower_bound(finished.begin(), finished.end(), i);
+    results_.rows.insert(results_.rows.end() - (finished.end() - place), std::move(row));
+    finished.insert(place, i);
+    if (!Team::here().is_shared()) write();
+    progress_.step();
+    begin(session.scene.scene + " " + session.views[view].name + " " + std::string(renderers[i]->name()));
+  });
+  if (!Team::here().is_shared()) return;
+  for (auto row = results_.rows.end() - std::ptrdiff_t(subjects.size()); row != results_.rows.end(); ++row)
+    rows_.emplace_back(views_so_far_ + view, *row);
 }
 
-RowResult Runner::row_of(const Session& session, std::size_t view, Subject& subject, const Samples& samples,
-                         Judge& judge) {
+RowResult Runner::row_of(const Session& session, std::size_t view, const Subject& subject,
+                         const Samples& samples, Judge& judge) {
   AnyRenderer& renderer = *subject.renderer;
   RowResult row;
   row.place = place_of(session, view);
