@@ -15,14 +15,14 @@ import sys
 sys.dont_write_bytecode = True
 
 from tables import (ablation, accuracy, balance, blocks, bounds, formats, gaps, growth, gsplat,  # noqa: E402
-                    harmonics, instructions, kernels, lenses, placed, planes, pruning, python, redundancy, rivals, stability,
-                    stages, summary, ulps)
+                    harmonics, instructions, kernels, lenses, pareto, placed, planes, pruning, python, redundancy,
+                    rivals, stability, stages, summary, ulps)
 from tables.results import InputError  # noqa: E402
 from tables.source import RESULTS, Source  # noqa: E402
 
 
 MODULES = (ablation, accuracy, balance, bounds, formats, gaps, growth, gsplat, harmonics, instructions, kernels, lenses,
-           placed, planes, pruning, python, redundancy, rivals, stability, stages, summary, ulps)
+           pareto, placed, planes, pruning, python, redundancy, rivals, stability, stages, summary, ulps)
 TABLES = {name: function for module in MODULES for name, function in module.TABLES.items()}
 
 

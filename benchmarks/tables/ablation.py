@@ -3,9 +3,9 @@
 from statistics import mean
 
 from tables import paper
-from tables.frames import BASELINE, OUR_STEPS, STEPS, Frames, label
-from tables.markdown import decibel, ms, table, times
-from tables.source import backend, machine_name
+from tables.frames import BASELINE, OUR_STEPS, STEPS, Frames, average, known, label
+from tables.markdown import decibel, prose, spread_words, table, timed, times
+from tables.source import machine_name
 
 
 def paper_scenes(_source):
@@ -31,31 +31,25 @@ def paper_steps(_source):
 
 
 def steps(source, machine):
-    """Our Table 2 on a machine: means over views, how many times the baseline's speed, and the accuracy of each."""
-    results = source.results(machine, "matrix.json")
-    frames = Frames(results)
+    """Our Tables 1 and 2 on a machine: means over views, how many times the baseline's speed, and the accuracy of
+    each."""
+    frames = Frames(source.results(machine, "matrix.json"))
     photographs = {name: average([frames.mean_of(scene, name, "photo_psnr_db") for scene in frames.scenes])
                    for _, name in STEPS + OUR_STEPS}
     seen, rows = bool(known(photographs.values())), []
+    spread, of_all = frames.spread(), frames.spread_of_all()
     for step, name in STEPS + OUR_STEPS:
-        cells = [f"{ms(frames.mean(scene, name))} ({times(frames.speed_up(scene, name, BASELINE))})"
+        one, all_ = (None, None) if name == BASELINE else (spread, of_all)
+        cells = [timed(frames.mean(scene, name), frames.speed_up(scene, name, BASELINE), one)
                  for scene in frames.scenes]
-        rows.append([step, f"`{name}`", *cells, times(frames.speed_up_of_all(name, BASELINE)),
+        rows.append([step, f"`{name}`", *cells, times(frames.speed_up_of_all(name, BASELINE), all_),
                      *([decibel(photographs[name])] if seen else []),
                      decibel(min(known(frames.worst_psnr(scene, name) for scene in frames.scenes), default=None))])
     header = ["step", "sort/raster/bounds", *map(label, frames.scenes), "geometric mean",
               *(["photographs, mean, dB"] if seen else []), "float64, worst, dB"]
-    return f"{machine_name(results)}, `{backend(machine)}`, milliseconds a frame:\n\n" + table(header, rows, words=2)
-
-
-def known(values):
-    return [value for value in values if value is not None]
-
-
-def average(values):
-    """Of those that are known; None where none is."""
-    found = known(values)
-    return mean(found) if found else None
+    return frames.with_missing(
+        prose(f"{machine_name(frames.results)}, `{frames.backend}`, milliseconds a frame:{spread_words(spread)}") + "\n\n"
+        + table(header, rows, words=2))
 
 
 def printed(_source):

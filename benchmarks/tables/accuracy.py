@@ -3,7 +3,7 @@
 from statistics import mean
 
 from tables import paper
-from tables.frames import BOX, ELLIPSE, RASTERS, VANILLA, Frames, label
+from tables.frames import BOX, ELLIPSE, RASTERS, VANILLA, Frames, known, label
 from tables.markdown import decibel, prose, table
 from tables.results import InputError
 from tables.source import machine_name
@@ -30,18 +30,17 @@ def accuracy(source, machine):
     results = source.results(machine, "matrix.json")
     frames = Frames(results)
     names = [(raster, f"standard/{raster}/{BOX}") for raster in RASTERS]
-    with_photos = [scene for scene in frames.scenes if frames.mean_of(scene, names[0][1], "photo_psnr_db") is not None]
-    seen = [scene for scene in frames.scenes if scene in with_photos or scene.name != "builtin"]
-    if not with_photos:
-        raise InputError(f"{results.path}: no PSNR against photographs; expected captures with photos")
+    photographed = {scene for (scene, _), rows in frames.of.items() if known(row.photo_psnr_db for row in rows)}
+    seen = [scene for scene in frames.scenes if photographed and (scene in photographed or scene.name != "builtin")]
     rows = []
     for raster, name in names:
         photos = [change(frames.mean_of(scene, name, "photo_psnr_db"),
                          frames.mean_of(scene, names[0][1], "photo_psnr_db")) for scene in seen]
         rows.append([f"`{raster}`", *photos, *(decibel(frames.worst_psnr(scene, name)) for scene in frames.scenes)])
-    return f"{machine_name(results)}, dB:\n\n" + table(
+    without = "" if photographed else " No frame was compared with a photograph."
+    return frames.with_missing(f"{machine_name(results)}, dB:{without}\n\n" + table(
         ["rasterizer", *(f"{scene.name}, photographs" for scene in seen),
-         *(f"{label(scene)}, float64" for scene in frames.scenes)], rows)
+         *(f"{label(scene)}, float64" for scene in frames.scenes)], rows))
 
 
 def sorts_change_nothing(source, machine):
@@ -69,6 +68,8 @@ def presets(source, machine):
     gsplat = Frames(source.results(machine, "matrix.json"))
     inria = Frames(source.results(machine, "vanilla.json"), "inria")
     scenes = [scene for scene in gsplat.scenes if scene in inria.scenes]
+    if not scenes:
+        raise InputError(f"{inria.results.path}: no scene of {gsplat.results.path}; expected some")
     conservative = VANILLA.rsplit("/", 1)[0] + f"/{ELLIPSE}"
     rows = [["`gsplat`, `ellipse`", "all that alpha keeps"]
             + [decibel(gsplat.worst_psnr(scene, conservative)) for scene in scenes],

@@ -11,7 +11,7 @@ def balance(source, machine):
     results = source.results(machine, "matrix.json")
     frames, rows = Frames(results), []
     for scene in frames.scenes:
-        for row in [row for row in frames.of[scene, BEST] if row.counted_ms][:1]:
+        for row in [row for row in frames.rows(scene, BEST) if row.counted_ms][:1]:
             raster, balanced = row.counted_ms["raster"], row.counted_ms["balanced"]
             rows.append([label(scene), *(significant(1e3 * time) for time in (row.ms["raster"].median, raster, balanced)),
                          significant(raster / balanced if balanced else None), count(row.longest_item),

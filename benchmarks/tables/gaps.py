@@ -46,7 +46,7 @@ def first_rows(source, machine):
         raise InputError(f"{source.path(machine, ceilings.NAME)}: measured on {most.device}; expected "
                          f"{machine_name(results)}, as matrix.json")
     frames = Frames(results)
-    return results, most, [(scene, frames.rows(scene, BEST)[0]) for scene in frames.scenes]
+    return results, most, [(scene, frames.first_row(scene, BEST)) for scene in frames.scenes]
 
 
 def gaps(source, machine):

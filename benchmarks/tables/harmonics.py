@@ -2,7 +2,7 @@
 """Frames of scenes whose spherical harmonics are kept in several forms."""
 from tables.frames import Frames, label
 from tables.growth import BEST
-from tables.markdown import ms, table
+from tables.markdown import ms, quotient, table
 from tables.results import InputError
 from tables.source import machine_name
 
@@ -18,9 +18,9 @@ def harmonics(source, machine):
             raise InputError(f"{floats.results.path}: expected the scenes of {frames.results.path}")
     rows = []
     for scene in floats.scenes:
-        row = [label(scene), others[0].rows(scene, BEST)[0].harmonics]
+        row = [label(scene), others[0].first_row(scene, BEST).harmonics]
         row += [ms(floats.mean(scene, BEST, stage)) for stage in ("sort", "total")]
-        row += [f"{frames.mean(scene, BEST, stage) / floats.mean(scene, BEST, stage):.2f}"
+        row += [quotient(frames.mean(scene, BEST, stage), floats.mean(scene, BEST, stage))
                 for frames in others for stage in ("sort", "total")]
         rows.append(row)
     return (f"{machine_name(files[0])}, `{BEST}`, first views: milliseconds with floats, and times over these:\n\n"

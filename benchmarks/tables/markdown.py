@@ -29,9 +29,27 @@ def ms(value):
     return significant(value)
 
 
-def times(value):
-    """A factor, as 1.25x."""
-    return "-" if value is None else f"{value:.2f}x"
+def times(value, spread=None):
+    """A factor, as 1.25x, with ~ before it where it is within the spread of the same work measured again."""
+    if value is None:
+        return "-"
+    return ("~" if spread is not None and 1 / spread <= value <= spread else "") + f"{value:.2f}x"
+
+
+def timed(milliseconds, factor, spread=None):
+    """Milliseconds and a factor; '-' where they were not measured."""
+    return "-" if milliseconds is None else f"{ms(milliseconds)} ({times(factor, spread)})"
+
+
+def spread_words(spread):
+    """What ~ means, in a sentence; nothing where no spread is known."""
+    return "" if spread is None else \
+        f" ~: no difference was measured, as the same work measured again differs by up to {100 * (spread - 1):.1f} %."
+
+
+def quotient(value, base):
+    """A number over another, as 1.06."""
+    return "-" if None in (value, base) else f"{value / base:.2f}"
 
 
 def percent(value, digits=1):
@@ -41,7 +59,7 @@ def percent(value, digits=1):
 
 def signed(ratio):
     """A ratio as a change."""
-    return f"{100 * (ratio - 1):+.1f} %"
+    return "-" if ratio is None else f"{100 * (ratio - 1):+.1f} %"
 
 
 def count(value):

@@ -17,8 +17,8 @@ class Source:
 
     def path(self, machine, name):
         """Of a file in a machine's folder; InputError where it is not there."""
-        if machine not in MACHINES:
-            raise InputError(f"no machine '{machine}'; expected one of {', '.join(MACHINES)}")
+        if machine not in MACHINES and not os.path.isdir(os.path.join(self.root, machine)):
+            raise InputError(f"no machine '{machine}'; expected one of {', '.join(MACHINES)}, or a folder in {self.root}")
         path = os.path.join(self.root, machine, name)
         if not os.path.isfile(path):
             raise InputError(f"{path}: no such file; expected what benchmarks/measure_matrix.sh leaves")
@@ -57,8 +57,8 @@ def family(name):
 
 
 def backend(machine):
-    """The backend that a machine's results are of."""
-    return "cuda" if machine == "gpu" else "cpu"
+    """The backend that a machine's results are of; a folder of one's own may have its name."""
+    return "cuda" if machine == "gpu" else machine if machine in ("cuda", "serial") else "cpu"
 
 
 def processor(machine):

@@ -3,8 +3,8 @@
 from statistics import mean
 
 from tables import paper
-from tables.frames import BASELINE, BOX, CHOLESKY, OURS, SHARED, THRESHOLD, Frames, label
-from tables.markdown import ms, percent, signed, table, times
+from tables.frames import BASELINE, BOX, CHOLESKY, OURS, SHARED, THRESHOLD, Frames, average, label
+from tables.markdown import ms, percent, prose, signed, spread_words, table, timed, times
 from tables.source import machine_name
 
 SORTS = ("standard", "early", "adaptive")
@@ -23,7 +23,7 @@ def shares(source, *machines):
             cells = []
             for name in (BASELINE, OURS):
                 parts = [frames.mean(scene, name, part) for part in PARTS]
-                cells += [percent(part / sum(parts)) for part in parts]
+                cells += ["-" if None in parts else percent(part / sum(parts)) for part in parts]
             rows.append([machine_name(results), label(scene), *cells])
     return table(["machine", "scene", "baseline: project", "sort", "raster", "ours: project", "sort", "raster"], rows,
                  words=2)
@@ -40,14 +40,16 @@ def raster_stage(source, machine):
     frames = Frames(results)
     rows = [["baseline", "`per-pixel`", *(ms(frames.mean(scene, BASELINE, "raster")) for scene in frames.scenes),
              "1.00x"]]
+    spread, of_all = frames.spread("raster"), frames.spread_of_all("raster")
     for step, raster in RASTER_STEPS:
         name = f"standard/{raster}/{BOX}"
-        rows.append([step, f"`{raster}`", *(f"{ms(frames.mean(scene, name, 'raster'))} "
-                                            f"({times(frames.speed_up(scene, name, BASELINE, 'raster'))})"
+        rows.append([step, f"`{raster}`", *(timed(frames.mean(scene, name, "raster"),
+                                                  frames.speed_up(scene, name, BASELINE, "raster"), spread)
                                             for scene in frames.scenes),
-                     times(frames.speed_up_of_all(name, BASELINE, "raster"))])
-    return f"{machine_name(results)}, milliseconds:\n\n" + table(
-        ["step", "rasterizer", *map(label, frames.scenes), "geometric mean"], rows, words=2)
+                     times(frames.speed_up_of_all(name, BASELINE, "raster"), of_all)])
+    return frames.with_missing(
+        prose(f"{machine_name(results)}, milliseconds:{spread_words(spread)}") + "\n\n"
+        + table(["step", "rasterizer", *map(label, frames.scenes), "geometric mean"], rows, words=2))
 
 
 def by_view(frames, scene, sort, bounds):
@@ -65,15 +67,17 @@ def sort_stage(source, machine):
             standard, early, adaptive = (by_view(frames, scene, sort, bounds) for sort in SORTS)
             views = [view for view in standard if view in early]
             changes = [early[view] / standard[view] for view in views]
-            means = [mean(times_.values()) for times_ in (standard, early, adaptive)]
+            means = [average(list(times_.values())) for times_ in (standard, early, adaptive)]
+            gained = means[1] / means[0] if changes else None
+            regret = None if None in means else means[2] / min(means[:2])
             intersections = mean(frames.needed(row, "intersections") / frames.needed(row, "visible")
                              for row in frames.rows(scene, f"standard/per-pixel/{bounds}"))
-            rows.append([label(scene), bounds, f"{intersections:.2f}", *map(ms, means), signed(means[1] / means[0]),
-                         f"{signed(min(changes))} to {signed(max(changes))}",
-                         f"{sum(change < 1 for change in changes)} of {len(views)}", signed(means[2] / min(means[:2]))])
-    return f"{machine_name(results)}, milliseconds, means over views:\n\n" + table(
+            rows.append([label(scene), bounds, f"{intersections:.2f}", *map(ms, means), signed(gained),
+                         f"{signed(min(changes))} to {signed(max(changes))}" if changes else "-",
+                         f"{sum(change < 1 for change in changes)} of {len(views)}", signed(regret)])
+    return frames.with_missing(f"{machine_name(results)}, milliseconds, means over views:\n\n" + table(
         ["scene", "bounds", "intersections a visible Gaussian", "standard", "early", "adaptive", "early against standard",
-         "over views", "views with early quicker", "adaptive against the better"], rows, words=2)
+         "over views", "views with early quicker", "adaptive against the better"], rows, words=2))
 
 
 def paper_stages(_source):

@@ -23,13 +23,17 @@ def captures(frames):
 
 def milliseconds(frames, scene, name):
     """A frame's, the median over the views."""
-    time = median(row.ms["total"].median for row in frames.rows(scene, name))
+    rows = frames.rows(scene, name)
+    if not rows:
+        return "-"
+    time = median(row.ms["total"].median for row in rows)
     return f"{time:.{2 if time < 10 else 1}f}"
 
 
 def views_of(frames, scenes):
     """How many views the times are medians of, in words."""
-    numbers = sorted({len(frames.rows(scene, VANILLA)) for scene in scenes})
+    numbers = sorted({len({row.view for (of, _), rows in frames.of.items() if of == scene for row in rows})
+                      for scene in scenes})
     if numbers == [1]:
         return "one view"
     return f"{numbers[0]} views" if len(numbers) == 1 else f"{numbers[0]} to {numbers[-1]} views"

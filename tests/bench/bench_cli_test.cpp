@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
+#include <fstream>
 #include <initializer_list>
 #include <set>
 #include <string>
@@ -12,6 +13,7 @@
 
 #include <swiftgs/io/image.hpp>
 
+#include "cli/background_run.hpp"
 #include "cli/command.hpp"
 #include "cli/json_in.hpp"
 
@@ -174,7 +176,7 @@ TEST_CASE("bench: with --profile every view is drawn by every renderer and nothi
 
 TEST_CASE("bench: options that say how to measure are refused beside --profile") {
   for (const std::string option : {"--errors all", "--precision 0.1", "--min-frames 2", "--max-frames 9",
-                                   "--json r.json", "--images im"})
+                                   "--json r.json", "--resume", "--images im"})
     fails("builtin:500 --profile " + option, {option.substr(0, option.find(' ')), "--profile"});
 }
 
@@ -231,4 +233,99 @@ TEST_CASE("bench: results that are there stay until there are new ones") {
   const std::string before = content_of(place / "r.json");
   swiftgs::test::fails(place, "bench " + command + " --json r.json --enlarge 0", {"--enlarge"});
   CHECK(content_of(place / "r.json") == before);
+}
+
+namespace {
+
+const std::string resumable =
+    "builtin:300 --renderers 'serial/*/per-pixel/ellipse' --views 0,2 --gaussians 200,300";
+
+void write_json(const TemporaryFolder& place, const Json& results) {
+  std::ofstream(place / "r.json") << results.dump();
+}
+
+/// What `--resume` makes of the file at `place`.
+Json resumed(const TemporaryFolder& place, const std::string& arguments) {
+  return measured(place, arguments + " --resume");
+}
+
+}  // namespace
+
+TEST_CASE("bench: --resume keeps the rows of a stopped run and measures the others") {
+  const TemporaryFolder place;
+  const Json whole = measured(place, resumable);
+  CHECK(whole == resumed(place, resumable));  // nothing is left to measure
+  // As a run leaves it that was stopped in the second view of the first scene.
+  Json stopped = whole;
+  stopped["rows"].erase(stopped["rows"].begin() + 4, stopped["rows"].end());
+  stopped["views"].erase(stopped["views"].begin() + 2, stopped["views"].end());
+  stopped["scenes"].erase(1);
+  stopped["rows"][1]["ms"]["total"]["median"] = 1e6;
+  write_json(place, stopped);
+  const Json results = resumed(place, resumable);
+  CHECK(results.at("command") == whole.at("command"));
+  CHECK(results.at("scenes") == whole.at("scenes"));
+  CHECK(results.at("views") == whole.at("views"));
+  REQUIRE(results.at("rows").size() == 3 * 2 * 2);
+  for (std::size_t i = 0; i < 12; ++i) {
+    if (i < 4) CHECK(results.at("rows")[i] == stopped.at("rows")[i]);
+    for (const char* member : {"gaussians", "view", "renderer", "psnr_db", "intersections"})
+      CHECK(results.at("rows")[i].at(member) == whole.at("rows")[i].at(member));
+  }
+  check_holds(content_of(place / "stdout.txt"), {"| 50000"});  // half of it, as the mean has two views
+}
+
+TEST_CASE("bench: --resume begins where no file is and needs a file to be named") {
+  const TemporaryFolder place;
+  CHECK(resumed(place, "builtin:300 --views 0" + one).at("rows").size() == 1);
+  fails("builtin:300 --resume", {"--resume: expected --json FILE"});
+  fails("builtin:300 --resume --json -", {"--resume: expected --json FILE"});
+}
+
+TEST_CASE("bench: --resume refuses a file of something else and leaves it as it is") {
+  const TemporaryFolder place;
+  const std::string command = "builtin:300 --views 0" + one;
+  const Json whole = measured(place, command);
+  const std::string resume =
+      "bench " + command + " --scales 0.1 --min-frames 2 --json r.json --max-frames 4 --resume";
+  const auto refuses = [&](const std::string& pointer, const Json& value,
+                           std::initializer_list<std::string> parts) {
+    Json changed = whole;
+    changed[Json::json_pointer(pointer)] = value;
+    write_json(place, changed);
+    const std::string before = content_of(place / "r.json");
+    swiftgs::test::fails(place, resume, parts);
+    CHECK(content_of(place / "r.json") == before);
+  };
+  refuses("/machine/cpu", "another", {"--resume r.json: machine.cpu is \"another\"; expected \""});
+  refuses("/machine/commit", "abc", {"machine.commit is \"abc\"; expected \""});
+  refuses("/machine/gpu", "a GPU", {"machine.gpu is \"a GPU\"; expected "});
+  refuses("/command", "swiftgs bench garden",
+          {"command is \"swiftgs bench garden\"; expected \"swiftgs bench "});
+  refuses("/scenes/0/geometry", "other", {"scene builtin has changed; expected the Gaussians"});
+  refuses("/format", "swiftgs-stress", {"format is \"swiftgs-stress\"; expected \"swiftgs-bench\""});
+  refuses("/rows/0/frames", "few", {"--resume r.json: expected what bench has written"});
+  refuses("/rows", Json{{"a", 1}}, {"--resume r.json: expected what bench has written"});
+  for (const std::string text : {"", "[]", "{\"format\": \"swiftgs-bench\"", "\xff"}) {
+    std::ofstream(place / "r.json") << text;
+    swiftgs::test::fails(place, resume, {"--resume r.json: "});
+  }
+}
+
+TEST_CASE("bench: Ctrl-C leaves the rows so far, tells how to go on, and ends the tool as a signal does") {
+  const TemporaryFolder place;
+  const std::vector<std::string> command{"bench",    "builtin:300", "--renderers",  "serial/*/*/ellipse",
+                                         "--views",  "all",         "--scales",     "0.1",
+                                         "--errors", "none",        "--min-frames", "2",
+                                         "--json",   "r.json",      "--max-frames", "400"};
+  BackgroundRun tool(place, command);
+  REQUIRE(tool.shows("] 2/"));
+  tool.press_ctrl_c();
+  CHECK(tool.wait() == -1);
+  CHECK(contains(tool.shown(), "swiftgs: r.json: cancelled after "));
+  CHECK(contains(tool.shown(), " rows; the same command with --resume measures the others"));
+  const std::size_t rows = json_in(place / "r.json").at("rows").size();
+  CHECK(rows >= 2);
+  CHECK(contains(content_of(place / "stdout.txt"), "| `serial/"));
+  CHECK(files_in(place.path()) == std::set<std::string>{"r.json", "stdout.txt"});
 }

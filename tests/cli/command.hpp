@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cstdlib>
 #include <initializer_list>
+#include <regex>
+#include <sstream>
 #include <string>
 
 #include <doctest/doctest.h>
@@ -26,9 +28,17 @@ inline void check_holds(const std::string& text, std::initializer_list<std::stri
 
 /// What a command said and how it ended.
 struct Outcome {
-  int code = -1;  ///< -1 if it was killed
-  std::string out, err;
+  int code = -1;         ///< -1 if it was killed
+  std::string out, err;  ///< `err` without lines of progress, which slow machines see
 };
+
+inline std::string without_progress(const std::string& text) {
+  std::istringstream in(text);
+  std::string rest;
+  for (std::string line; std::getline(in, line);)
+    if (!std::regex_search(line, std::regex(R"(^\[\d+/\d+)"))) rest += line + "\n";
+  return rest;
+}
 
 /// Runs the tool in `place` after `first`, a command that may set limits; `arguments` are a shell's.
 inline Outcome run_after(const TemporaryFolder& place, const std::string& first,
@@ -37,7 +47,7 @@ inline Outcome run_after(const TemporaryFolder& place, const std::string& first,
   const int status = std::system(("cd '" + place.path().string() + "' && " + first +
                                   " && '" SWIFTGS_CLI "' " + arguments + " >'" + out + "' 2>'" + err + "'")
                                      .c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(out), content_of(err)};
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(out), without_progress(content_of(err))};
 }
 
 /// Runs the tool in `place`; `arguments` are a shell's.
