@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Measures, with `swiftgs`, what the pages of docs/ and the README print as tables.
-#   benchmarks/measure_matrix.sh OUTDIR [PART...]
+#   benchmarks/measure_matrix.sh [--resume] OUTDIR [PART...]
 # Parts, each with files of its own in OUTDIR; without any, all of them in this order:
 #   matrix     matrix.json: every rasterizer with both sorts and three bounds, and what tables show of `adaptive` and
 #              `obb`, over views of each scene, with errors and photographs
@@ -27,11 +27,15 @@
 # frames end when the median is known to PRECISION, MIN_FRAMES, six or more, and MAX_FRAMES of them; a CPU takes every
 # 24th view where a GPU takes every eighth (VIEWS), both of them of those that training has not seen; the float64
 # reference, which takes longer than all frames together, is rendered for the first three views of a scene.
-# Nothing else should run meanwhile. A part that fails says so, and the others run.
+# Nothing else should run meanwhile. A part that fails says so, and the others run. OUTDIR/whole has the files as
+# `swiftgs bench` writes them, row by row; with --resume their rows are not measured again, where machine, build, scenes
+# and command are the same. What prune, convert and stress do begins anew.
 set -euo pipefail
 all_parts=(matrix vanilla gaussians pixels threads occupancy prune lenses harmonics stress)
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-[ $# -ge 1 ] || { echo "usage: benchmarks/measure_matrix.sh OUTDIR [${all_parts[*]}]" >&2; exit 2; }
+resume=
+[ "${1:-}" != --resume ] || { resume=--resume && shift; }
+[ $# -ge 1 ] || { echo "usage: benchmarks/measure_matrix.sh [--resume] OUTDIR [${all_parts[*]}]" >&2; exit 2; }
 out=$1
 shift
 [ $# -gt 0 ] || set -- "${all_parts[@]}"
@@ -42,7 +46,7 @@ done
 swiftgs=${SWIFTGS_BUILD:-$here/../build/release}/examples/swiftgs
 [ -x "$swiftgs" ] || { echo "measure: expected a program at $swiftgs; build the target swiftgs_cli" >&2; exit 1; }
 swiftgs=$(realpath "$swiftgs")
-mkdir -p "$out"
+mkdir -p "$out/whole"
 out=$(cd "$out" && pwd)
 scenes=$(realpath "${SWIFTGS_SCENES:-$here/../../shared/scenes}")
 
@@ -93,8 +97,10 @@ leave_folders_out() { sed -i "s|$out/||g;s|$scenes/||g" "$1"; }
 bench() {
   local file=$1
   shift
+  echo "measure: $file" >&2
   "$swiftgs" bench "$@" --min-frames "$least" --max-frames "$most" --precision "$precision" --seed 1 \
-    --json "$out/$file"
+    --json "$out/whole/$file" $resume
+  cp "$out/whole/$file" "$out/$file"
   leave_folders_out "$out/$file"
   sed -Ei -e 's/,"[a-z_]+":null//g; s/"planes":"",//g; s/"batch":1,//g' \
     -e 's/"pixels_joined":[0-9]+,//g; s/,"p10":[^,}]+,"p90":[^,}]+//g' "$out/$file"
@@ -234,7 +240,7 @@ part_stress() {
   return $status
 }
 
-failed=0
+failed=0 done=0
 for part in "$@"; do
   started=$SECONDS
   set +e  # bash would ignore it in a command whose status is tested
@@ -242,7 +248,8 @@ for part in "$@"; do
   status=$?
   set -e
   if [ $status -eq 0 ]; then
-    echo "measure: $part done in $((SECONDS - started)) s"
+    done=$((done + 1))
+    echo "measure: $part done in $((SECONDS - started)) s, $done of $# parts"
   else
     failed=1
     echo "measure: $part FAILED after $((SECONDS - started)) s" >&2

@@ -32,8 +32,7 @@ part_of_capture() {
     python3 -c 'import json, sys; print(json.load(sys.stdin).get(sys.argv[1]) or "")' "$1"
 }
 
-# A tenth of the scene, for Table 4: a capture whose cameras and photographs are links; of the built-in scene, which has
-# no cameras of its own, a file.
+# A tenth of the scene, for Table 4: a capture whose cameras and photographs are links; of the built-in scene a file.
 prune() {
   local folder=$out/pruned cameras photos
   case $scene in builtin | builtin:*) pruned=$folder.ply ;; *) pruned=$folder ;; esac
@@ -62,7 +61,16 @@ bench() {
 }
 
 options=("$@")
-prune
+# A file has no cameras, and is drawn from one view that is found for it.
+of_pruned=()
+case $scene in
+  builtin | builtin:*)
+    while [ $# -gt 0 ]; do
+      case $1 in --views) shift ;; --views=*) ;; *) of_pruned+=("$1") ;; esac
+      shift
+    done ;;
+  *) of_pruned=("$@") ;;
+esac
 for backend in "${backends[@]}"; do
   mkdir -p "$out/$backend"
   steps=$backend/standard/*/opacity-box,$backend/early/*/opacity-box,$backend/early/*/ellipse
@@ -71,9 +79,12 @@ for backend in "${backends[@]}"; do
   steps+=,$backend/standard/per-pixel/$square
   vanilla=$backend/standard/per-pixel/$square,$backend/adaptive/$half/$square,$backend/adaptive/$float/$square
   vanilla+=,$backend/adaptive/$float/ellipse
-  bench "$backend" matrix "$scene" --renderers "$steps" --errors 3 "${options[@]}"
-  bench "$backend" vanilla "$scene" --renderers "$vanilla" --conventions inria --errors 1 "${options[@]}"
-  bench "$backend" pruned "$pruned" --renderers "$vanilla" --conventions inria --errors 1 "${options[@]}"
+  bench "$backend" matrix "$scene" --renderers "$steps" --errors 3 ${options[@]+"${options[@]}"}
+  bench "$backend" vanilla "$scene" --renderers "$vanilla" --conventions inria --errors 1 \
+    ${options[@]+"${options[@]}"}
+  prune
+  bench "$backend" pruned "$pruned" --renderers "$vanilla" --conventions inria --errors 1 \
+    ${of_pruned[@]+"${of_pruned[@]}"}
 done
 
 # table HEADING NAME...: a block of each backend.

@@ -4,7 +4,7 @@ from statistics import mean
 
 from tables import paper
 from tables.frames import BASELINE, OUR_STEPS, STEPS, Frames, average, known, label
-from tables.markdown import decibel, prose, spread_words, table, timed, times
+from tables.markdown import decibel, heading, table, timed, times
 from tables.source import machine_name
 
 
@@ -48,7 +48,7 @@ def steps(source, machine):
     header = ["step", "sort/raster/bounds", *map(label, frames.scenes), "geometric mean",
               *(["photographs, mean, dB"] if seen else []), "float64, worst, dB"]
     return frames.with_missing(
-        prose(f"{machine_name(frames.results)}, `{frames.backend}`, milliseconds a frame:{spread_words(spread)}") + "\n\n"
+        heading(f"{machine_name(frames.results)}, `{frames.backend}`, milliseconds a frame", spread) + "\n\n"
         + table(header, rows, words=2))
 
 

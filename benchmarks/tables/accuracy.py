@@ -37,8 +37,8 @@ def accuracy(source, machine):
         photos = [change(frames.mean_of(scene, name, "photo_psnr_db"),
                          frames.mean_of(scene, names[0][1], "photo_psnr_db")) for scene in seen]
         rows.append([f"`{raster}`", *photos, *(decibel(frames.worst_psnr(scene, name)) for scene in frames.scenes)])
-    without = "" if photographed else " No frame was compared with a photograph."
-    return frames.with_missing(f"{machine_name(results)}, dB:{without}\n\n" + table(
+    without = ":" if photographed else ". No frame was compared with a photograph."
+    return frames.with_missing(f"{machine_name(results)}, dB{without}\n\n" + table(
         ["rasterizer", *(f"{scene.name}, photographs" for scene in seen),
          *(f"{label(scene)}, float64" for scene in frames.scenes)], rows))
 

@@ -41,10 +41,10 @@ def timed(milliseconds, factor, spread=None):
     return "-" if milliseconds is None else f"{ms(milliseconds)} ({times(factor, spread)})"
 
 
-def spread_words(spread):
-    """What ~ means, in a sentence; nothing where no spread is known."""
-    return "" if spread is None else \
-        f" ~: no difference was measured, as the same work measured again differs by up to {100 * (spread - 1):.1f} %."
+def heading(text, spread):
+    """What stands before a table, and where a spread is known what ~ means."""
+    return prose(f"{text}:" if spread is None else f"{text}. Where a factor has a ~, no difference was measured: the same "
+                 f"work measured again differs by up to {100 * (spread - 1):.1f} %.")
 
 
 def quotient(value, base):

@@ -4,7 +4,7 @@ from statistics import mean
 
 from tables import paper
 from tables.frames import BASELINE, BOX, CHOLESKY, OURS, SHARED, THRESHOLD, Frames, average, label
-from tables.markdown import ms, percent, prose, signed, spread_words, table, timed, times
+from tables.markdown import heading, ms, percent, signed, table, timed, times
 from tables.source import machine_name
 
 SORTS = ("standard", "early", "adaptive")
@@ -48,8 +48,8 @@ def raster_stage(source, machine):
                                             for scene in frames.scenes),
                      times(frames.speed_up_of_all(name, BASELINE, "raster"), of_all)])
     return frames.with_missing(
-        prose(f"{machine_name(results)}, milliseconds:{spread_words(spread)}") + "\n\n"
-        + table(["step", "rasterizer", *map(label, frames.scenes), "geometric mean"], rows, words=2))
+        heading(f"{machine_name(results)}, milliseconds", spread) + "\n\n" + table(
+            ["step", "rasterizer", *map(label, frames.scenes), "geometric mean"], rows, words=2))
 
 
 def by_view(frames, scene, sort, bounds):

@@ -39,6 +39,11 @@ def views_of(frames, scenes):
     return f"{numbers[0]} views" if len(numbers) == 1 else f"{numbers[0]} to {numbers[-1]} views"
 
 
+def spread_of(frames):
+    spread = frames.spread()
+    return "" if spread is None else f", the same work measured again within {100 * (spread - 1):.1f} %"
+
+
 def headline(source, *machines):
     """Ten renderers on the captures of every machine, and the least PSNR over these."""
     if not machines:
@@ -56,7 +61,8 @@ def headline(source, *machines):
             psnr = [frames.worst_psnr(scene, name) for scene in scenes]
             row += [*(milliseconds(frames, scene, name) for scene in scenes),
                     decibel(min((value for value in psnr if value is not None), default=None))]
-        places.append(f"`{backend(machine)}` is {machine_name(frames.results)}, {views_of(frames, scenes)} a capture")
+        places.append(f"`{backend(machine)}` is {machine_name(frames.results)}, {views_of(frames, scenes)} a capture"
+                      + spread_of(frames))
     sizes = ", ".join(f"{scene.name} ({gaussians(scene.gaussians)} Gaussians, {found[0].sizes[scene]})"
                       for scene in scenes)
     return (prose(f"Milliseconds a frame, the median over views of {sizes}. dB is PSNR against float64 in the worst view "

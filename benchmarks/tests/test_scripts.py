@@ -54,14 +54,15 @@ class Scripts(unittest.TestCase):
         return subprocess.run([str(BENCHMARKS / script), *map(str, arguments)], capture_output=True, text=True,
                               check=False, env={"PATH": os.environ["PATH"], "TMPDIR": str(temporary), **variables})
 
-    def measure(self, *parts, **variables):
-        """(exit code, standard error, [arguments of swiftgs])"""
+    def measure(self, *parts, options=(), **variables):
+        """(exit code, standard error but for names of files, [arguments of swiftgs])"""
         calls = self.place / "calls"
         calls.write_text("", encoding="utf-8")
-        ran = self.run_script("measure_matrix.sh", self.place / "out", *parts, CALLS=str(calls),
+        ran = self.run_script("measure_matrix.sh", *options, self.place / "out", *parts, CALLS=str(calls),
                               SWIFTGS_BUILD=str(self.place / "build"), SWIFTGS_SCENES=str(self.place / "scenes"),
                               **variables)
-        return ran.returncode, ran.stderr, [line.split() for line in calls.read_text(encoding="utf-8").splitlines()]
+        error = re.sub(r"measure: \S+\.json\n", "", ran.stderr)
+        return ran.returncode, error, [line.split() for line in calls.read_text(encoding="utf-8").splitlines()]
 
     def expect_the_capture_as_it_was(self):
         self.assertEqual(sorted(path.name for path in self.fox.iterdir()),
@@ -81,6 +82,15 @@ class Scripts(unittest.TestCase):
         code, _, calls = self.measure("matrix", MIN_FRAMES="08")
         self.assertEqual(code, 0)
         self.assertEqual(calls[0][calls[0].index("--min-frames") + 1], "08")
+
+    def test_with_resume_rows_that_are_there_are_kept_and_files_of_pages_are_made_of_whole_ones(self):
+        for options in ((), ("--resume",)):
+            code, error, calls = self.measure("vanilla", options=options)
+            self.assertEqual((code, error), (0, ""))
+            whole = self.place / "out" / "whole" / "vanilla.json"
+            self.assertEqual(calls[0][calls[0].index("--json") + 1:], [str(whole), *options])
+            self.assertEqual((self.place / "out" / "vanilla.json").read_text(encoding="utf-8"),
+                             whole.read_text(encoding="utf-8"))
 
     def test_pruned_scenes_have_links_and_the_capture_stays_as_it_is(self):
         for _ in range(2):

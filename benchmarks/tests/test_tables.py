@@ -268,7 +268,7 @@ class Tables(unittest.TestCase):
         self.assertEqual(cells(text, best)[1:], ["**ours**"] + 2 * ["2.30", "2.30", "102.0"])
         half = "`early/axis-shared-threshold-half-split/opacity-box`"
         self.assertEqual(cells(text, half)[1:], ["the paper's"] + 2 * ["2.80", "2.80", "60.0"])
-        self.assertIn("`cpu` is a processor, 16 cores, 2 views a capture.", text.replace("\n", " "))
+        self.assertIn("`cpu` is a processor, 16 cores, 2 views a capture, the same work measured again within 0.0 %.", text.replace("\n", " "))
         files = {name: self.stored(name) for name in ("gpu/matrix.json", "many-cores/matrix.json")}
         changed = files["many-cores/matrix.json"]
         for row in changed["rows"]:
@@ -600,7 +600,7 @@ class Tables(unittest.TestCase):
                 for stage in row["ms"]:
                     row["ms"][stage] = synthetic_folder.exact(1.1 * row["ms"][stage]["median"])
         text = self.table("steps mine", {"mine/matrix.json": synthetic.file_of(rows)})
-        self.assertIn("~: no difference was measured, as the same work measured again differs by up to 10.0 %.",
+        self.assertIn("Where a factor has a ~, no difference was measured: the same work measured again differs by up to 10.0 %.",
                       text.replace("\n", " "))
         self.assertEqual(cells(text, "ES")[2:4], ["3.30 (~1.06x)", "~1.06x"])
         self.assertEqual(cells(text, "AR")[2:4], ["3.10 (1.13x)", "1.13x"])
