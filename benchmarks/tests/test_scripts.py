@@ -5,8 +5,14 @@ import os
 import pathlib
 import re
 import subprocess
+import sys
 import tempfile
 import unittest
+
+sys.path[:0] = [str(pathlib.Path(__file__).resolve().parent)]
+
+import synthetic  # noqa: E402
+import synthetic_folder  # noqa: E402
 
 BENCHMARKS = pathlib.Path(__file__).resolve().parent.parent
 ROOT = BENCHMARKS.parent
@@ -19,6 +25,16 @@ if [ "$1" = info ]; then
 fi
 echo "$*" >>"$CALLS"
 while [ $# -gt 0 ]; do [ "$1" != --json ] || echo '"command": "swiftgs"' >"$2"; shift; done
+"""
+# Has measured: its results are files in FILES.
+MEASURED = """#!/bin/sh
+[ "$1" != list ] || { echo "cpu/early/per-pixel/ellipse runs here"; exit 0; }
+echo "$*" >>"$CALLS"
+while [ $# -gt 0 ]; do
+  [ "$1" != --json ] || cp "$FILES/${2##*/}" "$2"
+  [ "$1" != --out ] || : >"$2"
+  shift
+done
 """
 NCU = """#!/bin/sh
 echo "$*" >>"$CALLS"
@@ -82,6 +98,29 @@ class Scripts(unittest.TestCase):
         code, _, calls = self.measure("matrix", MIN_FRAMES="08")
         self.assertEqual(code, 0)
         self.assertEqual(calls[0][calls[0].index("--min-frames") + 1], "08")
+
+    def test_one_command_has_the_front_and_the_papers_tables_of_a_scene_at_any_scale(self):
+        program(self.place / "build" / "examples" / "swiftgs", MEASURED)
+        rows = synthetic_folder.matrix("cpu", ("builtin",), scale=0.25, photo_psnr_db=None)
+        synthetic.write(self.place / "matrix.json", synthetic.file_of(rows))
+        vanilla = synthetic.file_of([{**row, "conventions": "inria"} for row in rows if row["bounds"] != "ellipse"])
+        for name in ("vanilla.json", "pruned.json"):
+            synthetic.write(self.place / name, vanilla)
+        calls, out = self.place / "calls", self.place / "out"
+        ran = self.run_script("your_machine.sh", out, "builtin:500", "--scales", "0.25", "--views", "0,2", CALLS=str(calls),
+                              FILES=str(self.place), SWIFTGS_BUILD=str(self.place / "build"))
+        self.assertEqual(ran.returncode, 0, ran.stderr)
+        page = (out / "README.md").read_text(encoding="utf-8")
+        for table in ("pareto cpu", "steps cpu", "accuracy cpu", "vanilla cpu", "pruned cpu", "paper-scenes", "paper-steps",
+                      "paper-accuracy", "paper-pruned"):
+            self.assertRegex(page, rf"<!-- table: {table} -->\n\n[^<]+\| --- \|[^<]+<!-- end -->")
+        self.assertIn("\nNot measured on every scene: `adaptive/axis-shared-threshold-float-cholesky/ellipse`.\n", page)
+        matrix, old, prune, pruned, report = [line.split() for line in calls.read_text(encoding="utf-8").splitlines()]
+        self.assertEqual([prune[:3], report[0]], [["prune", "builtin:500", "--keep"], "report"])
+        for call in (matrix, old, pruned):
+            self.assertEqual([call[0], call[-1]], ["bench", "--resume"])
+            self.assertEqual("--views" in call, call is not pruned)  # one view is found for a file
+            self.assertEqual(call[call.index("--scales") + 1], "0.25")
 
     def test_with_resume_rows_that_are_there_are_kept_and_files_of_pages_are_made_of_whole_ones(self):
         for options in ((), ("--resume",)):
