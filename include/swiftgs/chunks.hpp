@@ -64,16 +64,19 @@ inline ChunkBounds bounds_of_chunk(const SceneView& scene, std::size_t chunk) {
 }  // namespace detail
 
 /// Bounds of all chunks of `scene`, which is in the host's memory and has finite numbers alone. @shape{ceil(N
-/// / chunk_size)}. Empty if chunks are not worth their test: if boxes of neighbours are on average more than
-/// half as large as boxes of random Gaussians. Takes O(N).
+/// / chunk_size)}. Empty if chunks are not worth their test: if half the boxes of neighbours are more than
+/// half as large as the median box of random Gaussians, whatever boxes have a stray. Takes O(N).
 inline std::vector<ChunkBounds> chunk_bounds(const SceneView& scene) {
   const std::size_t count = (scene.size() + chunk_size - 1) / chunk_size;
-  double of_neighbours = 0, of_any = 0;
-  for (std::size_t c = 0; c < count; ++c) {
-    of_neighbours += detail::sides_of_box(scene, c * chunk_size, 1);
-    of_any += detail::sides_of_box(scene, c, count);
-  }
-  if (!(of_neighbours < 0.5 * of_any)) return {};
+  if (count == 0) return {};
+  std::vector<double> sides(count);
+  const auto median = [&](std::size_t stride, std::size_t step) {
+    for (std::size_t c = 0; c < count; ++c) sides[c] = detail::sides_of_box(scene, c * stride, step);
+    const auto half = sides.begin() + std::ptrdiff_t(count / 2);
+    std::nth_element(sides.begin(), half, sides.end());
+    return *half;
+  };
+  if (!(median(chunk_size, 1) < 0.5 * median(1, count))) return {};
   std::vector<ChunkBounds> chunks(count);
   for (std::size_t c = 0; c < count; ++c) chunks[c] = detail::bounds_of_chunk(scene, c);
   return chunks;

@@ -88,6 +88,20 @@ TEST_CASE("edit: a few Gaussians far away leave the others in order") {
   CHECK(median_diagonal(order_spatially(scene)) < 1.05 * usual);
 }
 
+TEST_CASE("edit: strays come last, ordered among themselves, and leave the others in order") {
+  Scene scene = make_builtin_scene(600);
+  const Scene plain = scene;
+  const Indices strays = {5, 77, 78, 400};
+  scene.means[5] = vec3(1e9f, 0, 0), scene.means[77] = vec3(1e9f, 2, 0);
+  scene.means[78] = vec3(-1e9f, 1, 0), scene.means[400] = vec3(1e9f, 1, 0);
+  const Indices order = spatial_order(scene);
+  CHECK(sorted(order) == all(scene.size()));
+  CHECK(sorted({order.end() - 4, order.end()}) == strays);
+  CHECK(order[596] == 78);
+  scene = subset(scene, order);
+  CHECK(median_diagonal(scene) < 1.5 * median_diagonal(order_spatially(plain)));
+}
+
 TEST_CASE("edit: equal means keep their order, and means that are not finite come last") {
   Scene scene = random_scene(6, 0, 2);
   std::fill(scene.means.begin(), scene.means.end(), vec3(1, 2, 3));

@@ -60,6 +60,26 @@ TEST_CASE("origin: one far Gaussian among many moves no origin away from them") 
   CHECK(glm::length(choice.origin() - earth) < 2);
 }
 
+TEST_CASE("origin: a thousandth of strays gives none and takes none away") {
+  for (const std::size_t count : {6, 1000, 100'000}) {
+    CAPTURE(count);
+    const auto chosen_with = [&](const dvec3& middle, const dvec3& strays, float scale) {
+      OriginChoice choice;
+      OriginChoice::for_each_sample(count, [&](std::size_t i) {
+        const double at = double(i) / double(count) - 0.5;
+        const bool stray = i % 1000 == 3;
+        choice.add(stray ? strays : middle + 10.0 * dvec3(at, at * at, -at) + 0.1, stray ? scale : 0.01f);
+      });
+      return choice.origin();
+    };
+    for (const float scale : {0.01f, 1e9f}) {
+      CHECK(glm::length(chosen_with(earth, dvec3(0), scale) - earth) < 4);
+      CHECK(glm::length(chosen_with(earth, earth + dvec3(4e6, 0, -1e7), scale) - earth) < 4);
+      CHECK(chosen_with(dvec3(0), earth + 0.1, scale) == dvec3(0));
+    }
+  }
+}
+
 TEST_CASE("origin: numbers that float cannot hold have no say in it") {
   OriginChoice choice;
   const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -193,6 +193,13 @@ TEST_CASE("chunks: they hold all means, sizes and opacities") {
   }
 }
 
+TEST_CASE("chunks: a thousandth of strays takes none away") {
+  Scene scene = order_spatially(make_builtin_scene(20'000));
+  for (std::size_t i = 0; i < scene.size(); i += 1000) scene.means[i].x = i % 2000 ? 1e30f : -1e6f;
+  CHECK_FALSE(chunk_bounds(view(scene)).empty());
+  CHECK_FALSE(chunk_bounds(view(order_spatially(scene))).empty());
+}
+
 TEST_CASE("chunks: a scene has none where neighbours in its arrays are not neighbours in space") {
   Scene scene = make_builtin_scene(20'000);
   std::vector<std::uint32_t> shuffled = spatial_order(scene);

@@ -4,10 +4,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <iterator>
+#include <span>
 #include <utility>
 #include <vector>
 
+#include <swiftgs/bulk.hpp>
 #include <swiftgs/edit/select.hpp>
 #include <swiftgs/scene.hpp>
 
@@ -23,47 +24,58 @@ inline std::uint64_t spread_bits(std::uint64_t v) {
   v = (v | v << 4) & 0x10c30c30c30c30c3;
   return (v | v << 2) & 0x1249249249249249;
 }
-}  // namespace detail
 
-/// Indices of all Gaussians in Morton order of their means; @shape{N}. Neighbours in it are mostly neighbours
-/// in space. Cells are cubes, 2^21 along the longest side of a box with 99.8 % of the means in each
-/// direction; the few beyond it count as at its border. Equal cells keep their order. Means that are not
-/// finite come last. Takes O(n log n). Throws `std::invalid_argument` as `validate` does, and `CapacityError`
-/// beyond 2^32 - 1 Gaussians.
-inline std::vector<std::uint32_t> spatial_order(const Scene& scene) {
-  std::vector<std::uint32_t> order =
-      select(scene, [&](std::size_t i) { return detail::is_finite(scene.means[i]); });
-  if (order.empty()) return select(scene, [](std::size_t) { return true; });
-  const std::size_t count = order.size(), beyond = count / 1000;
-
+/// Puts `order`, some Gaussians of finite means, in Morton order; strays come last, in an order of their own.
+inline void sort_spatially(const Scene& scene, std::span<std::uint32_t> order) {
+  if (order.empty()) return;
+  const auto mean = [&](std::size_t k) { return scene.means[order[k]]; };
+  const Bulk bulk(order.size(), mean);
+  const std::size_t beyond = order.size() / 1000;
   dvec3 low(0.0);
   double longest = 0;
-  std::vector<float> values(count);
+  std::vector<float> values(order.size());
   for (int axis = 0; axis < 3; ++axis) {
-    std::transform(order.begin(), order.end(), values.begin(), [&](auto i) { return scene.means[i][axis]; });
+    for (std::size_t k = 0; k < values.size(); ++k) values[k] = mean(k)[axis];
     const auto nth = [&](std::size_t n) {
       std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(n), values.end());
       return double(values[n]);
     };
-    low[axis] = nth(beyond);
-    longest = std::max(longest, nth(count - 1 - beyond) - low[axis]);
+    low[axis] = std::max(bulk.low()[axis], nth(beyond));
+    longest = std::max(longest, std::min(bulk.high()[axis], nth(values.size() - 1 - beyond)) - low[axis]);
   }
   const double most = (1 << 21) - 1, cells = longest > 0 ? most / longest : 0;
 
+  constexpr std::uint64_t stray = std::uint64_t(1) << 63;  // above the bits of cells
   std::vector<std::pair<std::uint64_t, std::uint32_t>> keys;
-  keys.reserve(scene.size());
+  keys.reserve(order.size());
   for (const std::uint32_t i : order) {
-    std::uint64_t key = 0;
+    std::uint64_t key = bulk.has(scene.means[i]) ? 0 : stray;
     for (int axis = 0; axis < 3; ++axis) {
       const double cell = std::clamp((double(scene.means[i][axis]) - low[axis]) * cells, 0.0, most);
-      key |= detail::spread_bits(std::uint64_t(cell)) << (2 - axis);
+      key |= spread_bits(std::uint64_t(cell)) << (2 - axis);
     }
     keys.emplace_back(key, i);
   }
   std::sort(keys.begin(), keys.end());
   std::transform(keys.begin(), keys.end(), order.begin(), [](const auto& key) { return key.second; });
+  const auto strays =
+      std::partition_point(keys.begin(), keys.end(), [](const auto& key) { return key.first < stray; });
+  sort_spatially(scene, order.subspan(std::size_t(strays - keys.begin())));
+}
+}  // namespace detail
+
+/// Indices of all Gaussians in Morton order of their means; @shape{N}. Neighbours in it are mostly neighbours
+/// in space. Cells are cubes, 2^21 along the longest side of a box with 99.8 % of the means in each
+/// direction; the few beyond it count as at its border. Equal cells keep their order. Gaussians that stray
+/// far from all others come after them, ordered among themselves, and means that are not finite come last.
+/// Takes O(n log n). Throws `std::invalid_argument` as `validate` does, and `CapacityError` beyond 2^32 - 1
+/// Gaussians.
+inline std::vector<std::uint32_t> spatial_order(const Scene& scene) {
+  std::vector<std::uint32_t> order =
+      select(scene, [&](std::size_t i) { return detail::is_finite(scene.means[i]); });
+  detail::sort_spatially(scene, order);
   const auto last = select(scene, [&](std::size_t i) { return !detail::is_finite(scene.means[i]); });
-  std::copy(last.begin(), last.end(), std::back_inserter(order));
+  order.insert(order.end(), last.begin(), last.end());
   return order;
 }
 

@@ -9,6 +9,7 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
+#include <swiftgs/bulk.hpp>
 #include <swiftgs/finite.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/scene.hpp>
@@ -22,7 +23,9 @@ namespace swiftgs {
 /// positions to float moves one of them by more than a four-millionth of the scene's size, which takes a
 /// scene at least twice as far from zero as it is large. The origin is then the middle of the positions, in
 /// whole units; in a scene smaller than 1, in whole powers of two below its size. So the difference of a
-/// position and the origin is exact in double, and float holds it as finely as the scene's size allows.
+/// position and the origin is exact in double, and float holds it as finely as the scene's size allows. Along
+/// each axis the outermost positions have no say, one in fifty to each side, but one at least of five or
+/// more: strays neither make a scene large nor its positions coarse. Nor do the largest scales, one in fifty.
 class OriginChoice {
  public:
   /// Calls f(i) for indices below `count`, evenly chosen, of as many Gaussians as suffice.
@@ -35,36 +38,39 @@ class OriginChoice {
 
   /// Takes a Gaussian into account, unless a float cannot hold its numbers at all. `scale` is its largest.
   void add(const dvec3& position, float scale) {
-    const vec3 rounded(position);
-    if (!detail::is_finite(rounded) || !detail::is_finite(scale)) return;
+    if (!detail::is_finite(vec3(position)) || !detail::is_finite(scale)) return;
     positions_.push_back(position);
-    largest_scale_ = std::max(largest_scale_, double(scale));
-    rounding_ = std::max(rounding_, glm::length(position - dvec3(rounded)));
+    scales_.push_back(scale);
   }
 
   dvec3 origin() const {
     constexpr double seen = 0x1p-22;
-    dvec3 middle(0.0);
-    double size = largest_scale_;
-    if (rounding_ == 0) return middle;
-    std::vector<double> values(positions_.size());
+    if (positions_.empty()) return dvec3(0.0);
+    const std::size_t count = positions_.size();
+    const std::size_t outside = count < 5 ? 0 : std::max<std::size_t>(1, detail::outermost(count));
+    std::vector<double> values(scales_.begin(), scales_.end());
+    double size = std::max(0.0, detail::trimmed_range(values, outside).high);
+    dvec3 middle, rounding(0.0);
     for (int axis = 0; axis < 3; ++axis) {
       std::transform(positions_.begin(), positions_.end(), values.begin(),
                      [&](const dvec3& position) { return position[axis]; });
-      const auto [least, greatest] = std::minmax_element(values.begin(), values.end());
-      size = std::max(size, *greatest - *least);
-      const auto half = values.begin() + std::ptrdiff_t(values.size() / 2);
+      const detail::Range range = detail::trimmed_range(values, outside);
+      size = std::max(size, range.high - range.low);
+      for (const double value : values)
+        if (value >= range.low && value <= range.high)
+          rounding[axis] = std::max(rounding[axis], std::abs(value - double(float(value))));
+      const auto half = values.begin() + std::ptrdiff_t(count / 2);
       std::nth_element(values.begin(), half, values.end());
       middle[axis] = *half;
     }
-    if (!(rounding_ > seen * size)) return dvec3(0.0);
+    if (!(glm::length(rounding) > seen * size)) return dvec3(0.0);
     const double unit = size < 1 ? std::exp2(std::floor(std::log2(size))) : 1;
     return unit > 0 ? glm::round(middle / unit) * unit : middle;
   }
 
  private:
   std::vector<dvec3> positions_{};
-  double largest_scale_ = 0, rounding_ = 0;
+  std::vector<float> scales_{};
 };
 
 /// The same Gaussians with means relative to another origin: moved in double, rounded once. Linear in their
