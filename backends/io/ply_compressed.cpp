@@ -7,11 +7,17 @@
 
 #include <swiftgs/activation.hpp>
 
+#include "scene_building.hpp"
+
 namespace swiftgs::io {
 namespace {
 
 std::uint32_t nearest(double fraction, std::uint32_t most) {
   return std::uint32_t(std::clamp(fraction, 0.0, 1.0) * most + 0.5);
+}
+
+dvec3 within(const Range3& range, dvec3 fraction) {
+  return dvec3(range.low) * (1.0 - fraction) + dvec3(range.high) * fraction;
 }
 
 }  // namespace
@@ -48,6 +54,18 @@ Quaternion unpack_rotation(std::uint32_t packed) {
   }
   q[largest] = std::sqrt(std::max(0.0, 1 - squared));
   return normalised(float(q[0]), float(q[1]), float(q[2]), float(q[3]));
+}
+
+Vertex unpacked(const PackedVertex& packed, const ChunkRanges& ranges) {
+  const auto [position, rotation, scale, colour_and_opacity] = packed;
+  const dvec3 log_scale = within(ranges.log_scale, unpack_fractions(scale));
+  const auto byte = [&, word = colour_and_opacity](int shift) { return double(word >> shift & 255); };
+  const dvec3 colour = within(ranges.colour, dvec3(byte(24), byte(16), byte(8)) / 255.0);
+  return {.mean = vec3(within(ranges.mean, unpack_fractions(position))),
+          .scale = vec3(std::exp(log_scale.x), std::exp(log_scale.y), std::exp(log_scale.z)),
+          .sh0 = vec3((colour - 0.5) / sh_c0),
+          .rotation = unpack_rotation(rotation),
+          .opacity = float(byte(0)) / 255};
 }
 
 std::uint8_t pack_sh(float coefficient, bool lower) {

@@ -44,6 +44,17 @@ dvec3 unpack_fractions(std::uint32_t packed);
 std::uint32_t pack_rotation(Quaternion unit);
 Quaternion unpack_rotation(std::uint32_t packed);
 
+/// The four words of a Gaussian, in the order of `vertex_properties`.
+using PackedVertex = std::array<std::uint32_t, vertex_properties.size()>;
+
+/// What they stand for.
+struct Vertex {
+  vec3 mean, scale, sh0;
+  Quaternion rotation;
+  float opacity = 0;
+};
+Vertex unpacked(const PackedVertex& packed, const ChunkRanges& ranges);
+
 /// 256 values from -4 to 4: the first and the last are the ends, any other lies in the middle of its 256th.
 /// Zero is as near to two of them: `lower` chooses. Both in turns do not tint a scene.
 std::uint8_t pack_sh(float coefficient, bool lower);

@@ -91,24 +91,18 @@ ChunkRanges decode_chunk(const Rows& chunks, const std::byte* row) {
   return ranges;
 }
 
-dvec3 within(const Range3& range, dvec3 fraction) {
-  return dvec3(range.low) * (1.0 - fraction) + dvec3(range.high) * fraction;
-}
-
 void decode_vertex(const ChunkRanges& ranges, const Rows& vertices, const std::byte* row, bool flat,
                    Scene& scene, std::size_t i) {
-  const auto word = [&](std::size_t field) {
-    return load<std::uint32_t>(row + vertices.fields[field].offset);
-  };
-  const std::uint32_t packed = word(3);
-  const dvec3 log_scale = within(ranges.log_scale, unpack_fractions(word(2)));
-  const dvec3 colour =
-      within(ranges.colour, dvec3(packed >> 24, packed >> 16 & 255, packed >> 8 & 255) / 255.0);
-  scene.means[i] = vec3(within(ranges.mean, unpack_fractions(word(0))));
-  scene.rotations[i] = unpack_rotation(word(1));
-  scene.scales[i] = vec3(std::exp(log_scale.x), std::exp(log_scale.y), flat ? 0 : std::exp(log_scale.z));
-  scene.sh0[i] = vec3((colour - 0.5) / sh_c0);
-  scene.opacities[i] = float(packed & 255) / 255;
+  PackedVertex packed;
+  for (std::size_t field = 0; field < packed.size(); ++field)
+    packed[field] = load<std::uint32_t>(row + vertices.fields[field].offset);
+  const Vertex vertex = unpacked(packed, ranges);
+  scene.means[i] = vertex.mean;
+  scene.rotations[i] = vertex.rotation;
+  scene.scales[i] = vertex.scale;
+  if (flat) scene.scales[i].z = 0;
+  scene.sh0[i] = vertex.sh0;
+  scene.opacities[i] = vertex.opacity;
 }
 
 /// Gaussians from number `first` on, as many as `scene` has.

@@ -3,9 +3,8 @@
 #include <cmath>
 #include <string>
 
-#include <swiftgs/edit/order.hpp>
-
 #include "ply_compressed.hpp"
+#include "ply_compressed_order.hpp"
 #include "ply_model.hpp"
 #include "row_writing.hpp"
 #include "scene_building.hpp"
@@ -23,9 +22,6 @@ vec3 log_scale_of(const Scene& scene, std::size_t i) {
   return glm::clamp(vec3(log_of_scale(scale.x), log_of_scale(scale.y), log_of_scale(scale.z)),
                     -most_log_scale, most_log_scale);
 }
-
-/// From 0 to 1 where the viewers that defined the format show it.
-vec3 colour_of(const Scene& scene, std::size_t i) { return vec3(dvec3(scene.sh0[i]) * sh_c0 + 0.5); }
 
 std::vector<ChunkRanges> ranges_of(const Scene& scene, const std::vector<std::uint32_t>& order) {
   std::vector<ChunkRanges> chunks((order.size() + chunk_size - 1) / chunk_size);
@@ -79,14 +75,21 @@ dvec3 fraction(const Range3& range, vec3 value) {
   return result;
 }
 
-void encode_vertex(const Scene& scene, std::size_t i, const ChunkRanges& ranges, RowEncoder row) {
+PackedVertex packed(const Scene& scene, std::size_t i, const ChunkRanges& ranges) {
   const auto byte = [](double value) { return std::uint32_t(std::clamp(value, 0.0, 1.0) * 255 + 0.5); };
   const dvec3 colour = fraction(ranges.colour, colour_of(scene, i));
   const Quaternion& q = scene.rotations[i];
-  row.add(pack_fractions(fraction(ranges.mean, scene.means[i])));
-  row.add(pack_rotation(normalised(q.w, q.x, q.y, q.z)));
-  row.add(pack_fractions(fraction(ranges.log_scale, log_scale_of(scene, i))));
-  row.add(byte(colour.x) << 24 | byte(colour.y) << 16 | byte(colour.z) << 8 | byte(scene.opacities[i]));
+  return {pack_fractions(fraction(ranges.mean, scene.means[i])),
+          pack_rotation(normalised(q.w, q.x, q.y, q.z)),
+          pack_fractions(fraction(ranges.log_scale, log_scale_of(scene, i))),
+          byte(colour.x) << 24 | byte(colour.y) << 16 | byte(colour.z) << 8 | byte(scene.opacities[i])};
+}
+
+void measure(std::size_t i, const Vertex& found, LossMeter& losses) {
+  losses.add_position(i, found.mean);
+  losses.add_scales(i, found.scale);
+  losses.add_opacity(i, found.opacity);
+  losses.add_colour(i, found.sh0);
 }
 
 /// Notes the numbers that the format cannot hold.
@@ -107,12 +110,11 @@ void note_clamped_fields(const Scene& scene, std::vector<std::string>& notes) {
 }  // namespace
 
 WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene& scene,
-                                  const SceneWriteOptions& options) {
+                                  const SceneWriteOptions& options, LossMeter& losses) {
   const ProgressMeter progress(options.progress, path.string());
   progress.report(0);
   WrittenScene written = written_whole("compressed PLY", scene);
-  // The ranges of a chunk are divided more finely if its Gaussians lie near each other.
-  const std::vector<std::uint32_t> order = spatial_order(scene);
+  const std::vector<std::uint32_t> order = order_in_chunks(scene);
   note_clamped_fields(scene, written.notes);
   progress.report(0.3);
   const std::vector<ChunkRanges> chunks = ranges_of(scene, order);
@@ -122,9 +124,12 @@ WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene
   file.write(header.data(), header.size());
   write_rows(file, chunks.size(), chunk_properties.size() * sizeof(float), progress.step(0.3, 0.4),
              [&](std::size_t i, RowEncoder row) { encode_chunk(chunks[i], row); });
-  write_rows(
-      file, order.size(), vertex_properties.size() * sizeof(std::uint32_t), progress.step(0.4, 0.6),
-      [&](std::size_t i, RowEncoder row) { encode_vertex(scene, order[i], chunks[i / chunk_size], row); });
+  write_rows(file, order.size(), vertex_properties.size() * sizeof(std::uint32_t), progress.step(0.4, 0.6),
+             [&](std::size_t i, RowEncoder row) {
+               const PackedVertex vertex = packed(scene, order[i], chunks[i / chunk_size]);
+               for (const std::uint32_t word : vertex) row.add(word);
+               measure(order[i], unpacked(vertex, chunks[i / chunk_size]), losses);
+             });
   const std::size_t count = std::size_t(sh_rest_count(scene.sh_degree));
   if (count > 0)
     write_rows(file, order.size(), 3 * count, progress.step(0.6, 1), [&](std::size_t i, RowEncoder row) {
@@ -135,6 +140,7 @@ WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene
   progress.report(1);  // a file that has taken its place cannot be cancelled
   file.close();
   written.bytes = file.size();
+  if (const auto sentence = losses.sentence()) written.notes.push_back(*sentence);
   return written;
 }
 

@@ -56,7 +56,7 @@ void encode_row(const Scene& scene, std::size_t i, RowEncoder row) {
 }  // namespace
 
 WrittenScene write_ply(const std::filesystem::path& path, const Scene& scene,
-                       const SceneWriteOptions& options) {
+                       const SceneWriteOptions& options, LossMeter&) {
   const ProgressMeter progress(options.progress, path.string());
   OutputFile file(path);
   const std::string header = ply_header_of(scene);

@@ -19,7 +19,7 @@ namespace {
 
 struct Writer {
   std::string_view ending;
-  WrittenScene (*write)(const std::filesystem::path&, const Scene&, const SceneWriteOptions&);
+  WrittenScene (*write)(const std::filesystem::path&, const Scene&, const SceneWriteOptions&, LossMeter&);
   bool holds_doubles = false;
 };
 
@@ -68,7 +68,10 @@ WrittenScene write_scene(const std::filesystem::path& path, const Scene& scene,
   validate(scene);
   std::vector<std::string> notes;
   const std::optional<Scene> cleaned = io::encodable(scene, notes);
-  WrittenScene written = writer.write(path, cleaned ? *cleaned : scene, options);
+  const Scene& encoded = cleaned ? *cleaned : scene;
+  io::LossMeter losses(encoded, scene);
+  WrittenScene written = writer.write(path, encoded, options, losses);
+  written.losses = losses.losses();
   if (!writer.holds_doubles && scene.origin != dvec3(0.0))
     written.notes.push_back("The origin " + io::text_of(scene.origin) +
                             " is left out: positions in the file are relative to it.");

@@ -5,21 +5,23 @@
 
 #include <swiftgs/io/scene_file.hpp>
 
+#include "loss_meter.hpp"
+
 /// @file
 /// A writer for each format. All take a scene that is valid and `encodable`, and throw `Cancelled` and
-/// `std::system_error`.
+/// `std::system_error`. Those that round tell `losses` what the file holds.
 
 namespace swiftgs::io {
 
 WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene& scene,
-                                  const SceneWriteOptions& options);
+                                  const SceneWriteOptions& options, LossMeter& losses);
 WrittenScene write_ply(const std::filesystem::path& path, const Scene& scene,
-                       const SceneWriteOptions& options);
+                       const SceneWriteOptions& options, LossMeter& losses);
 WrittenScene write_sog(const std::filesystem::path& path, const Scene& scene,
-                       const SceneWriteOptions& options);
+                       const SceneWriteOptions& options, LossMeter& losses);
 WrittenScene write_splat(const std::filesystem::path& path, const Scene& scene,
-                         const SceneWriteOptions& options);
+                         const SceneWriteOptions& options, LossMeter& losses);
 WrittenScene write_spz(const std::filesystem::path& path, const Scene& scene,
-                       const SceneWriteOptions& options);
+                       const SceneWriteOptions& options, LossMeter& losses);
 
 }  // namespace swiftgs::io

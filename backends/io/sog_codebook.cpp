@@ -3,25 +3,18 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
+#include <vector>
+
+#include <swiftgs/bulk.hpp>
 
 namespace swiftgs::io {
 namespace {
 
-/// Sorted numbers with running sums, so the mean and the cost of a range take constant time.
+/// Ascending numbers with running sums, so the mean and the cost of a range take constant time.
 class SortedNumbers {
  public:
-  explicit SortedNumbers(std::vector<Occurrence> numbers) : numbers_(std::move(numbers)) {
-    std::sort(numbers_.begin(), numbers_.end(), [](auto a, auto b) { return a.value < b.value; });
-    std::size_t kept = 0;
-    for (const Occurrence& number : numbers_) {
-      if (kept > 0 && numbers_[kept - 1].value == number.value)
-        numbers_[kept - 1].times += number.times;
-      else
-        numbers_[kept++] = number;
-    }
-    numbers_.resize(kept);
-    add_up();
-  }
+  explicit SortedNumbers(std::span<const Occurrence> ascending) : numbers_(ascending) { add_up(); }
 
   std::size_t size() const { return numbers_.size(); }
   double operator[](std::size_t i) const { return numbers_[i].value; }
@@ -66,7 +59,7 @@ class SortedNumbers {
     for (std::size_t i = middle; i > 0; --i) sums_[i - 1] = plus(sums_[i], numbers_[i - 1], -1);
   }
 
-  std::vector<Occurrence> numbers_;
+  std::span<const Occurrence> numbers_;
   std::vector<Sums> sums_;  ///< up to each number
   double origin_ = 0;
 };
@@ -159,15 +152,65 @@ std::vector<double> refine(const SortedNumbers& numbers, std::vector<std::size_t
   return means;
 }
 
+/// At most `most` values for ascending `numbers`, ascending.
+std::vector<double> values_for(std::span<const Occurrence> numbers, std::size_t most) {
+  if (numbers.empty() || most == 0) return {};
+  const SortedNumbers sorted(numbers);
+  const std::vector<std::size_t> bins = bins_of(sorted);
+  return refine(sorted, Partition(sorted, bins).runs(std::min(most, bins.size() - 1)));
+}
+
+/// Limits of the numbers that do not stray.
+swiftgs::detail::Range limits_of(const std::vector<Occurrence>& numbers) {
+  constexpr double far = 8;
+  std::vector<float> values;
+  values.reserve(numbers.size());
+  for (const Occurrence& number : numbers) values.push_back(number.value);
+  const auto [low, high] = swiftgs::detail::trimmed_range(values, swiftgs::detail::outermost(values.size()));
+  return {low - far * (high - low), high + far * (high - low)};
+}
+
+/// Sorts, and joins equal numbers.
+void merge(std::vector<Occurrence>& numbers) {
+  std::sort(numbers.begin(), numbers.end(), [](auto a, auto b) { return a.value < b.value; });
+  std::size_t kept = 0;
+  for (const Occurrence& number : numbers) {
+    if (kept > 0 && numbers[kept - 1].value == number.value)
+      numbers[kept - 1].times += number.times;
+    else
+      numbers[kept++] = number;
+  }
+  numbers.resize(kept);
+}
+
 }  // namespace
 
 Codebook Codebook::of(std::vector<Occurrence> numbers, std::size_t most) {
   Codebook book;
   if (numbers.empty()) return book;
-  const SortedNumbers sorted(std::move(numbers));
-  const std::vector<std::size_t> bins = bins_of(sorted);
-  const std::size_t count = std::min(most, bins.size() - 1);
-  book.set(refine(sorted, Partition(sorted, bins).runs(count)));
+  const swiftgs::detail::Range limits = limits_of(numbers);
+  merge(numbers);
+  const std::span<const Occurrence> all(numbers);
+  const auto first = [&](auto beyond) {
+    return std::size_t(std::partition_point(all.begin(), all.end(), beyond) - all.begin());
+  };
+  const std::size_t low = first([&](const Occurrence& n) { return double(n.value) < limits.low; });
+  const std::size_t high = first([&](const Occurrence& n) { return double(n.value) <= limits.high; });
+  const std::size_t below = low, bulk = high - low, above = all.size() - high;
+
+  // By squares of errors, a few numbers far beyond would weigh more than all others.
+  const std::size_t strays = std::max(most / 8, most - std::min(most, bulk));
+  std::size_t for_below = below, for_above = above;
+  if (below + above > strays) {
+    for_below = strays * below / (below + above);
+    if (below > 0 && above > 0 && strays > 1) for_below = std::clamp<std::size_t>(for_below, 1, strays - 1);
+    for_above = strays - for_below;
+  }
+  std::vector<double> values = values_for(all.first(low), for_below);
+  for (const auto& part : {values_for(all.subspan(low, bulk), most - for_below - for_above),
+                           values_for(all.subspan(high), for_above)})
+    values.insert(values.end(), part.begin(), part.end());
+  book.set(values);
   return book;
 }
 

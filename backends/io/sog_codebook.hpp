@@ -18,7 +18,8 @@ struct Occurrence {
 class Codebook {
  public:
   /// At most `most` values, 1 to 256, with nearly the least sum of squared errors of `numbers`. They are
-  /// exact if `numbers` has no more different ones. The last is repeated to fill the table.
+  /// exact if `numbers` has no more different ones. Numbers far from most get an
+  /// eighth of the values at most, unless the others need fewer. The last is repeated to fill the table.
   static Codebook of(std::vector<Occurrence> numbers, std::size_t most = 256);
 
   /// The byte for the nearest number.

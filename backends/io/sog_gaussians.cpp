@@ -8,6 +8,7 @@
 #include "parallel.hpp"
 #include "scene_building.hpp"
 #include "sog_content.hpp"
+#include "sog_logarithm.hpp"
 
 namespace swiftgs::io {
 namespace {
@@ -21,12 +22,8 @@ class MeanDecoder {
   dvec3 operator()(const std::uint8_t* low, const std::uint8_t* high) const {
     dvec3 mean;
     for (int axis = 0; axis < 3; ++axis)
-      mean[axis] = position(least_[axis] + step_[axis] * (low[axis] | high[axis] << 8));
+      mean[axis] = signed_exponential(least_[axis] + step_[axis] * (low[axis] | high[axis] << 8));
     return mean;
-  }
-
-  static double position(double logarithm) {
-    return std::copysign(std::exp(std::abs(logarithm)) - 1, logarithm);
   }
 
  private:
@@ -104,7 +101,7 @@ void add_box(const SogContent& sog, OriginChoice& choice) {
     largest = std::max(largest, *std::max_element(scales.begin(), scales.end()));
   for (const dvec3& corner : {sog.meta.mean_min, sog.meta.mean_max}) {
     dvec3 position;
-    for (int axis = 0; axis < 3; ++axis) position[axis] = MeanDecoder::position(corner[axis]);
+    for (int axis = 0; axis < 3; ++axis) position[axis] = signed_exponential(corner[axis]);
     choice.add(position, largest);
   }
 }

@@ -6,7 +6,9 @@
 #include <limits>
 #include <vector>
 
+#include "parallel.hpp"
 #include "scene_encoding.hpp"
+#include "sog_logarithm.hpp"
 
 namespace swiftgs::io {
 namespace {
@@ -28,8 +30,6 @@ RgbaImage image_of(Order order, const ToPixel& pixel) {
   }
   return image;
 }
-
-double signed_logarithm(double value) { return std::copysign(std::log1p(std::abs(value)), value); }
 
 std::uint8_t byte_of_part(double part) { return std::uint8_t(std::lround(std::clamp(part, 0.0, 1.0) * 255)); }
 
@@ -73,17 +73,26 @@ MeanEncoder::MeanEncoder(const Scene& scene)
   }
 }
 
+long MeanEncoder::number(float coordinate, int axis) const {
+  const double range = most_[axis] - least_[axis];
+  return range > 0 ? std::lround((signed_logarithm(coordinate) - least_[axis]) / range * 65535) : 0;
+}
+
 RgbaImage MeanEncoder::image(const Scene& scene, Order order, int shift) const {
   return image_of(order, [&](std::uint32_t i) {
     Pixel pixel{0, 0, 0, 255};
-    for (int axis = 0; axis < 3; ++axis) {
-      const double range = most_[axis] - least_[axis];
-      const double above = signed_logarithm(scene.means[i][axis]) - least_[axis];
-      const long number = range > 0 ? std::lround(above / range * 65535) : 0;
-      pixel[std::size_t(axis)] = std::uint8_t(number >> shift & 0xff);
-    }
+    for (int axis = 0; axis < 3; ++axis)
+      pixel[std::size_t(axis)] = std::uint8_t(number(scene.means[i][axis], axis) >> shift & 0xff);
     return pixel;
   });
+}
+
+vec3 MeanEncoder::stored(const vec3& mean) const {
+  const dvec3 step = (most_ - least_) / 65535.0;
+  vec3 result;
+  for (int axis = 0; axis < 3; ++axis)
+    result[axis] = float(signed_exponential(least_[axis] + step[axis] * double(number(mean[axis], axis))));
+  return result;
 }
 
 Codebook scale_codebook(const Scene& scene) {
@@ -109,6 +118,26 @@ Codebook palette_codebook(const Palette& palette) {
   for (std::size_t i = 0; i < palette.colours.size(); ++i)
     if (times[i / palette.width] > 0) numbers.push_back({palette.colours[i], times[i / palette.width]});
   return Codebook::of(std::move(numbers));
+}
+
+void measure_sog(const Scene& scene, const MeanEncoder& means, const Codebook& scales,
+                 const Codebook& colours, LossMeter& losses) {
+  std::array<float, 256> scale_of;
+  for (std::size_t byte = 0; byte < scale_of.size(); ++byte)
+    scale_of[byte] = float(std::exp(double(scales.values()[byte])));
+  for_parts(scene.size(), [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      vec3 scale, colour;
+      for (int axis = 0; axis < 3; ++axis) {
+        scale[axis] = scale_of[scales.byte_of(log_of_scale(scene.scales[i][axis]))];
+        colour[axis] = colours.values()[colours.byte_of(scene.sh0[i][axis])];
+      }
+      losses.add_position(i, means.stored(scene.means[i]));
+      losses.add_scales(i, scale);
+      losses.add_colour(i, colour);
+      losses.add_opacity(i, float(byte_of_part(scene.opacities[i])) / 255);
+    }
+  });
 }
 
 RgbaImage scale_image(const Scene& scene, Order order, const Codebook& codebook) {

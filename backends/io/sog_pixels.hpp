@@ -6,6 +6,7 @@
 
 #include <swiftgs/scene.hpp>
 
+#include "loss_meter.hpp"
 #include "sog_codebook.hpp"
 #include "sog_palette.hpp"
 #include "webp_write.hpp"
@@ -17,7 +18,7 @@ namespace swiftgs::io {
 
 using Order = std::span<const std::uint32_t>;
 
-/// Signed logarithms of the means in 16 bits, as `sign(x) log(1 + |x|)`, between the least and the largest.
+/// Signed logarithms of the means in 16 bits, between the least and the largest.
 class MeanEncoder {
  public:
   explicit MeanEncoder(const Scene& scene);
@@ -25,10 +26,15 @@ class MeanEncoder {
   /// The low bytes, or with `shift` 8 the high ones.
   RgbaImage image(const Scene& scene, Order order, int shift) const;
 
+  /// What a reader makes of a mean.
+  vec3 stored(const vec3& mean) const;
+
   const dvec3& least() const { return least_; }
   const dvec3& most() const { return most_; }
 
  private:
+  long number(float coordinate, int axis) const;
+
   dvec3 least_, most_;
 };
 
@@ -36,6 +42,10 @@ Codebook scale_codebook(const Scene& scene);
 Codebook colour_codebook(const Scene& scene);
 /// For the numbers of a palette's colours, each as often as Gaussians have it.
 Codebook palette_codebook(const Palette& palette);
+
+/// Tells `losses` what the images make of means, scales, opacities and colours.
+void measure_sog(const Scene& scene, const MeanEncoder& means, const Codebook& scales,
+                 const Codebook& colours, LossMeter& losses);
 
 RgbaImage scale_image(const Scene& scene, Order order, const Codebook& codebook);
 RgbaImage rotation_image(const Scene& scene, Order order);

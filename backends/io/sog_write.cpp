@@ -120,7 +120,8 @@ void expect_count(const std::filesystem::path& path, std::size_t count) {
 
 /// Writes `scene`, but its higher bands from `harmonics`, which are clamped.
 std::uint64_t write_bundle(const std::filesystem::path& path, const Scene& scene,
-                           const std::vector<float>& harmonics, const ProgressMeter& progress) {
+                           const std::vector<float>& harmonics, const ProgressMeter& progress,
+                           LossMeter& losses) {
   expect_count(path, scene.size());
   const Points points{harmonics.data(), scene.size(), 3 * std::size_t(sh_rest_count(scene.sh_degree))};
   Palette palette;
@@ -134,6 +135,7 @@ std::uint64_t write_bundle(const std::filesystem::path& path, const Scene& scene
     if (task == 3) codebooks[2] = palette_codebook(palette);
   });
   const MeanEncoder means(scene);
+  measure_sog(scene, means, codebooks[0], codebooks[1], losses);
   const Contents files = contents(scene, order, means, palette, codebooks);
   std::vector<std::string> encoded(files.images.size());
   for_tasks(encoded.size(), progress.step(0.8, 1), [&](std::size_t i, const Stopping& stopping) {
@@ -152,19 +154,20 @@ std::uint64_t write_bundle(const std::filesystem::path& path, const Scene& scene
 }  // namespace
 
 WrittenScene write_sog(const std::filesystem::path& path, const Scene& scene,
-                       const SceneWriteOptions& options) {
+                       const SceneWriteOptions& options, LossMeter& losses) {
   const ProgressMeter progress(options.progress, path.string());
   progress.report(0);
   WrittenScene written = written_whole("SOG version 2", scene);
   written.model = sog_model(scene.model);
   const auto too_large = [](float value) { return std::abs(value) > largest_coordinate; };
   if (std::none_of(scene.sh_rest.begin(), scene.sh_rest.end(), too_large)) {
-    written.bytes = write_bundle(path, scene, scene.sh_rest, progress);
-    return written;
+    written.bytes = write_bundle(path, scene, scene.sh_rest, progress, losses);
+  } else {
+    std::vector<float> harmonics = scene.sh_rest;
+    note_clamped(clamp_harmonics(harmonics), "SH coefficients above band 0", "-1e18 to 1e18", written.notes);
+    written.bytes = write_bundle(path, scene, harmonics, progress, losses);
   }
-  std::vector<float> harmonics = scene.sh_rest;
-  note_clamped(clamp_harmonics(harmonics), "SH coefficients above band 0", "-1e18 to 1e18", written.notes);
-  written.bytes = write_bundle(path, scene, harmonics, progress);
+  if (const auto sentence = losses.sentence()) written.notes.push_back(*sentence);
   return written;
 }
 

@@ -20,8 +20,7 @@ void decode_record(const std::byte* record, Scene& scene, std::size_t i) {
   const auto component = [&](std::size_t offset) { return (float(byte(offset)) - 128) / 128; };
   scene.means[i] = three(0);
   scene.scales[i] = three(12);
-  for (std::size_t c = 0; c < 3; ++c)
-    scene.sh0[i][int(c)] = float((double(byte(24 + c)) / 255 - 0.5) / sh_c0);
+  for (std::size_t c = 0; c < 3; ++c) scene.sh0[i][int(c)] = sh0_of_splat(byte(24 + c));
   scene.opacities[i] = float(byte(27)) / 255;
   scene.rotations[i] = rotation_of(component(28), component(29), component(30), component(31));
 }

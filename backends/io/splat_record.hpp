@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+
+#include "scene_building.hpp"
 
 /// @file
 /// A `.splat` file is records of 32 bytes: mean and scales (3 floats each, the scales not logarithms), red,
@@ -12,5 +15,8 @@
 namespace swiftgs::io {
 
 inline constexpr std::size_t splat_record_bytes = 32;
+
+/// The SH coefficient of band 0 that a byte of a colour stands for.
+inline float sh0_of_splat(std::uint8_t byte) { return float((double(byte) / 255 - 0.5) / sh_c0); }
 
 }  // namespace swiftgs::io

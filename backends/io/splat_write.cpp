@@ -35,7 +35,7 @@ dvec3 byte_colour_of(const Scene& scene, std::size_t i) {
 
 std::uint8_t nearest_byte(double value) { return std::uint8_t(std::clamp(value, 0.0, 255.0) + 0.5); }
 
-void encode_record(const Scene& scene, std::size_t i, RowEncoder row) {
+void encode_record(const Scene& scene, std::size_t i, RowEncoder row, LossMeter& losses) {
   const dvec3 colour = byte_colour_of(scene, i);
   const Quaternion unit =
       normalised(scene.rotations[i].w, scene.rotations[i].x, scene.rotations[i].y, scene.rotations[i].z);
@@ -44,8 +44,16 @@ void encode_record(const Scene& scene, std::size_t i, RowEncoder row) {
   const bool negate = *std::max_element(q.begin(), q.end()) > 127.5 / 128;
   row.add(scene.means[i]);
   row.add(scene.scales[i]);
-  for (int c = 0; c < 3; ++c) row.add(nearest_byte(colour[c]));
-  row.add(nearest_byte(255 * double(scene.opacities[i])));
+  vec3 sh0;
+  for (int c = 0; c < 3; ++c) {
+    const std::uint8_t byte = nearest_byte(colour[c]);
+    row.add(byte);
+    sh0[c] = sh0_of_splat(byte);
+  }
+  losses.add_colour(i, sh0);
+  const std::uint8_t opacity = nearest_byte(255 * double(scene.opacities[i]));
+  row.add(opacity);
+  losses.add_opacity(i, float(opacity) / 255);
   for (const double component : q) row.add(nearest_byte(128 + 128 * (negate ? -component : component)));
 }
 
@@ -68,7 +76,7 @@ void note_losses(const Scene& scene, const std::vector<std::uint32_t>& order,
 }  // namespace
 
 WrittenScene write_splat(const std::filesystem::path& path, const Scene& scene,
-                         const SceneWriteOptions& options) {
+                         const SceneWriteOptions& options, LossMeter& losses) {
   const ProgressMeter progress(options.progress, path.string());
   progress.report(0);
   WrittenScene written = written_whole(".splat", scene);
@@ -79,7 +87,7 @@ WrittenScene write_splat(const std::filesystem::path& path, const Scene& scene,
   note_losses(scene, order, written.notes);
   OutputFile file(path);
   write_rows(file, order.size(), splat_record_bytes, progress.step(0.5, 1),
-             [&](std::size_t i, RowEncoder row) { encode_record(scene, order[i], row); });
+             [&](std::size_t i, RowEncoder row) { encode_record(scene, order[i], row, losses); });
   progress.report(1);  // a file that has taken its place cannot be cancelled
   file.close();
   written.bytes = file.size();

@@ -8,12 +8,11 @@
 #include <swiftgs/activation.hpp>
 
 #include "scene_encoding.hpp"
+#include "spz_reach.hpp"
 #include "spz_values.hpp"
 
 namespace swiftgs::io {
 namespace {
-
-constexpr double largest_position = (1 << 23) - 1;
 
 /// Writes values as they come, and counts those that are clamped.
 class ByteEncoder {
@@ -28,8 +27,9 @@ class ByteEncoder {
 
   /// The 24-bit number nearest to `value`.
   void add_position(double value) {
-    clamped_ += std::abs(value) >= largest_position + 0.5;
-    add_little_endian(std::uint32_t(std::lrint(std::clamp(value, -largest_position, largest_position))), 3);
+    clamped_ += std::abs(value) >= spz_largest_position + 0.5;
+    add_little_endian(
+        std::uint32_t(std::lrint(std::clamp(value, -spz_largest_position, spz_largest_position))), 3);
   }
 
   void add_little_endian(std::uint32_t value, int bytes) {
@@ -119,17 +119,6 @@ std::uint64_t encode_harmonics(const Scene& scene, const AxisFlip& flip, std::si
 
 }  // namespace
 
-int choose_fractional_bits(const Scene& scene) {
-  float farthest = 0;
-  for (const vec3& mean : scene.means)
-    farthest = std::max({farthest, std::abs(mean.x), std::abs(mean.y), std::abs(mean.z)});
-  const auto reaches = [&](int bits) { return std::ldexp(double(farthest), bits); };
-  int bits = 24;
-  while (bits > 12 && reaches(bits) > 1 << 15) --bits;
-  while (bits > 0 && reaches(bits) >= largest_position + 0.5) --bits;
-  return bits;
-}
-
 std::uint64_t encode_spz(const Scene& scene, const SpzEncoding& encoding, SpzAttribute attribute,
                          std::size_t begin, std::size_t end, std::byte* to) {
   if (attribute == spz_sh) return encode_harmonics(scene, encoding.flip, begin, end, to);
@@ -147,6 +136,18 @@ std::uint64_t encode_spz(const Scene& scene, const SpzEncoding& encoding, SpzAtt
     }
   }
   return out.clamped();
+}
+
+void measure_spz(const SpzHeader& header, const AxisFlip& flip, SpzAttribute attribute, std::size_t begin,
+                 std::size_t end, const std::byte* from, LossMeter& losses) {
+  static const SpzTables tables;
+  const std::size_t size = spz_sizes(header)[attribute];
+  for (std::size_t i = begin; i < end; ++i, from += size) {
+    if (attribute == spz_positions) losses.add_position(i, flip.position(decode_spz_position(header, from)));
+    if (attribute == spz_alphas) losses.add_opacity(i, decode_spz_opacity(from));
+    if (attribute == spz_colours) losses.add_colour(i, SpzTables::three(tables.colour, from));
+    if (attribute == spz_scales) losses.add_scales(i, SpzTables::three(tables.scale, from));
+  }
 }
 
 }  // namespace swiftgs::io

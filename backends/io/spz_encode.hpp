@@ -7,6 +7,7 @@
 #include <swiftgs/scene.hpp>
 
 #include "axis_flip.hpp"
+#include "loss_meter.hpp"
 #include "spz_content.hpp"
 
 /// @file
@@ -20,15 +21,13 @@ struct SpzEncoding {
   int fractional_bits = 0;
 };
 
-/// Bits of positions behind the binary point: 12, as all writers use, if the scene fits. A larger scene gets
-/// fewer; with 0 bits, what lies beyond 8,388,607 is clamped. In a scene so small that 1/4096 is coarse, the
-/// farthest position lies 16,384 to 32,768 steps off, with at most 24 bits. All readers scale by
-/// 1 / (1 << bits).
-int choose_fractional_bits(const Scene& scene);
-
 /// Encodes an attribute of Gaussians [begin, end), all of finite numbers. Returns how many values lie outside
 /// of what the format holds, and were clamped.
 std::uint64_t encode_spz(const Scene& scene, const SpzEncoding& encoding, SpzAttribute attribute,
                          std::size_t begin, std::size_t end, std::byte* to);
+
+/// Tells `losses` what an attribute of Gaussians [begin, end) became, unless it is rotations or harmonics.
+void measure_spz(const SpzHeader& header, const AxisFlip& flip, SpzAttribute attribute, std::size_t begin,
+                 std::size_t end, const std::byte* from, LossMeter& losses);
 
 }  // namespace swiftgs::io

@@ -54,15 +54,11 @@ class SpzDecoder {
   }
 
   void decode(Scene& scene, std::size_t begin, std::size_t end) const {
-    const auto three = [](const std::array<float, 256>& table, const std::byte* from) {
-      return vec3(table[std::to_integer<int>(from[0])], table[std::to_integer<int>(from[1])],
-                  table[std::to_integer<int>(from[2])]);
-    };
     for (std::size_t i = begin; i < end; ++i) {
       scene.means[i] = axes_.position(decode_spz_position(content_.header, at(spz_positions, i)));
-      scene.opacities[i] = float(std::to_integer<int>(*at(spz_alphas, i))) / 255;
-      scene.sh0[i] = three(tables_.colour, at(spz_colours, i));
-      scene.scales[i] = three(tables_.scale, at(spz_scales, i));
+      scene.opacities[i] = decode_spz_opacity(at(spz_alphas, i));
+      scene.sh0[i] = SpzTables::three(tables_.colour, at(spz_colours, i));
+      scene.scales[i] = SpzTables::three(tables_.scale, at(spz_scales, i));
       scene.rotations[i] = axes_.rotation(decode_spz_rotation(content_.header, at(spz_rotations, i)));
     }
     if (scene.sh_degree != 0) decode_harmonics(scene, begin, end);

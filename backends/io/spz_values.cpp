@@ -33,6 +33,13 @@ SpzTables::SpzTables() {
   }
 }
 
+vec3 SpzTables::three(const std::array<float, 256>& table, const std::byte* at) {
+  return {table[std::to_integer<std::size_t>(at[0])], table[std::to_integer<std::size_t>(at[1])],
+          table[std::to_integer<std::size_t>(at[2])]};
+}
+
+float decode_spz_opacity(const std::byte* at) { return float(std::to_integer<int>(*at)) / 255; }
+
 vec3 decode_spz_position(const SpzHeader& header, const std::byte* at) {
   if (header.version == 1) {
     const auto half = [&](int i) { return half_to_float(load<std::uint16_t>(at + 2 * i)); };

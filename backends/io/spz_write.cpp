@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <new>
+#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
@@ -25,6 +26,7 @@
 #include "spz_axes.hpp"
 #include "spz_content.hpp"
 #include "spz_encode.hpp"
+#include "spz_reach.hpp"
 
 namespace swiftgs::io {
 namespace {
@@ -83,9 +85,10 @@ void append(std::string& to, std::uint64_t value, int bytes) {
 /// A scene on its way into a file.
 class SpzWriter {
  public:
-  SpzWriter(const std::filesystem::path& path, const Scene& scene, const SceneWriteOptions& options)
-      : path_(path), scene_(scene), progress_(options.progress, path.string()) {
-    encoding_ = {flip_of(options.spz_frame), choose_fractional_bits(scene)};
+  SpzWriter(const std::filesystem::path& path, const Scene& scene, int fractional_bits,
+            const SceneWriteOptions& options, LossMeter& losses)
+      : path_(path), scene_(scene), losses_(losses), progress_(options.progress, path.string()) {
+    encoding_ = {flip_of(options.spz_frame), fractional_bits};
     header_ = {.version = std::uint32_t(options.spz_version),
                .count = std::uint32_t(scene.size()),
                .sh_degree = scene.sh_degree,
@@ -119,6 +122,12 @@ class SpzWriter {
                       " instead of 1/4096, because of Gaussians beyond 2048: " + std::to_string(beyond) +
                       ".");
     }
+    if (const auto sentence = losses_.sentence()) {
+      if (notes.empty())
+        notes.push_back(*sentence);
+      else
+        notes.back() += " " + *sentence;
+    }
     note_clamped(clamped_[spz_positions], "Coordinates", "-8388607 to 8388607", notes);
     note_clamped(clamped_[spz_colours], "SH coefficients of band 0", "-3.33 to 3.33", notes);
     note_clamped(clamped_[spz_scales], "Scales", "exp(-10) to exp(5.94)", notes);
@@ -149,6 +158,8 @@ class SpzWriter {
       for_parts(count, [&](std::size_t first, std::size_t end) {
         clamped +=
             encode_spz(scene_, encoding_, attribute, begin + first, begin + end, piece.data() + first * size);
+        measure_spz(header_, encoding_.flip, attribute, begin + first, begin + end,
+                    piece.data() + first * size, losses_);
       });
       clamped_[attribute] += clamped;
       take(std::span<const std::byte>(piece).first(count * size));
@@ -188,6 +199,7 @@ class SpzWriter {
 
   std::filesystem::path path_;
   const Scene& scene_;
+  LossMeter& losses_;
   ProgressMeter progress_;
   SpzEncoding encoding_;
   SpzHeader header_;
@@ -199,18 +211,27 @@ class SpzWriter {
 }  // namespace
 
 WrittenScene write_spz(const std::filesystem::path& path, const Scene& scene,
-                       const SceneWriteOptions& options) {
+                       const SceneWriteOptions& options, LossMeter& losses) {
   if (options.spz_version != 3 && options.spz_version != 4)
     detail::refuse(path.string(), ": expected SPZ version 3 or 4 to write, found ", options.spz_version);
   constexpr std::size_t most = std::numeric_limits<std::int32_t>::max();
   if (scene.size() < 1 || scene.size() > most)
     detail::refuse(path.string(), ": expected 1 to ", most,
                    " Gaussians of finite numbers for an SPZ file, found ", scene.size());
-  SpzWriter writer(path, scene, options);
+  const SpzReach reach = reach_of(scene);
+  const std::optional<Scene> nearer =
+      reach.beyond.empty() ? std::nullopt : std::optional(drawn_in(scene, reach));
+  SpzWriter writer(path, nearer ? *nearer : scene, reach.fractional_bits, options, losses);
   WrittenScene written = written_whole("SPZ version " + std::to_string(options.spz_version), scene);
   written.model = {.antialiased = scene.model.antialiased};
   written.bytes = writer.write();
   written.notes = writer.notes();
+  if (nearer)
+    written.notes.push_back(
+        "Gaussians far from all others, beyond coordinates of " +
+        std::to_string(std::uint32_t(std::ceil(reach.largest()))) +
+        ", are moved nearer and made smaller, so that they look the same from the middle of the scene: " +
+        std::to_string(reach.beyond.size()) + ".");
   return written;
 }
 

@@ -217,6 +217,17 @@ TEST_CASE("codebook: 256 different numbers are exact whatever their size") {
   for (const float number : numbers) CHECK(codebook.values()[codebook.byte_of(number)] == number);
 }
 
+TEST_CASE("codebook: a thousandth of strays leaves the others their values") {
+  const std::vector<float> numbers = some_numbers(400'000, 6);
+  std::vector<float> strayed = numbers;
+  for (std::size_t i = 0; i < 400; ++i) strayed.push_back((i % 3 ? 1e4f : -1e4f) * float(i + 1));
+  const Codebook codebook = Codebook::of(once(strayed));
+  CHECK(error(numbers, codebook) < 1.6 * error(numbers, Codebook::of(once(numbers))));
+  // Strays are apart from the others all the same.
+  for (const float number : strayed)
+    if (std::abs(number) > 1e6f) CHECK(codebook.values()[codebook.byte_of(number)] / number > 0.5f);
+}
+
 TEST_CASE("codebook: numbers count as often as they occur") {
   const Codebook codebook = Codebook::of({{0, 3}, {1, 1}, {10, 1}}, 2);
   CHECK(codebook.values()[0] == 0.25f);

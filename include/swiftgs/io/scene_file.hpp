@@ -100,6 +100,17 @@ struct SceneWriteOptions {
   Progress progress{};
 };
 
+/// How far numbers of a file are from those of the scene, at most: what rounding and clamping make of them,
+/// measured on what was written. An INRIA PLY, which holds floats, has none.
+struct LargestLosses {
+  double position = 0;        ///< distance of a mean from where it was @units{world}
+  std::size_t gaussian = 0;   ///< the one of the scene that it is of
+  std::size_t displaced = 0;  ///< Gaussians that moved farther than their longest scale; of opacity 1/255 up
+  double scale = 1;           ///< factor between a scale above 0 and what it became, at least 1
+  double opacity = 0;
+  double colour = 0;  ///< of a channel by band 0, of which 1 is full
+};
+
 /// What a file holds of a scene. A format may hold fewer bands, or less of the scene's model.
 struct WrittenScene {
   std::string format;       ///< as `SceneFile::format`
@@ -107,17 +118,19 @@ struct WrittenScene {
   std::size_t gaussians = 0;
   int sh_degree = 0;
   RenderingModel model{};
+  LargestLosses losses{};
   std::vector<std::string> notes{};  ///< what was left out or changed, with counts, a sentence each
 };
 
 /// Writes a scene in the format that an ending names, in upper or lower case:
 /// - `.ply`: INRIA PLY, little-endian, of floats. Opacities are kept within [1e-6, 1 - 1e-6], as it holds
 /// logits.
-/// - `.compressed.ply`: SuperSplat's compressed PLY. All numbers are rounded, and the order is that of
-///   `spatial_order`.
+/// - `.compressed.ply`: SuperSplat's compressed PLY. All numbers are rounded, positions to a part of what 256
+///   consecutive Gaussians span. The order is that of `spatial_order`; strays come last, together with as
+///   many of the least visible Gaussians as fill 256.
 /// - `.spz`: SPZ version 4 or 3. Rounds means to 1/4096 (finer in a scene smaller than 4, coarser in one
-///   beyond 2048), scales to 1/16 of their logarithm, opacities to 1/255, and SH coefficients to 1/38 in
-///   band 0, 1/16 in band 1 and 1/8 above.
+///   beyond 2048; a thousandth of strays is moved nearer instead, and noted), scales to 1/16 of their
+///   logarithm, opacities to 1/255, and SH coefficients to 1/38 in band 0, 1/16 in band 1 and 1/8 above.
 /// - `.sog`: SOG version 2, a bundle. Numbers are bytes, means 16 bits, and higher bands one of at most
 ///   65,536 sets. The order is that of `spatial_order`.
 /// - `.splat`: antimatter15's records of 32 bytes, without higher bands, greatest splats first.

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <swiftgs/math.hpp>
+#include <swiftgs/scene.hpp>
+
+/// @file
+/// How finely an SPZ file holds positions, and how far from zero: all have 24 bits, a sign included.
+
+namespace swiftgs::io {
+
+/// The largest coordinate in steps. Its negative is the least.
+inline constexpr double spz_largest_position = (1 << 23) - 1;
+
+struct SpzReach {
+  int fractional_bits = 0;              ///< of positions, behind the binary point
+  std::vector<std::uint32_t> beyond{};  ///< Gaussians that are farther away, though others are not
+  dvec3 middle{0.0};                    ///< of the others
+
+  double largest() const;  ///< coordinate
+};
+
+/// 12 bits, as all writers use, if the scene fits. A larger scene gets fewer; with 0 bits, what lies beyond
+/// 8,388,607 is clamped. In a scene so small that 1/4096 is coarse, the farthest position lies 16,384 to
+/// 32,768 steps off, with at most 24 bits. All readers scale by 1 / (1 << bits).
+///
+/// At most a thousandth of the Gaussians, of those that stray, do not decide if the others were left fewer
+/// than 65,536 steps, or fewer than they would have by themselves. These may be `beyond`.
+SpzReach reach_of(const Scene& scene);
+
+/// The scene with the Gaussians beyond moved towards the middle until they are in reach, and made smaller
+/// alike: from the middle they look as before.
+Scene drawn_in(Scene scene, const SpzReach& reach);
+
+}  // namespace swiftgs::io
