@@ -134,6 +134,26 @@ TEST_CASE("cli convert: what a format leaves out is told of the file that is wri
   CHECK(result["notes"].size() >= 2);
 }
 
+TEST_CASE("cli convert: the largest losses of what was written are told") {
+  const Place place;
+  const Outcome exact = run(place, "convert a.ply b.ply --json b.json");
+  CHECK_FALSE(contains(exact.out, "rounded"));
+  check_members(
+      json_in(place / "b.json")["output"]["losses"],
+      R"({"position": 0, "gaussian": null, "displaced": 0, "scale_factor": 1, "opacity": 0, "colour": 0})");
+  const Outcome outcome = run(place, "convert a.ply b.spz --json b.json");
+  check_holds(outcome.out, {"\nrounded    at most: positions by ", " units, scales by a factor of 1.03",
+                            ", opacities by 0.00", ", colours by 0.00"});
+  const json losses = json_in(place / "b.json")["output"]["losses"];
+  CHECK(losses["position"] > 0x1p-14);
+  CHECK(losses["position"] < 0x1p-12);
+  CHECK(losses["gaussian"] < 300);
+  CHECK(losses["displaced"] == 0);
+  CHECK(losses["scale_factor"] > 1.02);
+  CHECK(losses["scale_factor"] < 1.04);
+  CHECK_FALSE(json_in(place / "b.json")["inputs"][0].contains("losses"));
+}
+
 TEST_CASE("cli convert: --level chooses the level of detail of a streamed SOG") {
   const Place place;
   write_scene(place / "fine.sog", place.a);

@@ -256,6 +256,7 @@ void convert(const ConvertOptions& options) {
                    .sh_degree = written.sh_degree,
                    .model = text_of(written.model),
                    .seconds = seconds_since(begin)};
+  result.losses = written.losses;
   say_notes(out, written.notes, result.head.notes);
   if (!json.is_standard_output() && !to_standard_output) print_table(result);
   if (json.is_wanted()) json.write(to_json(result));

@@ -15,6 +15,30 @@ Json json_of(const ConvertedFile& file) {
           {"model", file.model},   {"seconds", rounded(file.seconds, 4)}};
 }
 
+Json json_of(const LargestLosses& losses) {
+  return {{"position", rounded(losses.position, 6)},
+          {"gaussian", losses.position > 0 ? Json(losses.gaussian) : Json()},
+          {"displaced", losses.displaced},
+          {"scale_factor", rounded(losses.scale, 6)},
+          {"opacity", rounded(losses.opacity, 6)},
+          {"colour", rounded(losses.colour, 6)}};
+}
+
+/// What is not lost is not told.
+void print_losses(const LargestLosses& losses) {
+  std::string text;
+  const auto add = [&](const char* format, double loss, double none) {
+    char part[64];
+    std::snprintf(part, sizeof part, format, loss);
+    if (loss > none) text += (text.empty() ? "" : ", ") + std::string(part);
+  };
+  add("positions by %.3g units", losses.position, 0);
+  add("scales by a factor of %.4g", losses.scale, 1);
+  add("opacities by %.3g", losses.opacity, 0);
+  add("colours by %.3g", losses.colour, 0);
+  if (!text.empty()) std::printf("%-10s at most: %s\n", "rounded", text.c_str());
+}
+
 void print_file(const char* verb, const ConvertedFile& file) {
   std::printf("%-10s %10zu %10" PRIu64 " %6d %12" PRIu64 " %8.2f  %s, %s\n", verb, file.gaussians,
               file.stored - file.gaussians, file.sh_degree, file.bytes, file.seconds, file.name.c_str(),
@@ -25,6 +49,7 @@ void print_file(const char* verb, const ConvertedFile& file) {
 
 std::string to_json(const ConvertResult& result) {
   Json json{{"inputs", Json::array()}, {"steps", Json::array()}, {"output", json_of(result.output)}};
+  json["output"]["losses"] = json_of(result.losses);
   for (const ConvertedFile& input : result.inputs) json["inputs"].push_back(json_of(input));
   for (const ConvertStep& step : result.steps)
     json["steps"].push_back(
@@ -42,6 +67,7 @@ void print_table(const ConvertResult& result) {
     before = step.gaussians;
   }
   print_file("written", result.output);
+  print_losses(result.losses);
 }
 
 }  // namespace swiftgs::cli

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include <swiftgs/io/scene_file.hpp>
+
 #include "result_head.hpp"
 
 namespace swiftgs::cli {
@@ -33,6 +35,7 @@ struct ConvertResult {
   std::vector<ConvertedFile> inputs;
   std::vector<ConvertStep> steps;
   ConvertedFile output;
+  LargestLosses losses;  ///< of writing
 };
 
 std::string to_json(const ConvertResult& result);
