@@ -395,11 +395,11 @@ void check_changing_views(BoundRenderer<B>& renderer, BoundRenderer<B>& other, c
                           const Capture& capture) {
   const auto& backend = renderer.backend();
   Report<B> report;
-  using List = std::vector<AskedView> (*)(int k);
-  for (const List asked : {List([](int k) { return std::vector{changing_view(k)}; }),
-                           List([](int k) { return std::vector{changing_lean_view(k)}; }), List([](int k) {
-                             return std::vector{changing_lean_view(k), changing_view(k)};
-                           })}) {
+  using Asked = std::vector<AskedView> (*)(int k);
+  for (const Asked asked : {Asked([](int k) { return std::vector{changing_view(k)}; }),
+                            Asked([](int k) { return std::vector{changing_lean_view(k)}; }), Asked([](int k) {
+                              return std::vector{changing_lean_view(k), changing_view(k)};
+                            })}) {
     CAPTURE(asked(0).size());
     const PlacedViews reserved(backend, asked(0));
     renderer.reserve(scene, reserved.span(), {8000, 200'000});
