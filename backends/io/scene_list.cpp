@@ -5,14 +5,18 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
+#include <glm/matrix.hpp>
 #include <nlohmann/json.hpp>
 
 #include <swiftgs/clip.hpp>
+#include <swiftgs/io/replace_file.hpp>
 #include <swiftgs/io/scene_list.hpp>
 #include <swiftgs/placing.hpp>
 #include <swiftgs/rotation.hpp>
@@ -78,12 +82,7 @@ void read_clip(const JsonEntry& clip, ListedScene& scene) {
   if (clip.has("box")) {
     const std::vector<double> corners = numbers_in(clip, clip.member("box"), 6, "box");
     checked(clip, [&] { validate(Box{three(corners), three(corners, 3)}); });
-    for (int axis = 0; axis < 3; ++axis) {
-      dvec3 along(0.0);
-      along[axis] = 1;
-      scene.half_spaces.push_back({along, three(corners)[axis]});
-      scene.half_spaces.push_back({-along, -three(corners, 3)[axis]});
-    }
+    scene.half_spaces = half_spaces_of({three(corners), three(corners, 3)});
   }
   if (clip.has("half_spaces")) {
     const json& all = clip.member("half_spaces");
@@ -104,8 +103,8 @@ void read_clip(const JsonEntry& clip, ListedScene& scene) {
 }
 
 ListedScene scene_of(const JsonEntry& entry) {
-  expect_members(entry,
-                 {"file", "rotation", "scale", "translation", "opacity", "tint", "first", "count", "clip"});
+  expect_members(entry, {"file", "rotation", "scale", "translation", "opacity", "tint", "visible", "first",
+                         "count", "clip"});
   ListedScene scene;
   scene.file = entry.string("file");
   if (scene.file.empty()) entry.fail("a name in 'file'");
@@ -118,6 +117,10 @@ ListedScene scene_of(const JsonEntry& entry) {
     const std::vector<double> numbers = numbers_in(entry, entry.member("tint"), 4, "tint");
     scene.tint = {vec3(three(numbers)), float(numbers[3])};
   }
+  if (entry.has("visible")) {
+    if (!entry.member("visible").is_boolean()) entry.fail("true or false in 'visible'");
+    scene.visible = entry.member("visible").get<bool>();
+  }
   if (const char* const expected = swiftgs::detail::unmet_of_placing(pose, scene.opacity, {}, scene.tint))
     entry.fail(expected);
   scene.first = whole_number(entry, "first", 0);
@@ -128,6 +131,60 @@ ListedScene scene_of(const JsonEntry& entry) {
     read_clip({entry.source(), entry.member("clip"), offset, "a clip"}, scene);
   }
   return scene;
+}
+
+using Written = nlohmann::ordered_json;
+
+Written written(const dvec3& v) { return {v.x, v.y, v.z}; }
+
+Written written_clip(const ListedScene& scene) {
+  Written clip;
+  if (const std::optional<Box> box = box_of(scene.half_spaces)) {
+    clip["box"] = {box->low.x, box->low.y, box->low.z, box->high.x, box->high.y, box->high.z};
+  } else {
+    for (const HalfSpace& half : scene.half_spaces)
+      clip["half_spaces"].push_back({half.normal.x, half.normal.y, half.normal.z, half.offset});
+  }
+  if (const auto& sphere = scene.sphere)
+    clip["sphere"] = {sphere->centre.x, sphere->centre.y, sphere->centre.z, sphere->radius};
+  return clip;
+}
+
+/// The object of a scene, without members that have their defaults.
+Written written(const ListedScene& scene) {
+  Written entry{{"file", scene.file}};
+  const Similarity& pose = scene.world_from_scene;
+  if (pose.rotation != dmat3(1.0)) {
+    const dmat3 rows = glm::transpose(pose.rotation);  // rows keep all bits, a quaternion would not
+    entry["rotation"] = {written(rows[0]), written(rows[1]), written(rows[2])};
+  }
+  if (pose.scale != 1) entry["scale"] = pose.scale;
+  if (pose.translation != dvec3(0.0)) entry["translation"] = written(pose.translation);
+  if (scene.opacity != 1) entry["opacity"] = scene.opacity;
+  if (!scene.tint.is_none()) {
+    const vec3& colour = scene.tint.colour;
+    entry["tint"] = {colour.x, colour.y, colour.z, scene.tint.amount};
+  }
+  if (!scene.visible) entry["visible"] = false;
+  if (scene.first != 0) entry["first"] = scene.first;
+  if (scene.count) entry["count"] = *scene.count;
+  if (Written clip = written_clip(scene); !clip.is_null()) entry["clip"] = std::move(clip);
+  return entry;
+}
+
+/// Throws `std::invalid_argument` for what `scene_of` refuses.
+void require_readable(const ListedScene& scene) {
+  swiftgs::detail::validate_placing(scene.world_from_scene, scene.opacity, {}, scene.tint);
+  for (const HalfSpace& half : scene.half_spaces) {
+    validate(half);
+    if (!std::isfinite(half.offset))
+      throw std::invalid_argument("expected a half-space with a finite offset");
+  }
+  if (scene.half_spaces.size() > std::size_t(Clip::max_half_spaces))
+    throw std::invalid_argument("expected at most " + std::to_string(Clip::max_half_spaces) + " half-spaces");
+  if (scene.sphere) validate(*scene.sphere);
+  if (scene.file.empty() || scene.count == 0)
+    throw std::invalid_argument("expected a name, and 1 Gaussian or more");
 }
 
 }  // namespace
@@ -147,6 +204,47 @@ std::vector<ListedScene> parse_scene_list(const Source& source) {
 std::vector<ListedScene> read_scene_list(const std::filesystem::path& path) {
   const io::MappedFile file(path);
   return io::parse_scene_list({file.bytes(), path.string()});
+}
+
+void write_scene_list(const std::filesystem::path& path, const std::vector<ListedScene>& scenes) {
+  if (scenes.empty()) throw std::invalid_argument(path.string() + ": expected a scene or more to write");
+  std::string text;
+  for (const ListedScene& scene : scenes) {
+    try {
+      io::require_readable(scene);
+      text += (text.empty() ? "[" : ",\n ") + io::written(scene).dump();
+    } catch (const std::invalid_argument& error) {
+      throw std::invalid_argument(path.string() + ": '" + scene.file + "': " + error.what());
+    } catch (const nlohmann::json::exception&) {
+      throw std::invalid_argument(path.string() + ": '" + scene.file + "': expected a name in UTF-8");
+    }
+  }
+  replace_file(path, text + "]\n");
+}
+
+std::vector<HalfSpace> half_spaces_of(const Box& box) {
+  std::vector<HalfSpace> sides;
+  for (int axis = 0; axis < 3; ++axis) {
+    dvec3 along(0.0);
+    along[axis] = 1;
+    sides.push_back({along, box.low[axis]});
+    sides.push_back({-along, -box.high[axis]});
+  }
+  return sides;
+}
+
+std::optional<Box> box_of(const std::vector<HalfSpace>& half_spaces) {
+  if (half_spaces.size() != 6) return std::nullopt;
+  Box box;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::size_t lower = 2 * std::size_t(axis);
+    box.low[axis] = half_spaces[lower].offset, box.high[axis] = -half_spaces[lower + 1].offset;
+    if (!(box.low[axis] <= box.high[axis])) return std::nullopt;
+  }
+  const std::vector<HalfSpace> sides = half_spaces_of(box);
+  const auto same = [](const HalfSpace& a, const HalfSpace& b) { return a.normal == b.normal; };
+  const bool is_box = std::equal(sides.begin(), sides.end(), half_spaces.begin(), same);
+  return is_box ? std::optional(box) : std::nullopt;
 }
 
 }  // namespace swiftgs

@@ -21,6 +21,7 @@ struct ListedScene {
   Similarity world_from_scene{};
   float opacity = 1;
   Tint tint{};
+  bool visible = true;                   ///< false: none of its Gaussians shows
   std::vector<HalfSpace> half_spaces{};  ///< at most `Clip::max_half_spaces`
   std::optional<Sphere> sphere{};
   std::uint64_t first = 0;               ///< number of the first Gaussian that shows
@@ -32,6 +33,7 @@ struct ListedScene {
 ///   `translation`, which make p_world = scale rotation p + translation,
 /// - `opacity`, 0 to 1, which the Gaussians' opacities are multiplied by,
 /// - `tint` [red, green, blue, amount], a `Tint`,
+/// - `visible`: false hides the scene, which is read all the same,
 /// - `first` and `count`: the range of Gaussians that shows, as they are numbered in memory,
 /// - `clip`, an object of `box` [x, y, z, x, y, z], two corners; `sphere` [x, y, z, radius]; and
 /// `half_spaces`,
@@ -40,5 +42,16 @@ struct ListedScene {
 /// Throws `FormatError` for anything else, also for other members, and `std::system_error` if the file cannot
 /// be read.
 SWIFTGS_API std::vector<ListedScene> read_scene_list(const std::filesystem::path& path);
+
+/// Writes a list that `read_scene_list` reads as the same scenes, to the last bit of each number. `path`
+/// keeps what it held if anything fails. Throws `std::invalid_argument` for what the reader refuses and for a
+/// name that is not UTF-8, and `std::system_error` if the file cannot be written.
+SWIFTGS_API void write_scene_list(const std::filesystem::path& path, const std::vector<ListedScene>& scenes);
+
+/// The six half-spaces of a box: of each axis the lower side, then the upper one.
+SWIFTGS_API std::vector<HalfSpace> half_spaces_of(const Box& box);
+
+/// The box that `half_spaces_of` makes these of, or nothing if they are others.
+SWIFTGS_API std::optional<Box> box_of(const std::vector<HalfSpace>& half_spaces);
 
 }  // namespace swiftgs
