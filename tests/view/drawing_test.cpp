@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -16,8 +17,8 @@
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/reference.hpp>
 
+#include "view/angles.hpp"
 #include "view/crop_error.hpp"
-#include "view/placement_numbers.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::cli;
@@ -32,7 +33,7 @@ ShownScene ball(const std::string& name, float x, vec3 colour) {
   Scene scene;
   scene.means = {vec3(x, 0, 4)}, scene.scales = {vec3(0.3f)}, scene.rotations = {Quaternion()};
   scene.opacities = {0.9f}, scene.sh0 = {colour};
-  return {.name = name, .gaussians = std::make_shared<const Scene>(std::move(scene))};
+  return {{.file = name}, std::make_shared<const Scene>(std::move(scene))};
 }
 
 Camera camera() { return look_at({0, 0, 0}, {0, 0, 1}, {0, -1, 0}, 0.8, 96, 64); }
@@ -41,8 +42,18 @@ Camera camera() { return look_at({0, 0, 0}, {0, 0, 1}, {0, -1, 0}, 0.8, 96, 64);
 int column(double x) { return int(camera().fx * x / 4 + camera().cx); }
 
 ShownScene generated() {
-  return {.name = "builtin", .gaussians = std::make_shared<const Scene>(make_builtin_scene(3000))};
+  return {{.file = "builtin"}, std::make_shared<const Scene>(make_builtin_scene(3000))};
 }
+
+/// Changes scene `number` by `edit` of what its list says.
+template <class Edit>
+void change(Drawing& drawing, std::size_t number, const Edit& edit) {
+  ListedScene listed = drawing.scenes()[number].listed;
+  edit(listed);
+  drawing.change(number, std::move(listed));
+}
+
+void hide(ListedScene& listed) { listed.visible = false; }
 
 double brightness(const Frame& frame) {
   double sum = 0;
@@ -67,11 +78,11 @@ TEST_CASE("view drawing: a picked Gaussian is told by its scene though others ar
   CHECK(pick(-1.4)->scene == 0);
   CHECK_FALSE(pick(0));
 
-  drawing.scenes[0].visible = false, drawing.place();
+  change(drawing, 0, hide);
   CHECK_FALSE(pick(-1.4));
   REQUIRE(pick(1.4));
   CHECK(pick(1.4)->scene == 1);
-  drawing.scenes[1].visible = false, drawing.place();
+  change(drawing, 1, hide);
   CHECK_FALSE(pick(1.4));
   CHECK(brightness(drawing.picture()) == 0);
 }
@@ -81,23 +92,27 @@ TEST_CASE("view drawing: scenes go where they are placed and one without Gaussia
   drawing.draw(camera(), false);
   CHECK_FALSE(drawing.pick(column(0.4), 32));
   const std::size_t before = drawing.version();
-  drawing.scenes[0].placement.world_from_scene.translation.x = 1.8;
-  drawing.place();
+  change(drawing, 0, [](ListedScene& listed) { listed.world_from_scene.translation.x = 1.8; });
   CHECK(drawing.version() > before);
   drawing.draw(camera(), false);
   CHECK(drawing.pick(column(0.4), 32));
 
-  drawing.scenes[0].placement.world_from_scene.scale = 0;
-  CHECK_THROWS_AS(drawing.place(), std::invalid_argument);
-  const ShownScene empty{.name = "empty.ply", .gaussians = std::make_shared<const Scene>()};
-  CHECK_THROWS_WITH_AS(drawing.add(empty), "empty.ply: expected a Gaussian or more to show, found none",
-                       std::invalid_argument);
-  CHECK(drawing.scenes.size() == 1);
+  CHECK_THROWS_AS(change(drawing, 0, [](ListedScene& listed) { listed.world_from_scene.scale = 0; }),
+                  std::invalid_argument);
+  CHECK(drawing.scenes()[0].listed.world_from_scene.scale == 1);
+  const ShownScene empty{{.file = "empty.ply"}, std::make_shared<const Scene>()};
+  CHECK_THROWS_WITH_AS(drawing.add({ball("ball", 0, vec3(1)), empty}),
+                       "empty.ply: expected a Gaussian or more to show, found none", std::invalid_argument);
+  ShownScene beyond = ball("beyond", 0, vec3(1));
+  beyond.listed.first = 2;
+  CHECK_THROWS_AS(drawing.add({beyond}), std::invalid_argument);
+  CHECK(drawing.scenes().size() == 1);
+  change(drawing, 0, [](ListedScene& listed) { listed.opacity = 0.5f; });  // what was refused is not kept
 }
 
 TEST_CASE("view drawing: another renderer draws the same scenes") {
   Drawing drawing(exact, {}, {ball("left", -1.4f, vec3(1)), ball("right", 1.4f, vec3(1))});
-  drawing.scenes[0].visible = false, drawing.place();
+  change(drawing, 0, hide);
   drawing.draw(camera(), false);
   const std::vector<float> before = drawing.picture().colour;
   for (const RendererEntry& entry : renderers()) {
@@ -128,6 +143,30 @@ TEST_CASE("view drawing: a plane shows in place of colour") {
   CHECK(drawing.picture().colour == colour);
 }
 
+TEST_CASE("view drawing: the range of depths is that of what shows") {
+  Drawing drawing(exact, {}, {ball("left", -1.4f, vec3(1)), ball("right", 1.4f, vec3(1))});
+  change(drawing, 1, [](ListedScene& listed) { listed.world_from_scene.scale = 2; });  // twice as far away
+  drawing.draw(camera(), false);
+  CHECK_FALSE(drawing.depth_range());
+  drawing.show_plane("median_depth");
+  drawing.draw(camera(), false);
+  REQUIRE(drawing.depth_range());
+  CHECK(drawing.depth_range()->low == 4);
+  CHECK(drawing.depth_range()->high == 8);
+  CHECK(drawing.depth_range()->part(8) == 1);
+  CHECK(drawing.depth_range()->depth(0.5f) == doctest::Approx(std::sqrt(32.0)));
+  change(drawing, 0, hide);
+  drawing.draw(camera(), false);
+  CHECK(drawing.depth_range()->low == 8);
+  CHECK(drawing.depth_range()->part(8) == 0);
+  change(drawing, 1, hide);
+  drawing.draw(camera(), false);
+  CHECK_FALSE(drawing.depth_range());
+  drawing.show_plane("alpha");
+  drawing.draw(camera(), false);
+  CHECK_FALSE(drawing.depth_range());
+}
+
 TEST_CASE("view drawing: the error in a crop is that beside the reference of this picture and renderer") {
   Drawing drawing(exact, {}, {generated()});
   const Camera whole = builtin_camera(), crop = crop_around(whole, 640, 400, CropError::side);
@@ -150,9 +189,10 @@ TEST_CASE("view drawing: the error in a crop is that beside the reference of thi
 
   // Moved scenes and other crops have references of their own.
   drawing.use(exact);
-  drawing.scenes[0].placement.world_from_scene.rotation = rotation_of({3, 2, 1});
-  drawing.scenes[0].placement.first = 256, drawing.scenes[0].placement.count = 2000;
-  drawing.place();
+  change(drawing, 0, [](ListedScene& listed) {
+    listed.world_from_scene.rotation = rotation_of({3, 2, 1});
+    listed.first = 256, listed.count = 2000;
+  });
   CHECK_FALSE(error.of(drawing, crop));
   CHECK(wait_for(crop).psnr_db > 100);
   CHECK_FALSE(error.of(drawing, crop_around(whole, 0, 0, CropError::side)));
@@ -182,18 +222,10 @@ TEST_CASE("view drawing: angles of a rotation make the same rotation") {
   CHECK(std::signbit(angles_of(dmat3(1.0)).y) == false);
 }
 
-TEST_CASE("view drawing: a box of a clip is told and other half-spaces are left alone") {
-  const Corners box{{-1, -2, -3}, {1, 2, 4}};
-  Clip ball = Clip::sphere(vec3(1, 2, 3), 5);
-  const Clip clip = with_box(ball, box);
-  CHECK(clip.radius == 5);
-  REQUIRE(box_of(clip));
-  CHECK(box_of(clip)->low == box.low);
-  CHECK(box_of(clip)->high == box.high);
-  CHECK_FALSE(box_of(ball));
-  CHECK(with_box(clip, std::nullopt).half_space_count == 0);
-  CHECK(with_box(clip, std::nullopt).radius == 5);
-  Clip other = clip;
-  other.half_spaces[3].x = 0.5f;
-  CHECK_FALSE(box_of(other));
+TEST_CASE("view drawing: a scene is called by its file or folder") {
+  const auto name = [](const std::string& file) { return ShownScene{{.file = file}, nullptr}.name(); };
+  CHECK(name("captures/room.ply") == "room.ply");
+  CHECK(name("captures/garden/") == "garden");
+  CHECK(name("builtin:20") == "builtin:20");
+  CHECK(name(".") == ".");
 }

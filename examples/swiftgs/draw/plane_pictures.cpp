@@ -11,9 +11,13 @@
 #include <swiftgs/split_mix.hpp>
 
 namespace swiftgs::cli {
-namespace {
 
-/// From 0 to 1.
+float DepthRange::part(float depth) const {
+  return high > low ? std::log(depth / low) / std::log(high / low) : 0.0f;
+}
+
+float DepthRange::depth(float part) const { return low * std::pow(high / low, part); }
+
 vec3 false_colour(float part) {
   constexpr int last = 4;
   const vec3 stops[last + 1] = {
@@ -23,22 +27,19 @@ vec3 false_colour(float part) {
   return stops[stop] + (at - float(stop)) * (stops[stop + 1] - stops[stop]);
 }
 
-/// The values between which all but the least and the largest hundredth of those above 0 lie.
-struct Range {
-  float low = 0, high = 0;
+namespace {
 
-  explicit Range(std::vector<float> values) {
-    std::erase_if(values, [](float value) { return !(value > 0); });
-    if (values.empty()) return;
-    const auto value_at = [&](std::size_t i) {
-      std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(i), values.end());
-      return values[i];
-    };
-    low = value_at(values.size() / 100), high = value_at(values.size() - 1 - values.size() / 100);
-  }
-  /// On a logarithmic scale.
-  float part(float value) const { return high > low ? std::log(value / low) / std::log(high / low) : 0.0f; }
-};
+/// The values between which all but the least and the largest hundredth of those above 0 lie.
+std::optional<DepthRange> range_of(std::vector<float> values) {
+  std::erase_if(values, [](float value) { return !(value > 0); });
+  if (values.empty()) return std::nullopt;
+  const auto value_at = [&](std::size_t i) {
+    std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(i), values.end());
+    return values[i];
+  };
+  const float low = value_at(values.size() / 100);
+  return DepthRange{low, value_at(values.size() - 1 - values.size() / 100)};
+}
 
 vec3 colour_of_normal(const float* sum) {
   const vec3 n(sum[0], sum[1], sum[2]);
@@ -72,6 +73,7 @@ std::vector<PlanePicture> pictures_of_planes(const Frame& frame) {
       [&]<class Value>(std::size_t channels, const std::vector<Value>& values, std::string_view name) {
         if (values.empty() || name == "colour" || name == "features") return;
         Frame picture;
+        std::optional<DepthRange> range;
         picture.width = frame.width, picture.height = frame.height;
         if constexpr (std::is_same_v<Value, std::uint32_t>) {
           paint(picture, [&](std::size_t pixel) { return colour_of_id(values[pixel]); });
@@ -80,12 +82,12 @@ std::vector<PlanePicture> pictures_of_planes(const Frame& frame) {
         } else if (name == "alpha") {
           paint(picture, [&](std::size_t pixel) { return vec3(values[pixel]); });
         } else {
-          const Range range(values);
+          range = range_of(values);
           paint(picture, [&](std::size_t pixel) {
-            return values[pixel] > 0 ? false_colour(range.part(values[pixel])) : vec3(0);
+            return values[pixel] > 0 ? false_colour(range->part(values[pixel])) : vec3(0);
           });
         }
-        pictures.push_back({std::string(name), std::move(picture)});
+        pictures.push_back({std::string(name), std::move(picture), range});
       },
       frame, plane_names);
   return pictures;

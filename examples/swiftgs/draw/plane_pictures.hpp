@@ -1,17 +1,34 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <swiftgs/frame.hpp>
+#include <swiftgs/math.hpp>
 
 namespace swiftgs::cli {
+
+/// The depths between which colours tell depths apart, on a logarithmic scale. Nearer ones look like `low`,
+/// farther ones like `high`. @units{world, squared for squared depths}
+struct DepthRange {
+  float low = 0, high = 0;
+
+  /// 0 of `low`, 1 of `high`. Expects a depth above 0.
+  float part(float depth) const;
+  /// The depth of a part; the other way round.
+  float depth(float part) const;
+};
+
+/// The colour of a depth, by its part of the range; parts below 0 and above 1 have those of 0 and 1.
+vec3 false_colour(float part);
 
 /// A plane of a frame, to look at.
 struct PlanePicture {
   std::string plane;
-  Frame picture;  ///< colour alone
+  Frame picture;                    ///< colour alone
+  std::optional<DepthRange> range;  ///< of a plane of depths, unless it is empty
 };
 
 /// The planes of `frame` beside colour: alpha in grey; depths on a logarithmic scale from blue, near, to

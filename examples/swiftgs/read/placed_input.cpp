@@ -17,12 +17,10 @@
 #include "read/scene_input.hpp"
 
 namespace swiftgs::cli {
-namespace {
 
 namespace fs = std::filesystem;
 
-/// Whether `name` is a file of a JSON array. Scenes in JSON are objects.
-bool is_list(const std::string& name) {
+bool is_scene_list(const std::string& name) {
   if (!name.ends_with(".json") || !fs::is_regular_file(name)) return false;
   constexpr std::string_view mark = "\xef\xbb\xbf";  // which editors of Windows write first
   std::ifstream file(name);
@@ -33,7 +31,37 @@ bool is_list(const std::string& name) {
   return first == '[';
 }
 
-/// Of positions and in a world from which origins were subtracted.
+std::vector<ListedScene> scenes_of(const std::vector<std::string>& names, bool place) {
+  if (names.size() > 1 && !place)
+    throw std::invalid_argument("render: found " + std::to_string(names.size()) +
+                                " scenes, expected one, or --place to show all in one frame");
+  std::vector<ListedScene> scenes;
+  for (const std::string& name : names) {
+    if (!is_scene_list(name)) {
+      scenes.push_back({.file = name});
+      continue;
+    }
+    Team::here().require_same_file(name);
+    for (ListedScene& scene : read_scene_list(name)) {
+      if (!builtin_size(scene.file))
+        scene.file = (fs::path(name).parent_path() / scene.file).lexically_normal().string();
+      scenes.push_back(std::move(scene));
+    }
+  }
+  return scenes;
+}
+
+void write_scenes(const std::string& file, std::vector<ListedScene> scenes) {
+  const fs::path folder = fs::absolute(file).parent_path().lexically_normal();
+  for (ListedScene& scene : scenes) {
+    if (builtin_size(scene.file)) continue;
+    const fs::path whole = fs::absolute(scene.file).lexically_normal();
+    const fs::path relative = whole.lexically_relative(folder);
+    scene.file = (relative.empty() ? whole : relative).generic_string();
+  }
+  write_scene_list(file, scenes);
+}
+
 Placement placement_of(const ListedScene& listed, std::size_t scene, const dvec3& origin,
                        const dvec3& of_world) {
   Placement p{.scene = scene,
@@ -48,29 +76,8 @@ Placement placement_of(const ListedScene& listed, std::size_t scene, const dvec3
     p.clip.centre = vec3(listed.sphere->centre - origin), p.clip.radius = float(listed.sphere->radius);
   p.first = std::size_t(listed.first);
   if (listed.count) p.count = std::size_t(*listed.count);
+  if (!listed.visible) p.count = 0;
   return p;
-}
-
-}  // namespace
-
-std::vector<ListedScene> scenes_of(const std::vector<std::string>& names, bool place) {
-  if (names.size() > 1 && !place)
-    throw std::invalid_argument("render: found " + std::to_string(names.size()) +
-                                " scenes, expected one, or --place to show all in one frame");
-  std::vector<ListedScene> scenes;
-  for (const std::string& name : names) {
-    if (!is_list(name)) {
-      scenes.push_back({.file = name});
-      continue;
-    }
-    Team::here().require_same_file(name);
-    for (ListedScene& scene : read_scene_list(name)) {
-      if (!builtin_size(scene.file))
-        scene.file = (fs::path(name).parent_path() / scene.file).lexically_normal().string();
-      scenes.push_back(std::move(scene));
-    }
-  }
-  return scenes;
 }
 
 DrawnScenes load_to_place(const std::vector<ListedScene>& scenes, const SceneOptions& reading,

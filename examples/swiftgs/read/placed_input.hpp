@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <string>
@@ -16,10 +17,21 @@
 
 namespace swiftgs::cli {
 
+/// Whether `name` is a file of a JSON array. Scenes in JSON are objects.
+bool is_scene_list(const std::string& name);
+
 /// The scenes of one frame. `names` are files of scenes, or lists, whose paths are relative to the list.
 /// Reads lists alone. Throws `std::invalid_argument` for several names unless `place` says that one frame
 /// shows all.
 std::vector<ListedScene> scenes_of(const std::vector<std::string>& names, bool place);
+
+/// Writes the list `file` of `scenes`, whose names are those that `scenes_of` returns. Throws as
+/// `write_scene_list`.
+void write_scenes(const std::string& file, std::vector<ListedScene> scenes);
+
+/// Of a scene whose positions lack `origin`, in a world that lacks `of_world`. Nothing shows of a hidden one.
+Placement placement_of(const ListedScene& listed, std::size_t scene, const dvec3& origin,
+                       const dvec3& of_world);
 
 /// Scenes of one frame to draw. The world's zero is where the first one's means have theirs.
 struct DrawnScenes {

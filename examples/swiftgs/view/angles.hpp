@@ -4,13 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
 
-#include <swiftgs/clip.hpp>
 #include <swiftgs/math.hpp>
 
 /// @file
-/// Rotations and clips of placed scenes as the numbers that panels show.
+/// Rotations of placed scenes as the angles that panels show.
 
 namespace swiftgs::cli {
 
@@ -30,30 +28,6 @@ inline dvec3 angles_of(const dmat3& rotation) {
   return 0.0 + to_degrees * dvec3(std::atan2(rotation[1][2], rotation[2][2]),
                                   std::asin(std::clamp(-rotation[0][2], -1.0, 1.0)),
                                   std::atan2(rotation[0][1], rotation[0][0]));
-}
-
-/// Two corners of a box.
-struct Corners {
-  vec3 low{0}, high{0};
-};
-
-/// The box whose half-spaces `clip` has; nothing if it has others.
-inline std::optional<Corners> box_of(const Clip& clip) {
-  if (clip.half_space_count != Clip::max_half_spaces) return std::nullopt;
-  Corners box;
-  for (int axis = 0; axis < 3; ++axis)
-    box.low[axis] = -clip.half_spaces[2 * axis].w, box.high[axis] = clip.half_spaces[2 * axis + 1].w;
-  const Clip same = Clip::box(box.low, box.high);
-  const bool is_box =
-      std::equal(same.half_spaces, same.half_spaces + same.half_space_count, clip.half_spaces);
-  return is_box ? std::optional(box) : std::nullopt;
-}
-
-/// `clip` with `box` in place of all half-spaces, or with none. Its sphere stays.
-inline Clip with_box(const Clip& clip, const std::optional<Corners>& box) {
-  Clip out = box ? Clip::box(box->low, box->high) : Clip();
-  out.centre = clip.centre, out.radius = clip.radius;
-  return out;
 }
 
 }  // namespace swiftgs::cli

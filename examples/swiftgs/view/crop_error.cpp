@@ -16,12 +16,12 @@ namespace swiftgs::cli {
 namespace {
 
 /// The reference's colours of the placed scenes.
-std::vector<double> colours_of(const std::vector<ShownScene>& shown, const Camera& camera,
+std::vector<double> colours_of(const std::vector<PlacedGaussians>& shown, const Camera& camera,
                                const RenderSettings& settings) {
   std::vector<Scene> parts;  // of scenes that show in part
   parts.reserve(shown.size());
   std::vector<ReferenceScene> scenes;
-  for (const ShownScene& each : shown) {
+  for (const PlacedGaussians& each : shown) {
     const Placement& p = each.placement;
     const Scene* scene = each.gaussians.get();
     if (const std::size_t count = std::min(p.count, scene->size() - p.first); count != scene->size()) {

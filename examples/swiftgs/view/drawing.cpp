@@ -3,72 +3,90 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <filesystem>
+#include <iterator>
 #include <stdexcept>
 #include <type_traits>
 #include <utility>
 
-#include "draw/plane_pictures.hpp"
+#include "read/placed_input.hpp"
 
 namespace swiftgs::cli {
 namespace {
 
-std::size_t size_of(const ShownScene& shown) {
-  return std::min(shown.placement.count, shown.gaussians->size() - shown.placement.first);
-}
-
 void require_gaussians(const ShownScene& shown) {
   if (shown.gaussians->size() == 0)
-    throw std::invalid_argument(shown.name + ": expected a Gaussian or more to show, found none");
+    throw std::invalid_argument(shown.listed.file + ": expected a Gaussian or more to show, found none");
 }
 
 }  // namespace
 
+std::string ShownScene::name() const {
+  const std::filesystem::path whole = std::filesystem::path(listed.file).lexically_normal();
+  const std::filesystem::path path = whole.has_filename() ? whole : whole.parent_path();  // of a folder
+  return path.filename().string();
+}
+
 Drawing::Drawing(const std::string& renderer, const RenderSettings& settings, std::vector<ShownScene> shown)
     : renderer_(make_renderer(renderer)), settings_(settings) {
   settings_.time = true;
-  for (ShownScene& scene : shown) add(std::move(scene));
+  add(std::move(shown));
 }
 
 void Drawing::use(const std::string& renderer) {
   std::unique_ptr<AnyRenderer> other = make_renderer(renderer);
   if (!other->share_scene(*renderer_))
     for (const auto& scene : uploaded_) other->add_scene(scene);
-  const std::vector<Placement> now = placements();
+  const std::vector<Placement> now = placements(scenes_);
   other->place({now.data(), now.size()});
   renderer_ = std::move(other), apart_.reset();
 }
 
-void Drawing::add(ShownScene shown) {
-  require_gaussians(shown);
-  const auto known = std::find(uploaded_.begin(), uploaded_.end(), shown.gaussians);
-  shown.placement.scene = std::size_t(known - uploaded_.begin());
-  if (known == uploaded_.end()) {
-    renderer_->add_scene(shown.gaussians);
-    uploaded_.push_back(shown.gaussians);
+void Drawing::add(std::vector<ShownScene> more) {
+  for (const ShownScene& scene : more) require_gaussians(scene);
+  for (const ShownScene& scene : more) {
+    if (std::find(uploaded_.begin(), uploaded_.end(), scene.gaussians) != uploaded_.end()) continue;
+    renderer_->add_scene(scene.gaussians);
+    uploaded_.push_back(scene.gaussians);
   }
-  scenes.push_back(std::move(shown));
-  place();
+  std::vector<ShownScene> all = scenes_;
+  std::move(more.begin(), more.end(), std::back_inserter(all));
+  place(std::move(all));
 }
 
-std::vector<ShownScene> Drawing::visible() const {
-  std::vector<ShownScene> visible;
-  for (const ShownScene& scene : scenes)
-    if (scene.visible) visible.push_back(scene);
-  return visible;
+void Drawing::change(std::size_t number, ListedScene listed) {
+  std::vector<ShownScene> all = scenes_;
+  all[number].listed = std::move(listed);
+  place(std::move(all));
 }
 
-std::vector<Placement> Drawing::placements() const {
+void Drawing::place(std::vector<ShownScene> all) {
+  const std::vector<Placement> now = placements(all);
+  renderer_->place({now.data(), now.size()});
+  scenes_ = std::move(all);
+  ++version_;
+}
+
+std::vector<Placement> Drawing::placements(const std::vector<ShownScene>& all) const {
   std::vector<Placement> placements;
-  for (const ShownScene& scene : visible()) placements.push_back(scene.placement);
-  // A frame needs a placed scene, though it show none of its Gaussians.
-  if (placements.empty()) placements.push_back({.count = 0});
+  for (const ShownScene& scene : all) {
+    const auto uploaded = std::find(uploaded_.begin(), uploaded_.end(), scene.gaussians);
+    placements.push_back(placement_of(scene.listed, std::size_t(uploaded - uploaded_.begin()),
+                                      scene.gaussians->origin, all[0].gaussians->origin));
+  }
   return placements;
 }
 
-void Drawing::place() {
-  const std::vector<Placement> now = placements();
-  renderer_->place({now.data(), now.size()});
-  ++version_;
+dvec3 Drawing::in_world(std::size_t scene, const dvec3& position) const {
+  return scenes_[scene].listed.world_from_scene(position) - scenes_[0].gaussians->origin;
+}
+
+std::vector<PlacedGaussians> Drawing::visible() const {
+  std::vector<PlacedGaussians> visible;
+  const std::vector<Placement> now = placements(scenes_);
+  for (std::size_t i = 0; i < now.size(); ++i)
+    if (scenes_[i].listed.visible) visible.push_back({scenes_[i].gaussians, now[i]});
+  return visible;
 }
 
 void Drawing::show_plane(std::string_view name) {
@@ -86,18 +104,21 @@ void Drawing::draw(const Camera& camera, bool count) {
   RenderSettings settings = settings_;
   settings.count = count;
   renderer_->render(camera, settings, frame_);
-  if (!plane_.empty()) plane_picture_ = std::move(pictures_of_planes(frame_).at(0).picture);
+  depth_range_.reset();
+  if (plane_.empty()) return;
+  PlanePicture shown = std::move(pictures_of_planes(frame_).at(0));
+  plane_picture_ = std::move(shown.picture), depth_range_ = shown.range;
 }
 
 std::optional<Picked> Drawing::pick(int x, int y) {
   const PickedPixel found = renderer_->pick(x, y);
   std::size_t number = found.gaussian;
   if (found.gaussian == PickedPixel::nothing) return std::nullopt;
-  for (std::size_t i = 0; i < scenes.size(); ++i) {
-    if (!scenes[i].visible) continue;
-    if (number < size_of(scenes[i]))
-      return Picked{i, scenes[i].placement.first + number, found.weight, found.depth};
-    number -= size_of(scenes[i]);
+  const std::vector<Placement> now = placements(scenes_);
+  for (std::size_t i = 0; i < now.size(); ++i) {
+    const std::size_t size = std::min(now[i].count, scenes_[i].gaussians->size() - now[i].first);
+    if (number < size) return Picked{i, now[i].first + number, found.weight, found.depth};
+    number -= size;
   }
   return std::nullopt;
 }

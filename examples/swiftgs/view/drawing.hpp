@@ -10,18 +10,27 @@
 
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/camera.hpp>
+#include <swiftgs/io/scene_list.hpp>
 #include <swiftgs/pick.hpp>
-#include <swiftgs/reference/placed.hpp>
 #include <swiftgs/scene.hpp>
+
+#include "draw/plane_pictures.hpp"
 
 namespace swiftgs::cli {
 
-/// A placed scene of the viewer's list.
+/// A placed scene of the viewer's list. Its numbers are those of lists of scenes, so that a saved list draws
+/// the same bits.
 struct ShownScene {
-  std::string name;
+  ListedScene listed;
   std::shared_ptr<const Scene> gaussians;
-  Placement placement{};  ///< `scene` is set by `Drawing`
-  bool visible = true;
+
+  std::string name() const;  ///< of the file, without its folders
+};
+
+/// What shows of `gaussians` in a frame.
+struct PlacedGaussians {
+  std::shared_ptr<const Scene> gaussians;
+  Placement placement;
 };
 
 /// What shows at a pixel: the Gaussian of the largest weight, by its number in its scene.
@@ -39,10 +48,11 @@ class Drawing {
 
   /// Draws with the renderer of this name from now on. Throws as `make_renderer`, and changes nothing then.
   void use(const std::string& renderer);
-  /// Adds a scene. Throws `std::invalid_argument` if it has no Gaussian.
-  void add(ShownScene scene);
-  /// Places `scenes` as they are now. Throws as `AnyRenderer::place`, and changes nothing then.
-  void place();
+  /// Adds all of these scenes. Throws `std::invalid_argument` if one has no Gaussian, and as
+  /// `AnyRenderer::place`; adds none then.
+  void add(std::vector<ShownScene> scenes);
+  /// Places scene `number` as `listed` says. Throws as `AnyRenderer::place`, and changes nothing then.
+  void change(std::size_t number, ListedScene listed);
   /// Shows this plane in false colours in place of colour; colour where the name is empty.
   void show_plane(std::string_view name);
 
@@ -50,6 +60,8 @@ class Drawing {
   void draw(const Camera& camera, bool count);
   /// The last frame as it shows: its colours, or those of its plane.
   const Frame& picture() const { return plane_.empty() ? frame_ : plane_picture_; }
+  /// What the colours of the last frame's plane mean, if they are those of depths.
+  const std::optional<DepthRange>& depth_range() const { return depth_range_; }
   /// At a pixel of the last frame, where a Gaussian shows.
   std::optional<Picked> pick(int x, int y);
   /// A frame beside the last one, which stays.
@@ -58,21 +70,27 @@ class Drawing {
   const AnyRenderer& renderer() const { return *renderer_; }
   StageTimes times() { return renderer_->times(); }
   const RenderSettings& settings() const { return settings_; }
-  /// What shows, for the reference, which must not outlive `scenes`.
-  std::vector<ShownScene> visible() const;
+  const std::vector<ShownScene>& scenes() const { return scenes_; }
+  /// Position of the scene's file in the world of the first scene, whose origin is 0 there.
+  dvec3 in_world(std::size_t scene, const dvec3& position) const;
+  /// What shows, for the reference.
+  std::vector<PlacedGaussians> visible() const;
   /// Grows when scenes change.
   std::size_t version() const { return version_; }
 
-  std::vector<ShownScene> scenes;  ///< to change before `place`
-
  private:
-  std::vector<Placement> placements() const;
+  /// Of each scene. The only place where a list's numbers become those of a frame.
+  std::vector<Placement> placements(const std::vector<ShownScene>& scenes) const;
+  /// Makes `scenes` those of the list. Throws as `AnyRenderer::place`, and changes nothing then.
+  void place(std::vector<ShownScene> scenes);
 
   std::unique_ptr<AnyRenderer> renderer_, apart_;
   RenderSettings settings_;
   std::vector<std::shared_ptr<const Scene>> uploaded_;  ///< each once, by `Placement::scene`
+  std::vector<ShownScene> scenes_;
   std::string plane_;
   Frame frame_, plane_picture_;
+  std::optional<DepthRange> depth_range_;
   std::size_t version_ = 0;
 };
 

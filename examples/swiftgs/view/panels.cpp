@@ -1,59 +1,49 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "view/panels.hpp"
+
 #include <algorithm>
-#include <array>
 #include <cstddef>
-#include <cstdio>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include <imgui.h>
 
-#include <swiftgs/scene_bounds.hpp>
-
 #include "draw/renderer_words.hpp"
-#include "view/placement_numbers.hpp"
-#include "view/viewer.hpp"
+#include "view/widgets.hpp"
 
 namespace swiftgs::cli {
 namespace {
 
-/// Lists `words` to choose one of. Returns whether `chosen` changed.
-bool choose(const char* label, const std::vector<std::string>& words, std::string& chosen) {
-  const std::string before = chosen;
-  if (!ImGui::BeginCombo(label, chosen.c_str())) return false;
-  for (const std::string& word : words)
-    if (ImGui::Selectable(word.c_str(), word == chosen)) chosen = word;
-  ImGui::EndCombo();
-  return chosen != before;
-}
+/// The words of all renderers that can run here, place by place of their names.
+struct Words {
+  std::vector<std::string> backend, sort, raster, bounds;
 
-/// Three doubles to drag. Returns whether they changed.
-bool drag(const char* label, dvec3& values, double speed) {
-  std::array<double, 3> numbers{values.x, values.y, values.z};
-  if (!ImGui::DragScalarN(label, ImGuiDataType_Double, numbers.data(), 3, float(speed), nullptr, nullptr,
-                          "%.3g"))
-    return false;
-  values = {numbers[0], numbers[1], numbers[2]};
-  return true;
-}
+  Words() {
+    const auto add = [](std::vector<std::string>& words, const std::string& word) {
+      if (std::find(words.begin(), words.end(), word) == words.end()) words.push_back(word);
+    };
+    for (const RendererEntry& entry : renderers()) {
+      if (!entry.usable) continue;
+      const RendererWords each(entry.name);
+      add(backend, each.backend), add(sort, each.sort), add(raster, each.raster), add(bounds, each.bounds);
+    }
+  }
 
-bool slide(const char* label, double& value, double low, double high, const char* format, bool logarithmic) {
-  return ImGui::SliderScalar(label, ImGuiDataType_Double, &value, &low, &high, format,
-                             logarithmic ? ImGuiSliderFlags_Logarithmic : 0);
-}
+  static const Words& all() {
+    static const Words words;
+    return words;
+  }
+};
 
-/// `part` of `whole` as a bar with a text.
-void bar(const char* label, double part, double whole, const std::string& text) {
-  ImGui::ProgressBar(whole > 0 ? float(part / whole) : 0.0f, ImVec2(160, 0), text.c_str());
-  ImGui::SameLine();
-  ImGui::TextUnformatted(label);
-}
+constexpr const char* longest_label = "seconds a key";
 
-std::string text_of(const char* format, double number) {
-  std::array<char, 40> text{};
-  std::snprintf(text.data(), text.size(), format, number);
-  return text.data();
+/// Of controls: wide enough for the longest word.
+float control_width() {
+  float widest = 0;
+  for (const auto* words :
+       {&Words::all().backend, &Words::all().sort, &Words::all().raster, &Words::all().bounds})
+    for (const std::string& word : *words) widest = std::max(widest, ImGui::CalcTextSize(word.c_str()).x);
+  return widest + ImGui::GetFrameHeight() + 2 * ImGui::GetStyle().FramePadding.x + 1;
 }
 
 void camera_panel(Viewer& viewer, bool& changed) {
@@ -70,83 +60,28 @@ void camera_panel(Viewer& viewer, bool& changed) {
   ImGui::SameLine();
   if (ImGui::ArrowButton("next", ImGuiDir_Right)) camera = camera == last ? 0 : camera + 1;
   ImGui::SameLine();
-  if (ImGui::BeginCombo("camera", viewer.cameras[viewer.camera].name.c_str())) {
+  ImGui::SetNextItemWidth(control_width() - 2 * (ImGui::GetFrameHeight() + ImGui::GetStyle().ItemSpacing.x));
+  if (begin_list("camera", viewer.cameras[viewer.camera].name, viewer.escapes)) {
     for (std::size_t i = 0; i <= last; ++i)
-      if (ImGui::Selectable(viewer.cameras[i].name.c_str(), i == viewer.camera)) camera = i;
+      if (list_entry(i, viewer.cameras[i].name, i == viewer.camera)) camera = i;
     ImGui::EndCombo();
   }
   if (camera != viewer.camera) jump_to(viewer, camera), changed = true;
 }
 
-/// The box that shows of a scene, in numbers of its file.
-bool clip_panel(ShownScene& scene) {
-  Clip& clip = scene.placement.clip;
-  std::optional<Corners> box = box_of(clip);
-  bool clipped = box.has_value(), changed = ImGui::Checkbox("clip by a box", &clipped);
-  if (changed && clipped) {
-    const SceneBounds bounds = robust_bounds(*scene.gaussians);
-    box = {vec3(bounds.low), vec3(bounds.high)};
-  } else if (!clipped) {
-    box.reset();
-  }
-  if (box) {
-    const vec3 size = box->high - box->low;
-    const double speed = 0.002 * double(std::max({size.x, size.y, size.z}));
-    const dvec3& origin = scene.gaussians->origin;
-    dvec3 low = origin + dvec3(box->low), high = origin + dvec3(box->high);
-    if (drag("from", low, speed)) box->low = vec3(low - origin), changed = true;
-    if (drag("to", high, speed)) box->high = vec3(high - origin), changed = true;
-  }
-  if (changed) clip = with_box(clip, box);
-  return changed;
-}
-
-void scene_panel(Viewer& viewer, bool& changed) {
-  bool placed = false;
-  for (std::size_t i = 0; i < viewer.drawing.scenes.size(); ++i) {
-    ShownScene& scene = viewer.drawing.scenes[i];
-    ImGui::PushID(int(i));
-    placed |= ImGui::Checkbox("##visible", &scene.visible);
-    ImGui::SameLine();
-    if (ImGui::TreeNode(scene.name.c_str())) {
-      Similarity& pose = scene.placement.world_from_scene;
-      placed |= drag("place", pose.translation, 0.01 * viewer.least_way);
-      dvec3 angles = angles_of(pose.rotation);
-      if (drag("angles", angles, 0.5)) pose.rotation = rotation_of(angles), placed = true;
-      placed |= slide("scale", pose.scale, 0.01, 100, "%.3g", true);
-      placed |= ImGui::SliderFloat("opacity", &scene.placement.opacity, 0, 1);
-      placed |= clip_panel(scene);
-      ImGui::TreePop();
-    }
-    ImGui::PopID();
-  }
-  if (placed) attempt(viewer, [&] { viewer.drawing.place(), viewer.picked.reset(), changed = true; });
-}
-
-/// The words at this place of the names of all renderers that can run here.
-std::vector<std::string> words_at(std::string RendererWords::*place) {
-  std::vector<std::string> words;
-  for (const RendererEntry& entry : renderers()) {
-    const RendererWords each(entry.name);
-    if (entry.usable && std::find(words.begin(), words.end(), each.*place) == words.end())
-      words.push_back(each.*place);
-  }
-  return words;
-}
-
 void renderer_panel(Viewer& viewer, bool& changed) {
   RendererWords words(viewer.drawing.renderer().name());
-  bool other = choose("backend", words_at(&RendererWords::backend), words.backend);
-  other |= choose("sort", words_at(&RendererWords::sort), words.sort);
-  other |= choose("raster", words_at(&RendererWords::raster), words.raster);
-  other |= choose("bounds", words_at(&RendererWords::bounds), words.bounds);
+  bool other = choose("backend", Words::all().backend, words.backend, viewer.escapes);
+  other |= choose("sort", Words::all().sort, words.sort, viewer.escapes);
+  other |= choose("raster", Words::all().raster, words.raster, viewer.escapes);
+  other |= choose("bounds", Words::all().bounds, words.bounds, viewer.escapes);
   if (other) attempt(viewer, [&] { viewer.drawing.use(words.with_sort(words.sort)), changed = true; });
 
   std::string plane = viewer.plane.empty() ? "colour" : viewer.plane;
   std::vector<std::string> planes;
   for_each_plane([&](std::size_t, const char* name) { planes.emplace_back(name); }, plane_names);
   planes.pop_back();  // no file has features
-  if (choose("plane", planes, plane)) {
+  if (choose("plane", planes, plane, viewer.escapes)) {
     viewer.plane = plane == "colour" ? "" : plane;
     viewer.drawing.show_plane(viewer.plane), changed = true;
   }
@@ -161,12 +96,12 @@ void renderer_panel(Viewer& viewer, bool& changed) {
 void picked_panel(const Viewer& viewer) {
   if (!viewer.picked) return ImGui::TextUnformatted("Click on the picture.");
   const Picked& picked = *viewer.picked;
-  const ShownScene& shown = viewer.drawing.scenes[picked.scene];
+  const ShownScene& shown = viewer.drawing.scenes()[picked.scene];
   const Scene& scene = *shown.gaussians;
   const std::size_t i = picked.gaussian;
   const dvec3 at = scene.origin + dvec3(scene.means[i]);
   const vec3& size = scene.scales[i];
-  ImGui::Text("Gaussian %zu of %s", i, shown.name.c_str());
+  ImGui::TextWrapped("Gaussian %zu of %s", i, shown.name().c_str());
   ImGui::Text("weight %.3f, depth %.4g", double(picked.weight), double(picked.depth));
   ImGui::Text("position %.5g %.5g %.5g", at.x, at.y, at.z);
   ImGui::Text("scale %.3g %.3g %.3g", double(size.x), double(size.y), double(size.z));
@@ -175,17 +110,21 @@ void picked_panel(const Viewer& viewer) {
 
 void path_panel(Viewer& viewer, bool& changed) {
   CameraPath& path = viewer.path;
-  if (ImGui::Button("add key")) path.keys.push_back(viewer.shown);
+  if (ImGui::Button("add key")) add_key(viewer);
   ImGui::SameLine();
-  if (ImGui::Button("drop last") && !path.keys.empty()) path.keys.pop_back(), viewer.plays = false;
+  if (ImGui::Button("drop last") && !path.keys.empty())
+    path.keys.pop_back(), viewer.plays = false, viewer.has_edited_path = true;
   ImGui::SameLine();
   ImGui::Text("%zu %s, %.1f s", path.keys.size(), path.keys.size() == 1 ? "key" : "keys", path.seconds());
-  slide("seconds a key", path.seconds_a_key, 0.02, 10, "%.2f", true);
+  if (slide(longest_label, path.seconds_a_key, 0.02, 10, "%.2f", true)) viewer.has_edited_path = true;
+  viewer.path_at = std::min(viewer.path_at, path.seconds());
   if (path.keys.empty()) return;
   if (slide("at", viewer.path_at, 0, path.seconds(), "%.2f s", false)) follow_path(viewer), changed = true;
   if (ImGui::Button(viewer.plays ? "stop" : "play")) viewer.plays = !viewer.plays;
   ImGui::SameLine();
-  if (ImGui::Button("save")) attempt(viewer, [&] { save_path(viewer); });
+  if (ImGui::Button("save path")) attempt(viewer, [&] { save_path(viewer); });
+  ImGui::SameLine();
+  ImGui::TextUnformatted(viewer.has_edited_path ? "not saved" : viewer.path_file.c_str());
 }
 
 void statistics_panel(Viewer& viewer, bool& changed) {
@@ -216,20 +155,31 @@ constexpr const char* keys_of_viewer =
     "1 2 3       orbit, fly, walk\n"
     "click       pick; twice: orbit it\n"
     "K, Space, F add key, play, save path\n"
+    "L           save the list of scenes\n"
     "P           picture to a PNG\n"
     "N, B, R     next, previous, this camera\n"
-    "H           hide panels";
+    "H           hide panels\n"
+    "Esc         close a list, dismiss a message\n"
+    "Ctrl+click  type the number of a control";
 
 }  // namespace
 
 bool draw_panels(Viewer& viewer) {
   bool changed = false;
-  ImGui::SetNextWindowPos(ImVec2(8, 8), ImGuiCond_FirstUseEver);
-  ImGui::SetNextWindowSize(ImVec2(330, 700), ImGuiCond_FirstUseEver);
-  ImGui::Begin("SwiftGS");
-  ImGui::PushItemWidth(190);
-  const StageTimes ms = viewer.drawing.times();
-  ImGui::Text("%dx%d  %.1f ms", viewer.drawing.picture().width, viewer.drawing.picture().height, ms.total);
+  const ImGuiStyle& style = ImGui::GetStyle();
+  const ImVec2 display = ImGui::GetIO().DisplaySize;
+  const float margin = style.WindowPadding.x, controls = control_width();
+  const float width = controls + style.ItemInnerSpacing.x + ImGui::CalcTextSize(longest_label).x +
+                      2 * style.WindowPadding.x + style.ScrollbarSize;
+  ImGui::SetNextWindowPos(ImVec2(margin, margin), ImGuiCond_FirstUseEver);
+  ImGui::SetNextWindowSize(ImVec2(width, 54 * ImGui::GetFontSize()), ImGuiCond_FirstUseEver);
+  // Messages and the legend have the rest of the window.
+  ImGui::SetNextWindowSizeConstraints(ImVec2(0, 0), ImVec2(0.65f * display.x, display.y - 2 * margin));
+  ImGui::Begin("SwiftGS", nullptr, ImGuiWindowFlags_HorizontalScrollbar);
+  ImGui::PushItemWidth(controls);
+  const Frame& picture = viewer.drawing.picture();
+  if (picture.width > 0)
+    ImGui::Text("%dx%d  %.1f ms", picture.width, picture.height, viewer.drawing.times().total);
   if (viewer.interval > 0) {
     ImGui::SameLine();
     ImGui::Text(" %.0f frames a second", 1 / viewer.interval);

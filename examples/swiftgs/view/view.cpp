@@ -41,7 +41,7 @@ dvec3 up_of(const std::vector<View>& views, bool to_find, const ShownScene& firs
   for (const View& view : views)
     up -= dvec3(view.camera.rotation[0][1], view.camera.rotation[1][1], view.camera.rotation[2][1]);
   if (!to_find && glm::length(up) > 0.1 * double(views.size())) return glm::normalize(up);
-  return first.placement.world_from_scene.rotation * default_view(*first.gaussians).up;
+  return first.listed.world_from_scene.rotation * default_view(*first.gaussians).up;
 }
 
 void view(ViewCommand options) {
@@ -58,12 +58,13 @@ void view(ViewCommand options) {
   const Scene& first = *drawn.gaussians[0];
   const RenderSettings settings = settings_of(options.view);
   std::vector<ShownScene> scenes = shown_scenes(listed, drawn);
-  const std::string title = "SwiftGS - " + scenes[0].name;
-  const double radius = robust_bounds(first).radius * scenes[0].placement.world_from_scene.scale;
+  const std::string title = "SwiftGS - " + scenes[0].name();
+  const double radius = robust_bounds(first).radius * listed[0].world_from_scene.scale;
   const dvec3 up = up_of(views, cameras.to_find, scenes[0]);
   Viewer viewer(Drawing(find_renderer(options.renderer).name, settings, std::move(scenes)));
   viewer.reading = options.scene, viewer.cameras = std::move(views);
   viewer.view.up = up, viewer.speed = radius, viewer.least_way = 0.2 * radius;
+  if (options.scenes.size() == 1 && is_scene_list(options.scenes[0])) viewer.list_file = options.scenes[0];
   if (!options.path.empty()) {
     viewer.path_file = options.path;
     if (std::filesystem::exists(options.path)) viewer.path = read_camera_path(options.path, first.origin);
@@ -87,9 +88,10 @@ constexpr const char* view_help =
 as orbit, fly or walk (1, 2, 3). Click on a Gaussian to see its numbers, twice to orbit it. Panels
 have the cameras to jump to (N, B, R), each scene's place, clip and visibility, the renderer, a
 plane, the error beside float64 in a square, what a frame had to do, and a path of keys (K) to play
-(space) and save (F). P writes the picture to swiftgs-1.png and so on, H hides the panels. Dropped
-files are added: scenes, or a camera_path.json. While the camera moves, the picture has half the
-size if it is slow.
+(space) and save (F). L saves the list of scenes as they are placed, to the list that was opened or
+to scenes-1.json and so on, for 'swiftgs render'. P writes the picture to swiftgs-1.png and so on,
+H hides the panels, Esc closes a list or dismisses an error. Dropped files are added: scenes, or a
+camera_path.json. While the camera moves, the picture has half the size if it is slow.
 
 Examples:
   swiftgs view garden/
@@ -113,7 +115,8 @@ void add_view(CLI::App& app) {
   command->add_option("--renderer", options->renderer,
                       "A name from 'swiftgs list' [that of the quickest backend]");
   command->add_option("--path", options->path,
-                      "A camera_path.json: read if it is there, and saved to [camera_path.json]");
+                      "A camera_path.json: read if it is there, and saved to [camera_path-1.json or\n"
+                      "another number, whichever is free]");
   command->callback([options] { view(*options); });
 }
 

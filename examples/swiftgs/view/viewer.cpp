@@ -5,13 +5,13 @@
 #include <cmath>
 #include <cstddef>
 #include <filesystem>
+#include <stdexcept>
 #include <utility>
-
-#include <imgui.h>
 
 #include <swiftgs/io/image.hpp>
 #include <swiftgs/scene_bounds.hpp>
 
+#include "view/panels.hpp"
 #include "view/resolution.hpp"
 #include "view/window.hpp"
 
@@ -23,32 +23,38 @@ namespace fs = std::filesystem;
 /// Between frames that follow each other. @units{seconds}
 constexpr double longest_interval = 0.5;
 
-/// Adds scenes of a file, in the world of the first one.
+/// Adds scenes of a file, where it has them.
 void add_scenes(Viewer& viewer, const std::string& file) {
   const std::vector<ListedScene> listed = scenes_of({file}, true);
   std::vector<std::string> notes;
   const DrawnScenes drawn = load_to_place(listed, viewer.reading, notes);
-  const dvec3 apart = drawn.gaussians[0]->origin - viewer.drawing.scenes[0].gaussians->origin;
-  for (ShownScene& scene : shown_scenes(listed, drawn)) {
-    scene.placement.world_from_scene.translation += apart;
-    viewer.drawing.add(std::move(scene));
-  }
+  viewer.drawing.add(shown_scenes(listed, drawn));
   viewer.picked.reset();
 }
 
 /// Opens a path, or else scenes.
 void open(Viewer& viewer, const std::string& file) {
-  if (is_camera_path(file))
-    viewer.path = read_camera_path(file, viewer.drawing.scenes[0].gaussians->origin), viewer.path_at = 0;
-  else
+  if (is_camera_path(file)) {
+    if (has_unsaved_path(viewer))
+      throw std::invalid_argument(file +
+                                  ": found a path, expected the keys of the old one to be saved or dropped");
+    viewer.path = read_camera_path(file, viewer.drawing.scenes()[0].gaussians->origin);
+    viewer.path_file = file, viewer.path_at = 0, viewer.has_edited_path = false;
+  } else {
     add_scenes(viewer, file);
-  viewer.message = "opened " + file;
+  }
+  note(viewer, "opened " + file);
 }
 
-/// The first of swiftgs-1.png, swiftgs-2.png and so on that is not there.
-std::string free_name() {
+/// The first of swiftgs-1.png, swiftgs-2.png and so on that is not there, of `stem` swiftgs.
+std::string free_name(const std::string& stem, const char* extension) {
   for (int number = 1;; ++number)
-    if (std::string name = "swiftgs-" + std::to_string(number) + ".png"; !fs::exists(name)) return name;
+    if (std::string name = stem + "-" + std::to_string(number) + extension; !fs::exists(name)) return name;
+}
+
+/// `name`, or a free one if that is empty.
+std::string name_or_free(const std::string& name, const char* stem) {
+  return name.empty() ? free_name(stem, ".json") : name;
 }
 
 /// Acts on a key. Returns whether what shows may have changed.
@@ -60,7 +66,7 @@ bool press(Viewer& viewer, char key) {
       viewer.navigation = Navigation(key - '1');
       break;
     case 'K':
-      viewer.path.keys.push_back(viewer.shown);
+      add_key(viewer);
       break;
     case ' ':
       viewer.plays = !viewer.plays && !viewer.path.keys.empty();
@@ -68,15 +74,14 @@ bool press(Viewer& viewer, char key) {
     case 'H':
       viewer.has_panels = !viewer.has_panels;
       break;
-    case 'P': {
-      const std::string name = free_name();
-      if (viewer.scale < 1) viewer.drawing.draw(viewer.shown, viewer.counts), viewer.scale = 1;
-      write_png(name, viewer.drawing.picture());
-      viewer.message = "wrote " + name;
+    case 'P':
+      viewer.saves_picture = true;
       break;
-    }
     case 'F':
       if (!viewer.path.keys.empty()) save_path(viewer);
+      break;
+    case 'L':
+      save_scenes(viewer);
       break;
     case 'R':
       jump_to(viewer, viewer.camera);
@@ -99,16 +104,25 @@ void pick(Viewer& viewer, const Events& events) {
   viewer.picked = viewer.drawing.pick(x, y);
   viewer.crop_x = events.x, viewer.crop_y = events.y;
   if (!events.double_clicked || !viewer.picked) return;
-  const ShownScene& scene = viewer.drawing.scenes[viewer.picked->scene];
-  const dvec3 mean(scene.gaussians->means[viewer.picked->gaussian]);
-  viewer.view.target = scene.placement.world_from_scene(mean);
+  const Scene& scene = *viewer.drawing.scenes()[viewer.picked->scene].gaussians;
+  const dvec3 mean = scene.origin + dvec3(scene.means[viewer.picked->gaussian]);
+  viewer.view.target = viewer.drawing.in_world(viewer.picked->scene, mean);
   viewer.navigation = Navigation::orbit;
+}
+
+/// Goes on along the path, to its end.
+void play(Viewer& viewer, double seconds) {
+  const double last = viewer.path.seconds();
+  viewer.path_at = viewer.path_at >= last ? 0 : std::min(viewer.path_at + seconds, last);
+  viewer.plays = viewer.path_at < last;
+  follow_path(viewer);
 }
 
 /// Applies `events` to `viewer`. Returns whether a new frame is needed.
 bool act(Viewer& viewer, const Events& events) {
   bool changed = false;
-  if (!events.keys.empty() || events.clicked) viewer.message.clear();  // it was read
+  viewer.escapes = events.escape;
+  if (!events.keys.empty() || !events.dropped.empty() || events.clicked) viewer.messages.act();
   for (const std::string& file : events.dropped) attempt(viewer, [&] { open(viewer, file), changed = true; });
   for (const char key : events.keys) attempt(viewer, [&] { changed |= press(viewer, key); });
   if (events.clicked || events.double_clicked) attempt(viewer, [&] { pick(viewer, events); });
@@ -120,42 +134,8 @@ bool act(Viewer& viewer, const Events& events) {
     attempt(viewer, [&] { viewer.view = moved(viewer.view, viewer.navigation, input); });
     viewer.plays = false, changed = true;
   }
-  if (viewer.plays) {
-    viewer.path_at = viewer.path_at >= viewer.path.seconds() ? 0 : viewer.path_at + events.seconds;
-    viewer.plays = viewer.path_at < viewer.path.seconds();
-    follow_path(viewer), changed = true;
-  }
+  if (viewer.plays) play(viewer, events.seconds), changed = true;
   return changed;
-}
-
-/// Marks the crop that is compared, and the Gaussian that was picked.
-void draw_marks(const Viewer& viewer) {
-  const ImVec2 points = ImGui::GetIO().DisplayFramebufferScale;
-  ImDrawList& marks = *ImGui::GetBackgroundDrawList();
-  const auto at = [&](double x, double y) { return ImVec2(float(x) / points.x, float(y) / points.y); };
-  if (viewer.compares) {
-    const Camera crop = crop_around(viewer.shown, viewer.crop_x, viewer.crop_y, CropError::side);
-    const double x = viewer.shown.cx - crop.cx, y = viewer.shown.cy - crop.cy;
-    marks.AddRect(at(x, y), at(x + crop.width, y + crop.height), IM_COL32(255, 255, 255, 255));
-  }
-  if (!viewer.picked || !viewer.shown.lens.is_pinhole()) return;
-  const ShownScene& scene = viewer.drawing.scenes[viewer.picked->scene];
-  const dvec3 mean(scene.gaussians->means[viewer.picked->gaussian]);
-  const Camera& camera = viewer.shown;
-  const dvec3 p = camera.rotation * scene.placement.world_from_scene(mean) + camera.translation;
-  if (p.z > 0)
-    marks.AddCircle(at(camera.fx * p.x / p.z + camera.cx, camera.fy * p.y / p.z + camera.cy), 6,
-                    IM_COL32(255, 255, 0, 255));
-}
-
-void draw_message(const std::string& message) {
-  const ImVec2 size = ImGui::GetIO().DisplaySize;
-  ImGui::SetNextWindowPos(ImVec2(size.x - 8, size.y - 8), ImGuiCond_Always, ImVec2(1, 1));
-  ImGui::Begin("message", nullptr,
-               ImGuiWindowFlags_NoDecoration | ImGuiWindowFlags_AlwaysAutoResize |
-                   ImGuiWindowFlags_NoFocusOnAppearing | ImGuiWindowFlags_NoInputs);
-  ImGui::TextUnformatted(message.c_str());
-  ImGui::End();
 }
 
 /// Draws the frame that is due, if one is.
@@ -181,20 +161,38 @@ void draw_picture(Window& window, Viewer& viewer, Resolution& resolution) {
       viewer.drawing, crop_around(viewer.shown, viewer.crop_x, viewer.crop_y, CropError::side));
 }
 
+/// Writes the whole picture to a new file.
+void save_picture(Viewer& viewer) {
+  const std::string name = free_name("swiftgs", ".png");
+  if (viewer.scale < 1) viewer.drawing.draw(viewer.shown, viewer.counts), viewer.scale = 1;
+  write_png(name, viewer.drawing.picture());
+  note(viewer, "wrote " + name);
+}
+
+/// Draws all that stands before the picture. Returns whether a new frame is needed.
+bool draw_overlays(Viewer& viewer) {
+  draw_marks(viewer);
+  ask_to_quit(viewer);
+  const bool changed = viewer.has_panels && draw_panels(viewer);
+  if (viewer.has_panels) draw_legend(viewer);
+  if (std::exchange(viewer.escapes, false)) viewer.messages.dismiss_last();  // nothing else took it
+  viewer.messages.expire(window_time());
+  draw_messages(viewer);
+  return changed;
+}
+
 }  // namespace
 
 std::vector<ShownScene> shown_scenes(const std::vector<ListedScene>& listed, const DrawnScenes& drawn) {
   std::vector<ShownScene> scenes;
   for (std::size_t i = 0; i < listed.size(); ++i)
-    scenes.push_back({.name = fs::path(listed[i].file).filename().string(),
-                      .gaussians = drawn.gaussians[drawn.placements[i].scene],
-                      .placement = drawn.placements[i]});
+    scenes.push_back({listed[i], drawn.gaussians[drawn.placements[i].scene]});
   return scenes;
 }
 
 void jump_to(Viewer& viewer, std::size_t camera) {
-  const Scene& first = *viewer.drawing.scenes[0].gaussians;
-  const dvec3 middle = viewer.drawing.scenes[0].placement.world_from_scene(robust_bounds(first).centre);
+  const Scene& first = *viewer.drawing.scenes()[0].gaussians;
+  const dvec3 middle = viewer.drawing.in_world(0, first.origin + robust_bounds(first).centre);
   viewer.camera = camera;
   viewer.view = view_through(viewer.cameras[camera].camera, viewer.view.up, middle, viewer.least_way);
 }
@@ -205,23 +203,44 @@ void follow_path(Viewer& viewer) {
   viewer.view = view_through(camera, viewer.view.up, ahead, viewer.least_way);
 }
 
-void save_path(Viewer& viewer) {
-  write_camera_path(viewer.path_file, viewer.path, viewer.shown.width, viewer.shown.height,
-                    viewer.drawing.scenes[0].gaussians->origin);
-  viewer.message = "wrote " + viewer.path_file;
+void add_key(Viewer& viewer) {
+  viewer.path.keys.push_back(viewer.shown);
+  viewer.has_edited_path = true;
 }
+
+void save_path(Viewer& viewer) {
+  const std::string file = name_or_free(viewer.path_file, "camera_path");
+  write_camera_path(file, viewer.path, viewer.shown.width, viewer.shown.height,
+                    viewer.drawing.scenes()[0].gaussians->origin);
+  viewer.path_file = file, viewer.has_edited_path = false;
+  note(viewer, "wrote " + file);
+}
+
+void save_scenes(Viewer& viewer) {
+  const std::string file = name_or_free(viewer.list_file, "scenes");
+  std::vector<ListedScene> listed;
+  for (const ShownScene& scene : viewer.drawing.scenes()) listed.push_back(scene.listed);
+  write_scenes(file, std::move(listed));
+  viewer.list_file = file, viewer.has_edited_scenes = false;
+  note(viewer, "wrote " + file);
+}
+
+void note(Viewer& viewer, std::string text) { viewer.messages.note(std::move(text), window_time()); }
+void tell_error(Viewer& viewer, std::string text) { viewer.messages.error(std::move(text), window_time()); }
 
 void run(Window& window, Viewer viewer) {
   Resolution resolution;
   bool busy = true;  // something changes without the user
-  while (window.is_open()) {
-    const Events events = window.begin_frame(busy);
+  while (!viewer.quits) {
+    Events events = window.begin_frame(busy);
+    if (viewer.asks_to_quit) events.keys.clear();
     bool changed = act(viewer, events);
-    if (viewer.has_panels) changed |= draw_panels(viewer);
+    if (events.closes) viewer.asks_to_quit = viewer.has_edited_scenes || has_unsaved_path(viewer);
+    if (events.closes && !viewer.asks_to_quit) break;
     if (changed) resolution.changed(window_time());
     attempt(viewer, [&] { draw_picture(window, viewer, resolution); });
-    draw_marks(viewer);
-    if (!viewer.message.empty()) draw_message(viewer.message);
+    if (std::exchange(viewer.saves_picture, false)) attempt(viewer, [&] { save_picture(viewer); });
+    if (draw_overlays(viewer)) changed = true, resolution.changed(window_time());
     window.end_frame();
     busy = changed || viewer.crop_error.is_under_way() ||
            resolution.due(window_time() + Resolution::settles_after);

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "view/window.hpp"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <stdexcept>
 #include <utility>
@@ -33,6 +35,7 @@ constexpr double longest_wait = 0.25;
 Window::Window(const char* title, int width, int height) {
   if (!glfwInit()) fail();
   glfwWindowHint(GLFW_VISIBLE, GLFW_FALSE);
+  glfwWindowHint(GLFW_SCALE_TO_MONITOR, GLFW_TRUE);
   window_ = glfwCreateWindow(width, height, title, nullptr, nullptr);
   if (!window_) glfwTerminate(), fail();
   glfwMakeContextCurrent(window_);
@@ -40,8 +43,9 @@ Window::Window(const char* title, int width, int height) {
   glfwSetWindowUserPointer(window_, this);
   // Dear ImGui calls those that are there before it.
   glfwSetKeyCallback(window_, [](GLFWwindow* window, int key, int, int action, int) {
-    if (action == GLFW_PRESS && key >= GLFW_KEY_SPACE && key <= GLFW_KEY_Z)
-      static_cast<Window*>(glfwGetWindowUserPointer(window))->pending_.keys.push_back(char(key));
+    Events& pending = static_cast<Window*>(glfwGetWindowUserPointer(window))->pending_;
+    if (action == GLFW_PRESS && key >= GLFW_KEY_SPACE && key <= GLFW_KEY_Z) pending.keys.push_back(char(key));
+    if (action == GLFW_PRESS && key == GLFW_KEY_ESCAPE) pending.escape = true;
   });
   glfwSetDropCallback(window_, [](GLFWwindow* window, int count, const char** names) {
     auto& dropped = static_cast<Window*>(glfwGetWindowUserPointer(window))->pending_.dropped;
@@ -49,6 +53,7 @@ Window::Window(const char* title, int width, int height) {
   });
   ImGui::CreateContext();
   ImGui::GetIO().IniFilename = nullptr;  // panels are where they are: no file in the user's folder
+  scale_panels();
   ImGui_ImplGlfw_InitForOpenGL(window_, true);
   ImGui_ImplOpenGL2_Init();
   glGenTextures(1, &texture_);
@@ -57,6 +62,18 @@ Window::Window(const char* title, int width, int height) {
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   last_ = glfwGetTime();
+}
+
+void Window::scale_panels() {
+  float content = 1;  // pixels of a dot of 1/96 inch
+  glfwGetWindowContentScale(window_, &content, nullptr);
+  int dots = 1;  // of the window, which Dear ImGui counts in; on some systems each has several pixels
+  glfwGetWindowSize(window_, &dots, nullptr);
+  const float scale = std::max(1.0f, content * float(dots) / float(std::max(width(), 1)));
+  ImFontConfig font;
+  font.SizePixels = std::round(13 * scale);
+  ImGui::GetIO().Fonts->AddFontDefault(&font);
+  ImGui::GetStyle().ScaleAllSizes(scale);
 }
 
 Window::~Window() {
@@ -70,8 +87,6 @@ void Window::show(const std::string& title) {
   glfwSetWindowTitle(window_, title.c_str());
   glfwShowWindow(window_);
 }
-
-bool Window::is_open() const { return !glfwWindowShouldClose(window_); }
 
 int Window::width() const {
   int width = 0;
@@ -121,7 +136,9 @@ Events Window::begin_frame(bool busy) {
   Events events = std::exchange(pending_, {});
   events.seconds = now - last_, last_ = now;
   const ImGuiIO& io = ImGui::GetIO();
-  if (io.WantTextInput) events.keys.clear();
+  if (io.WantTextInput) events.keys.clear(), events.escape = false;
+  events.closes = glfwWindowShouldClose(window_);
+  glfwSetWindowShouldClose(window_, GLFW_FALSE);
   // A key that was pressed while nothing was drawn is held since then at most.
   events.input = input(events.seconds < longest_wait ? events.seconds : 0);
   events.x = int(io.MousePos.x * io.DisplayFramebufferScale.x);

@@ -18,7 +18,9 @@ struct Events {
   std::vector<char> keys;            ///< letters, digits and space that were pressed; capital letters
   std::vector<std::string> dropped;  ///< files
   bool clicked = false, double_clicked = false;
-  int x = 0, y = 0;  ///< the mouse @units{pixels}
+  bool escape = false;  ///< was pressed, and no text that is typed took it
+  bool closes = false;  ///< the user closes the window, which stays
+  int x = 0, y = 0;     ///< the mouse @units{pixels}
   double seconds = 0;
 };
 
@@ -32,7 +34,6 @@ class Window {
   Window& operator=(const Window&) = delete;
 
   void show(const std::string& title);
-  bool is_open() const;
   int width() const;  ///< @units{pixels}; 0 if minimised, as is the height
   int height() const;
 
@@ -43,6 +44,8 @@ class Window {
   void set_picture(const Frame& picture);
 
  private:
+  /// Makes text and controls as large as the display's dots ask for.
+  void scale_panels();
   Input input(double seconds) const;
 
   GLFWwindow* window_ = nullptr;
