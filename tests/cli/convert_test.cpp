@@ -79,8 +79,11 @@ TEST_CASE("cli convert: edits are those of the library") {
 
   Scene wide = place.a;
   stretch(wide, {.linear = {2, 0, 0, 0, 1, 0, 0, 0, 0.5}}, {0, 0, 0});
-  CHECK(converted(place, "--transform scale:2,1,0.5").means == wide.means);
-  CHECK(converted(place, "--transform matrix:2,0,0,0,0,1,0,0,0,0,0.5,0").rotations == wide.rotations);
+  const Scene stretched = converted(place, "--transform scale:2,1,0.5");
+  CHECK(stretched.means == wide.means);
+  for (std::size_t i = 0; i < 300; i += 37)
+    CHECK(stretched.scales[i].x == doctest::Approx(double(wide.scales[i].x)).epsilon(1e-5));
+  CHECK(converted(place, "--transform matrix:2,0,0,0,0,1,0,0,0,0,0.5,0").rotations == stretched.rotations);
 
   // A quarter turn about z: x becomes y.
   const Scene turned = converted(place, "--transform rotate:0,0,2,90");
