@@ -140,7 +140,8 @@ inline constexpr const char* update_of_borrowed =
 inline void require_replaceable(const HarmonicRows& rows, const SceneArrays& arrays) {
   if (arrays.sh_rest.data && rows.is_packed())
     detail::refuse("update: the scene keeps sh_rest as ", name_of(rows),
-                   ", expected floats: upload it so that they are kept as floats");
+                   ", expected floats: upload it with HarmonicsKept::floats; renderers of C and Python take "
+                   "SWIFTGS_HARMONICS_FLOAT and harmonics=\"float\"");
 }
 
 /// The chunks whose bounds may change when `arrays` replace Gaussians from number `first` on.

@@ -326,8 +326,10 @@ void test_renderer_errors(void) {
   swiftgs_scene* const scene = make_scene();
   swiftgs_gaussians arrays = arrays_of(scene);
   CHECK_OK(swiftgs_renderer_set_scene(renderer, scene));
-  CHECK_INVALID(swiftgs_renderer_update_scene(renderer, 0, 0, &arrays),
-                "update: the scene keeps sh_rest as halves, expected floats");
+  CHECK_INVALID(
+      swiftgs_renderer_update_scene(renderer, 0, 0, &arrays),
+      "update: the scene keeps sh_rest as halves, expected floats: upload it with "
+      "HarmonicsKept::floats; renderers of C and Python take SWIFTGS_HARMONICS_FLOAT and harmonics");
   swiftgs_scene_free(scene), swiftgs_renderer_free(renderer);
 
   CHECK_OK(swiftgs_renderer_create(small_renderer, NULL, &renderer));

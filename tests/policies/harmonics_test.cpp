@@ -328,9 +328,11 @@ SWIFTGS_CONTRACT("harmonics: packed ones stay in updates and all else is replace
   for (const bool shares : {true, false}) {
     auto scene = shares ? backend.upload(shared, HarmonicsKept::halves)
                         : backend.upload(Scene(before), HarmonicsKept::halves);
-    CHECK_THROWS_WITH_AS(backend.update(scene, 100, arrays.all),
-                         doctest::Contains("the scene keeps sh_rest as halves, expected floats"),
-                         std::invalid_argument);
+    CHECK_THROWS_WITH_AS(
+        backend.update(scene, 100, arrays.all),
+        doctest::Contains(
+            "the scene keeps sh_rest as halves, expected floats: upload it with HarmonicsKept::floats"),
+        std::invalid_argument);
     const Frame unchanged = renderer.render(backend.upload(before), cameras()[0], {});
     CHECK(same_planes(renderer.render(scene, cameras()[0], {}), unchanged));
 
