@@ -47,18 +47,20 @@ SWIFTGS_API void write_pfm(const std::filesystem::path& path, const Frame& frame
 /// id.median as unsigned integers. Throws `std::runtime_error` in a build without OpenEXR.
 SWIFTGS_API void write_exr(const std::filesystem::path& path, const Frame& frame);
 
-/// @name Views
-/// The same of planes in host memory, of any `PixelFormat` and any pitch. The last channel of RGBA is the
-/// picture's alpha, and colours are multiplied by it: a PNG has straight ones, PFM and EXR have them as they
-/// are. Of RGB the plane `alpha` is. A PNG is opaque if it was drawn before a `background` that is not black,
-/// or as RGB `over` an image. The occluder is not read. They also throw `std::invalid_argument` for a null
-/// colour, and as `validate(FrameView)`.
-/// @{
+/// Writes planes in host memory, of any `PixelFormat` and any pitch. The last channel of RGBA is the
+/// picture's alpha, and colours are multiplied by it: a PNG has straight ones. Of RGB the plane `alpha` is. A
+/// PNG is opaque if it was drawn before a `background` that is not black, or as RGB `over` an image. The
+/// occluder is not read. Throws as for a frame, and `std::invalid_argument` as `validate(const FrameView&)`.
 SWIFTGS_API void write_png(const std::filesystem::path& path, const FrameView& view,
                            vec3 background = vec3(0));
+
+/// The bytes of the file that `write_png` writes of a view.
 SWIFTGS_API std::vector<std::byte> encode_png(const FrameView& view, vec3 background = vec3(0));
+
+/// Writes a view as `write_png` does. Colours are as they lie in memory, premultiplied ones too.
 SWIFTGS_API void write_pfm(const std::filesystem::path& path, const FrameView& view);
+
+/// Writes all planes of a view, as `write_pfm` does; A is the alpha of its colours.
 SWIFTGS_API void write_exr(const std::filesystem::path& path, const FrameView& view);
-/// @}
 
 }  // namespace swiftgs
