@@ -2,6 +2,8 @@
 """A screen of its own for programs that open windows."""
 import contextlib
 import os
+import pathlib
+import struct
 import subprocess
 
 
@@ -17,6 +19,15 @@ def display(xvfb, *arguments):
     finally:
         server.terminate()
         server.communicate()
+
+
+def screen(folder):
+    """What shows on the screen of `-fbdir folder`, row by row; each pixel is blue, green, red and a filler."""
+    dump = (pathlib.Path(folder) / "Xvfb_screen0").read_bytes()  # an XWD file
+    head = struct.unpack(">25I", dump[:100])
+    size, width, height, stride, colours = head[0], head[4], head[5], head[12], head[19]
+    first = size + 12 * colours
+    return [dump[first + stride * y:first + stride * y + 4 * width] for y in range(height)]
 
 
 def without_display():

@@ -10,7 +10,7 @@ import time
 import unittest
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "support"))
-from display import display, without_display  # noqa: E402
+from display import display, screen, without_display  # noqa: E402
 from messages import close, drop  # noqa: E402
 
 XVFB, XDOTOOL, SWIFTGS = sys.argv[1:]
@@ -18,6 +18,17 @@ SCENE = "builtin:20000"
 EMPTY_PLY = "ply\nformat binary_little_endian 1.0\nelement vertex 0\n" + "".join(
     f"property float {name}\n" for name in "x y z f_dc_0 f_dc_1 f_dc_2 opacity scale_0 scale_1 scale_2 "
     "rot_0 rot_1 rot_2 rot_3".split()) + "end_header\n"
+
+
+RASTER, PLANE = 5, 7  # rows of the panel, counted from the first scene's, where there is one scene
+
+
+def y_of(row):
+    return 177 + 23 * row
+
+
+def distance(pixel, other):
+    return max(abs(a - b) for a, b in zip(pixel, other))
 
 
 def wait_for(what, condition):
@@ -55,6 +66,30 @@ class Viewer:
             self.do("mousemove", str(800 + right * (step + 1) // 10), str(400 + down * (step + 1) // 10))
         self.do("mouseup", button)
 
+    def click(self, x, row):
+        self.do("mousemove", str(x), str(y_of(row)), "sleep", "0.5", "mousedown", "1", "sleep", "0.8", "mouseup", "1",
+                "sleep", "0.5")
+
+    def type_into(self, x, row, text):
+        """In the control there."""
+        self.do("keydown", "ctrl", "sleep", "0.3")
+        self.click(x, row)
+        self.do("keyup", "ctrl", "type", text)
+        self.do("sleep", "0.5", "keydown", "Return", "sleep", "1", "keyup", "Return")  # held while a frame is drawn
+
+    def pixels(self, left, right, top, bottom):
+        """What the screen shows there."""
+        return [[row[4 * x:4 * x + 4] for x in range(left, right)] for row in screen(self.screens)[top:bottom]]
+
+    def legend(self):
+        return self.pixels(1180, 1270, 12, 140)
+
+    def message(self):
+        return self.pixels(1150, 1270, 680, 705)
+
+    def below(self, row):
+        return self.pixels(20, 270, y_of(row) + 14, y_of(row) + 55)
+
     def picture(self):
         """The file that P writes, once the camera stands and the picture is whole."""
         time.sleep(1)
@@ -78,11 +113,12 @@ def psnr(one, other):
 class View(unittest.TestCase):
     @contextlib.contextmanager
     def viewer(self, folder, *arguments):
-        with display(XVFB) as environment, subprocess.Popen(
+        with display(XVFB, "-fbdir", str(self.screens)) as environment, subprocess.Popen(
                 [SWIFTGS, "view", *arguments], cwd=folder, env=environment, stdout=subprocess.PIPE,
                 stderr=subprocess.PIPE, text=True) as process:
             try:
                 viewer = Viewer(folder, environment, process)
+                viewer.screens = self.screens
                 yield viewer
                 self.assertIsNone(process.poll())
                 close(*viewer.place())
@@ -94,7 +130,8 @@ class View(unittest.TestCase):
     def setUp(self):
         temporary = tempfile.TemporaryDirectory()
         self.addCleanup(temporary.cleanup)
-        self.folder = pathlib.Path(temporary.name)
+        self.folder, self.screens = pathlib.Path(temporary.name) / "here", pathlib.Path(temporary.name) / "screens"
+        self.folder.mkdir(), self.screens.mkdir()
 
     def render(self, *arguments):
         ran = tool(self.folder, "render", SCENE, *arguments)
@@ -167,6 +204,82 @@ class View(unittest.TestCase):
             added = viewer.picture()
         self.assertLess(psnr(added, alone), 40)
         self.assertEqual(psnr(added, both), float("inf"))
+
+    def test_a_list_is_edited_and_saved_and_render_draws_the_same_bits(self):
+        lists = self.folder / "lists"
+        lists.mkdir()
+        self.assertEqual(tool(self.folder, "convert", "builtin:500", "ball.ply", "--transform", "scale:0.5").stderr, "")
+        scenes = [{"file": "builtin:2000", "clip": {"sphere": [0, 0, 0, 30.1]}},
+                  {"file": "../ball.ply", "rotation": [0.9, 0.1, 0.3, -0.2], "translation": [0.1, -0.7, 1 / 3],
+                   "clip": {"half_spaces": [[1, 0.3, 0, -9.1]]}},
+                  {"file": "../ball.ply", "translation": [1, 0, 0], "clip": {"box": [-9, -9, -9, 9, 9, 9]}}]
+        file = lists / "scenes.json"
+        file.write_text(json.dumps(scenes), encoding="utf-8")
+        with self.viewer(self.folder, "lists/scenes.json", "--renderer", "cpu") as viewer:
+            viewer.picture()  # the window is there
+            viewer.click(25, 2)
+            viewer.click(53, 1)
+            viewer.type_into(175, 5, "0.7")
+            viewer.type_into(175, 4, "1000")  # beyond its end
+            edited = viewer.picture()
+            viewer.do("key", "l")
+            wait_for("the list", lambda: "visible" in file.read_text(encoding="utf-8"))
+        ball, hidden = json.loads(file.read_text(encoding="utf-8"))[1:]
+        self.assertEqual((ball["scale"], hidden["visible"]), (100, False))
+        self.assertAlmostEqual(ball["opacity"], 0.7, 6)
+        self.assertEqual({name: ball[name] for name in ("file", "translation", "clip")},
+                         {name: scenes[1][name] for name in ("file", "translation", "clip")})
+        ran = tool(self.folder, "render", "lists/scenes.json", "--views", "0")
+        self.assertEqual((ran.returncode, ran.stderr), (0, ""))
+        self.assertEqual(psnr(self.folder / "renders" / "front.png", edited), float("inf"))
+
+    def test_a_window_with_edits_asks_before_it_closes(self):
+        with self.viewer(self.folder, SCENE) as viewer:
+            viewer.do("key", "k")
+            close(*viewer.place())
+            time.sleep(2)
+            self.assertIsNone(viewer.process.poll())
+            viewer.do("key", "Escape", "sleep", "1", "key", "f")
+            wait_for("the path", (self.folder / "camera_path-1.json").exists)
+
+    def test_names_show_whole(self):
+        with self.viewer(self.folder, SCENE) as viewer:
+            viewer.picture()
+            top, middle = y_of(RASTER) - 8, y_of(RASTER)
+            box = viewer.pixels(20, 600, top, top + 1)[0]
+            end = next(x for x, pixel in enumerate(box) if distance(pixel, box[0]) > 10)  # the button of its list
+            for row in viewer.pixels(20, 20 + end, middle - 5, middle + 5):
+                self.assertLess(max(distance(pixel, box[0]) for pixel in row[-3:]), 10)
+
+    def test_depths_have_a_legend_that_follows_the_view(self):
+        with self.viewer(self.folder, SCENE) as viewer:
+            viewer.picture()
+            viewer.click(150, PLANE)
+            viewer.do("mousemove", "50", str(y_of(PLANE) + 59), "sleep", "0.5", "click", "1")
+            for colour in (115, 26, 38), (77, 242, 255):  # blue, green, red of the nearest and the farthest
+                wait_for("the colour in the sky's corner", lambda c=colour: any(
+                    distance(pixel, c) < 12 for row in viewer.legend() for pixel in row))
+            before = viewer.legend()
+            viewer.do("mousemove", "800", "400", "click", "5", "click", "5", "click", "5")  # away
+            wait_for("other numbers", lambda: viewer.legend() != before)
+
+    def test_escape_closes_a_list_and_dismisses_errors_that_stay(self):
+        broken = self.folder / "broken.ply"
+        broken.write_text("ply\nformat nonsense\n", encoding="utf-8")
+        with self.viewer(self.folder, SCENE) as viewer:
+            viewer.picture()
+            time.sleep(6)  # the message leaves
+            entries, message = viewer.below(RASTER), viewer.message()
+            viewer.click(150, RASTER)
+            drop(*viewer.place(), [broken])
+            wait_for("the list", lambda: viewer.below(RASTER) != entries)
+            wait_for("the error", lambda: viewer.message() != message)
+            viewer.do("key", "Escape")
+            wait_for("the list to close", lambda: viewer.below(RASTER) == entries)
+            time.sleep(6)
+            self.assertNotEqual(viewer.message(), message)
+            viewer.do("key", "Escape")
+            wait_for("the error to leave", lambda: viewer.message() == message)
 
     def refusal(self, environment, *arguments):
         ran = subprocess.run([SWIFTGS, "view", *arguments], cwd=self.folder, env=environment, capture_output=True,
