@@ -31,6 +31,11 @@ def distance(pixel, other):
     return max(abs(a - b) for a, b in zip(pixel, other))
 
 
+def looks_like(rows, others):
+    """Panels let the picture through a little, which may change by itself."""
+    return all(distance(a, b) < 10 for row, other in zip(rows, others) for a, b in zip(row, other))
+
+
 def wait_for(what, condition):
     deadline = time.monotonic() + 60
     while not condition():
@@ -272,14 +277,14 @@ class View(unittest.TestCase):
             entries, message = viewer.below(RASTER), viewer.message()
             viewer.click(150, RASTER)
             drop(*viewer.place(), [broken])
-            wait_for("the list", lambda: viewer.below(RASTER) != entries)
-            wait_for("the error", lambda: viewer.message() != message)
+            wait_for("the list", lambda: not looks_like(viewer.below(RASTER), entries))
+            wait_for("the error", lambda: not looks_like(viewer.message(), message))
             viewer.do("key", "Escape")
-            wait_for("the list to close", lambda: viewer.below(RASTER) == entries)
+            wait_for("the list to close", lambda: looks_like(viewer.below(RASTER), entries))
             time.sleep(6)
-            self.assertNotEqual(viewer.message(), message)
+            self.assertFalse(looks_like(viewer.message(), message))
             viewer.do("key", "Escape")
-            wait_for("the error to leave", lambda: viewer.message() == message)
+            wait_for("the error to leave", lambda: looks_like(viewer.message(), message))
 
     def refusal(self, environment, *arguments):
         ran = subprocess.run([SWIFTGS, "view", *arguments], cwd=self.folder, env=environment, capture_output=True,
