@@ -166,7 +166,8 @@ TEST_CASE("cli photographs: --scale scales them with the images") {
   CHECK(psnr_at("1") > 50);
   // The mean over each pixel's area, of the drawn image in 8 bits.
   const swiftgs::Image photo = swiftgs::read_image(place / "photos/a.png");
-  for (const auto& [scale, width, height] : {std::tuple{0.5, 20, 10}, {0.3, 12, 6}, {2.0, 80, 40}}) {
+  for (const auto& [factor, width, height] : {std::tuple{0.5, 20, 10}, {0.3, 12, 6}, {2.0, 80, 40}}) {
+    const double scale = factor;
     CAPTURE(scale);
     run(place, "render builtin:200 --cameras cameras.json --format pfm --out scaled --scale " +
                    std::to_string(scale));
