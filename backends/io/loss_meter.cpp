@@ -50,7 +50,7 @@ void LossMeter::add_colour(std::size_t i, const vec3& found) {
 std::size_t LossMeter::number_in_whole(std::size_t i) const {
   if (scene_.size() == whole_.size()) return i;
   for (std::size_t number = 0;; ++number)
-    if (renderable(whole_, number) && i-- == 0) return number;
+    if (fault_of(whole_, number) == Fault::none && i-- == 0) return number;
 }
 
 LargestLosses LossMeter::losses() const {

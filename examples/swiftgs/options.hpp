@@ -21,7 +21,7 @@ struct SceneOptions {
   std::string scene;                    ///< a file, the folder of a capture, `builtin`, or `builtin:N`
   std::string spz_frame = "specified";  ///< as `SpzFrame` names them
   int level = 0;                        ///< of detail, in a streamed SOG
-  std::string model;                    ///< what `model_from` takes, in place of what the file says
+  std::string model{};                  ///< what `model_from` takes, in place of what the file says
 };
 
 /// What says which images to make of it.

@@ -138,7 +138,7 @@ TEST_CASE("memory: a .ksplat whose sections differ in degree takes no more than 
     set(file, section + 12, 1u), set(file, section + 20, std::uint16_t(12)), set(file, section + 32, 1u);
   }
   set(file, 4096 + 40, std::uint16_t(3));
-  file += std::string(12 + 24 + 45, '\0') + std::string(12 + 24 * std::size_t(count), '\0');
+  file += std::string(12 + 24 + 45, '\1') + std::string(12 + 24 * std::size_t(count), '\1');
   CHECK(read(file).scene.size() == count + 1);
   check_memory(file, "a.ksplat", ksplat_memory);
 }
