@@ -23,8 +23,9 @@ Range trimmed_range(std::vector<T>& values, std::size_t outside) {
   const auto low = values.begin() + std::ptrdiff_t(outside);
   const auto high = values.end() - 1 - std::ptrdiff_t(outside);
   std::nth_element(values.begin(), low, values.end());
+  const auto least = double(*low);
   std::nth_element(low, high, values.end());
-  return {double(*low), double(*high)};
+  return {least, double(*high)};
 }
 
 /// How many of `count` values to leave out to each side: more than the thousandth that may stray, as a sample

@@ -91,7 +91,7 @@ TEST_CASE("strays: a compressed PLY gives them chunks of their own") {
     CHECK(lost(scene, plain.scene(), step) == 0);
     const std::size_t added = count == gaussians ? 256 - gaussians / every : 0;
     CHECK(lost(scene, strayed.scene(), step) <= added);
-    CHECK(strayed.losses.position > plain.losses.position);
+    CHECK(strayed.losses.position >= plain.losses.position);
   }
 }
 
