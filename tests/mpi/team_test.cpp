@@ -28,7 +28,7 @@ Outcome launch(const TemporaryFolder& place, const std::string& arguments) {
       std::system(("cd '" + place.path().string() + "' && export XDG_CACHE_HOME=\"$PWD/cache\" && '" +
                    SWIFTGS_LAUNCH "' " + arguments + " >'" + out + "' 2>'" + err + "'")
                       .c_str());
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(out), content_of(err)};
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content_of(out), without_progress(content_of(err))};
 }
 
 /// Runs the tool on so many ranks.
