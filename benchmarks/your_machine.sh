@@ -95,7 +95,8 @@ table() {
 }
 paper() { printf '\nThe paper:\n\n<!-- table: %s -->\n<!-- end -->\n' "$1"; }
 {
-  printf '# %s on this machine\n' "$scene"
+  title=${scene%/}
+  printf '# %s on this machine\n' "${title##*/}"
   table 'Time against error' pareto
   table 'Tables 1 and 2: time and speed-up' steps
   paper paper-scenes
