@@ -20,7 +20,7 @@ inline RenderingModel common_model(Span<const PlacedScene> shown, const View& vi
   for (std::size_t i = 0; i < shown.size; ++i) {
     const RenderingModel& model = shown[i].scene.model;
     if (i == 0) common.colours = model.colours;
-    if (!view.colours && model.colours != common.colours)
+    if (view.colours_of_scenes && model.colours != common.colours)
       refuse("render: view ", v,
              " shows scenes of sRGB-encoded colours and of linear ones, expected one kind, ",
              "or conventions that say in which colours are blended");
@@ -47,9 +47,10 @@ inline View modelled(View view, Span<const PlacedScene> shown, std::size_t v) {
     view.camera.order_by_distance();
   if (view.camera.order_is_distance && ends_at_occluder)
     refuse("render: view ", v, " has an occluder and is ordered by distance, expected order by depth");
-  if (view.colours.value_or(common.colours) == ColourSpace::linear) blend_in_linear_light(view);
+  const ColourSpace colours = view.colours_of_scenes ? common.colours : view.colours;
+  if (colours == ColourSpace::linear) blend_in_linear_light(view);
   if (shown.size == 1) view.camera.follow(shown[0].scene.model);
-  view.order_of_scenes = false, view.colours = ColourSpace::srgb;
+  view.order_of_scenes = view.colours_of_scenes = false, view.colours = ColourSpace::srgb;
   return view;
 }
 }  // namespace detail

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
@@ -51,8 +50,8 @@ struct View {
   FrameView frame{};
   ShownScenes shows{};
   // As of `Conventions`: `ModelledViews` takes what is left to the scenes from them.
-  bool order_of_scenes = false;
-  std::optional<ColourSpace> colours = ColourSpace::srgb;
+  bool order_of_scenes = false, colours_of_scenes = false;
+  ColourSpace colours = ColourSpace::srgb;
   int panorama_part = 0;  ///< as of its camera: a frame draws a view that spans several parts as several
 
   /// Pixel of the image that is the first of `frame`.
@@ -88,7 +87,8 @@ inline View make_view(const Camera& camera, const Conventions& conventions, cons
   view.grid.stride = std::uint32_t(view.grid.columns.size());
   view.camera.left = float(first.x), view.camera.right = float(first.x + frame.width);
   view.camera.top = float(first.y), view.camera.bottom = float(first.y + frame.height);
-  view.order_of_scenes = !conventions.order, view.colours = conventions.colours;
+  view.order_of_scenes = !conventions.order, view.colours_of_scenes = !conventions.colours;
+  view.colours = conventions.colours.value_or(ColourSpace::srgb);
   view.panorama_part = panorama_part(camera);
   if (view.panorama_part > 0)
     view.camera.panorama_middle = (first.x / view.panorama_part + 0.5) * view.panorama_part;
