@@ -49,7 +49,7 @@ depth_image = np.repeat(brightness[..., None], 3, axis=2).astype(np.float32)
 # %%
 strong = scene.opacities >= np.median(scene.opacities)
 renderer.set_gaussians(*(array[strong] for array in (scene.means, scene.scales, scene.rotations, scene.opacities,
-                                                     scene.sh0, scene.sh_rest)))
+                                                     scene.sh0, scene.sh_rest)), model=scene.model)
 half = renderer.render(camera)
 error = np.mean((half.colour - frame.colour) ** 2, dtype=np.float64)
 print(f"{strong.sum():,} of {len(scene):,} Gaussians: {-10 * np.log10(error):.1f} dB from all of them")

@@ -69,8 +69,8 @@ std::optional<std::string> LossMeter::sentence() const {
   char digits[32];
   const auto end = std::to_chars(digits, std::end(digits), found.position, std::chars_format::general, 3).ptr;
   return swiftgs::detail::message(
-      "Positions are rounded by up to ", std::string_view(digits, end), " units (Gaussian ", found.gaussian,
-      "), by more than their longest scale those of Gaussians: ", found.displaced, ".");
+      "Positions move by up to ", std::string_view(digits, end), " units (Gaussian ", found.gaussian,
+      "). Gaussians that move by more than their longest scale: ", found.displaced, ".");
 }
 
 }  // namespace swiftgs::io

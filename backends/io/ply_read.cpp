@@ -182,7 +182,10 @@ SceneFile read_ply(const Source& source, const SceneReadOptions& options) {
                   file.scene);
   file.notes = notes_of(layout.flat && layout.has_third_scale, layout.sh);
   if (layout.filter)
-    file.notes.push_back("The 3D filter of the Gaussians (filter_3D) is applied to scales and opacities.");
+    file.notes.push_back(
+        "The 3D filter of the Gaussians (filter_3D) is applied to scales and opacities. They are drawn with "
+        "the 2D "
+        "filter of Mip-Splatting, unless a model says otherwise, as --model blur=0.3,antialiased=no does.");
   std::vector<std::string_view> read = {"vertex"};
   read_photograph(source, header, starts, file, read);
   note_unread(header, read, layout.unread, file.notes);

@@ -34,6 +34,7 @@ inline Conventions of_frame(Conventions conventions, Span<const ReferenceScene> 
   const bool leaves_order = !conventions.order, leaves_colours = !conventions.colours;
   for (const ReferenceScene& placed : scenes) {
     const RenderingModel& model = placed.scene.model;
+    if (placed.scene.size() == 0) continue;
     if (leaves_order && !has_occluder && model.order == SplatOrder::distance) conventions.order = model.order;
     if (leaves_colours && conventions.colours.value_or(model.colours) != model.colours)
       throw std::invalid_argument("render_reference: expected scenes of one kind of colours");

@@ -148,15 +148,15 @@ class BoundRenderer {
 
   /// Sets the views that `record` renders, in stream order. Recorded work that runs again renders them too.
   /// Between `reserve` calls, cameras, conventions, backgrounds, formats and the places of planes may change,
-  /// and lenses if any of those reserved is no pinhole whose depth is z. Throws `std::invalid_argument`, and
-  /// changes nothing, if more changes: the number of views, a size, which placed scenes show,
-  /// which planes there are, whether colours are converted.
+  /// and lenses and orders if any of those reserved is no pinhole that takes depth z alone. Throws
+  /// `std::invalid_argument`, and changes nothing, if more changes: the number of views, a size, which placed
+  /// scenes show, which planes there are, whether colours are converted, as those of linear scenes are.
   void set_views(Span<const View> views) { recorded_.set_views(backend(), views); }
 
   /// Sets what `record(report)` renders, in stream order: the placed scenes of the latest `reserve`, moved,
-  /// clipped, tinted or made fainter, or others of as many Gaussians. Recorded work that runs again renders
-  /// them too. Throws `std::invalid_argument`, and changes nothing, if more changes, or if `reserve` was for
-  /// a scene alone (one placed scene where it stands by itself is that).
+  /// clipped, tinted or made fainter, or others of as many Gaussians and of the same models. Recorded work
+  /// that runs again renders them too. Throws `std::invalid_argument`, and changes nothing, if more changes,
+  /// or if `reserve` was for a scene alone (one placed scene where it stands by itself is that).
   void set_scenes(const PlacedScenes& scenes) { recorded_.set_scenes(backend(), scenes); }
 
   /// The placed scenes that `record(report)` renders, in memory of the backend, until the next `reserve` or

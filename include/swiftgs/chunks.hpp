@@ -65,7 +65,7 @@ inline ChunkBounds bounds_of_chunk(const SceneView& scene, std::size_t chunk) {
 
 /// Bounds of all chunks of `scene`, which is in the host's memory and has finite numbers alone. @shape{ceil(N
 /// / chunk_size)}. Empty if chunks are not worth their test: if half the boxes of neighbours are more than
-/// half as large as the median box of random Gaussians, whatever boxes have a stray. Takes O(N).
+/// 0.4 times as large as the median box of random Gaussians, whatever boxes have a stray. Takes O(N).
 inline std::vector<ChunkBounds> chunk_bounds(const SceneView& scene) {
   const std::size_t count = (scene.size() + chunk_size - 1) / chunk_size;
   if (count == 0) return {};
@@ -76,7 +76,9 @@ inline std::vector<ChunkBounds> chunk_bounds(const SceneView& scene) {
     std::nth_element(sides.begin(), half, sides.end());
     return *half;
   };
-  if (!(median(chunk_size, 1) < 0.5 * median(1, count))) return {};
+  // Garden in the order of its training has 0.46, and its projection takes 85 us with chunks and 79 without
+  // (H200).
+  if (!(median(chunk_size, 1) < 0.4 * median(1, count))) return {};
   std::vector<ChunkBounds> chunks(count);
   for (std::size_t c = 0; c < count; ++c) chunks[c] = detail::bounds_of_chunk(scene, c);
   return chunks;

@@ -14,16 +14,19 @@
 namespace swiftgs {
 
 namespace detail {
-/// The order and the colours that a view leaves to the scenes that it shows; `v` is its number in the frame.
+/// The order and the colours that a view leaves to the scenes that it shows, empty ones apart; `v` is its
+/// number in the frame.
 inline RenderingModel common_model(Span<const PlacedScene> shown, const View& view, std::size_t v) {
   RenderingModel common;
-  for (std::size_t i = 0; i < shown.size; ++i) {
-    const RenderingModel& model = shown[i].scene.model;
-    if (i == 0) common.colours = model.colours;
+  bool some = false;
+  for (const PlacedScene& placed : shown) {
+    if (placed.size() == 0) continue;
+    const RenderingModel& model = placed.scene.model;
+    if (!some) some = true, common.colours = model.colours;
     if (view.colours_of_scenes && model.colours != common.colours)
       refuse("render: view ", v,
              " shows scenes of sRGB-encoded colours and of linear ones, expected one kind, ",
-             "or conventions that say in which colours are blended");
+             "or conventions that name the colours to blend (--model colours=srgb of commands)");
     if (model.order == SplatOrder::distance) common.order = SplatOrder::distance;
   }
   return common;

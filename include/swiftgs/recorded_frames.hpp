@@ -114,7 +114,7 @@ class RecordedFrames {
   void check_models(const PlacedScenes& scenes) const {
     for (std::size_t i = 0; i < scenes.size() && i < models_.size(); ++i)
       if (scenes.each()[i].scene.model != models_[i])
-        detail::refuse("record: placed scene ", i,
+        detail::refuse("render: placed scene ", i,
                        " was trained for another rendering model, expected that of the one reserved for");
   }
 
@@ -124,11 +124,12 @@ class RecordedFrames {
                      " as reserved");
     for (std::size_t i = 0; i < views.size; ++i) {
       if (!same_shape(views[i], views_[i]))
-        detail::refuse("set_views: the size or the planes of view ", i,
+        detail::refuse("set_views: the size, the planes or the conversion of colours of view ", i,
                        " changed, expected those that were reserved");
       if (views[i].camera.through_lens && !views_.through_lens)
         detail::refuse("set_views: view ", i,
-                       " is no pinhole whose depth is z, expected those alone as reserved");
+                       " is no pinhole that takes depth z alone, by its lens, depth or order; expected those "
+                       "as reserved");
     }
   }
 

@@ -119,6 +119,7 @@ inline void validate(const SceneView& scene) {
   detail::require_for_render(
       scene.chunks.empty() || (scene.chunks.data && scene.chunks.size == (n + chunk_size - 1) / chunk_size),
       "no chunks in the scene, or one for every 128 Gaussians");
+  validate(scene.model);
   detail::require_for_render(scene.sh_degree >= 0 && scene.sh_degree <= max_sh_degree,
                              "an SH degree of 0 to 3");
   detail::require_for_render(scene.feature_channels >= 0 && scene.feature_channels <= max_feature_channels,

@@ -52,6 +52,7 @@ namespace detail {
 inline void validate_shape(const SceneArrays& arrays) {
   if (arrays.count > std::numeric_limits<std::uint32_t>::max())
     refuse("scene: ", arrays.count, " Gaussians, expected fewer than 2^32");
+  validate(arrays.model);
   if (arrays.sh_degree < 0 || arrays.sh_degree > max_sh_degree)
     refuse("scene: sh_degree is ", arrays.sh_degree, ", expected 0 to 3");
   if (arrays.feature_channels < 0)

@@ -144,13 +144,15 @@ SWIFTGS_CONTRACT("model: one order and one kind of colours rule a frame") {
   CHECK(same(renderer.render(on.placed, wide_camera(), depths_by({})),
              renderer.render(on.placed, wide_camera(), depths_by(distance))));
 
-  const Several<B> mixed(renderer.backend(), {{plain, {}}, {light, {}}});
+  const std::vector<std::pair<Scene, Similarity>> both{{plain, {}}, {light, {}}};
+  const Several<B> mixed(renderer.backend(), both);
   CHECK_THROWS_WITH_AS(renderer.render(mixed.placed, wide_camera(), depths_by({})),
                        doctest::Contains("scenes of sRGB-encoded colours and of linear ones"),
                        std::invalid_argument);
   Conventions said;
   said.colours = ColourSpace::linear;
-  CHECK(renderer.render(mixed.placed, wide_camera(), depths_by(said)).colour.size() > 0);
+  CHECK(rms(renderer.render(mixed.placed, wide_camera(), depths_by(said)).colour,
+            render_reference(span_of(mixed.for_reference), wide_camera(), said).colour) < 1e-5);
 }
 
 SWIFTGS_CONTRACT("model: linear light is stored as it is where a frame wants it so") {

@@ -239,7 +239,8 @@ SWIFTGS_CONTRACT("record: lenses may change, and pinholes stay pinholes") {
   PlacedViews without(renderer.backend(), pinholes);
   renderer.reserve(scene.view(), without.span());
   CHECK_THROWS_WITH_AS(renderer.set_views(seen_as_reserved.span()),
-                       doctest::Contains("view 0 is no pinhole whose depth is z"), std::invalid_argument);
+                       doctest::Contains("view 0 is no pinhole that takes depth z alone"),
+                       std::invalid_argument);
 }
 
 SWIFTGS_CONTRACT("record: what is called between sort and raster may still draw the occluder") {

@@ -371,6 +371,8 @@ class Conventions:
         values = dict(vars(self))
         for name, words in _WORDS.items():
             values[name] = _checks.choice(values[name], f"conventions: {name}", words)
+        if values["blur"] is not None and not _checks.real(values["blur"], "conventions: blur") >= 0:
+            raise InvalidArgument(f"conventions: blur is {values['blur']}, expected 0 or more, or None")
         for name, words in _WORDS_OR_OF_SCENE.items():
             if values[name] is not None:
                 values[name] = _checks.choice(values[name], f"conventions: {name}", words)
@@ -379,7 +381,7 @@ class Conventions:
 
 #: Members that are words here and numbers in C.
 _WORDS = {"clamp": _c.CLAMPS, "depth": _c.DEPTHS, "depth_at": _c.DEPTHS_AT}
-_WORDS_OR_OF_SCENE = {"order": _c.ORDERS, "colours": _c.COLOURS}
+_WORDS_OR_OF_SCENE = {"order": _c.ORDERS, "colours": _c.COLOURS, "antialiased": (False, True)}
 
 
 @functools.lru_cache(maxsize=64)

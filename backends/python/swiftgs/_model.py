@@ -4,6 +4,7 @@ import dataclasses
 from typing import Any
 
 from . import _c, _checks
+from ._errors import InvalidArgument
 
 
 @dataclasses.dataclass(frozen=True)
@@ -23,6 +24,8 @@ class RenderingModel:
 
     def _fill(self, struct: Any) -> None:
         blur = _checks.real(self.blur, "model: blur")
+        if not blur >= 0:
+            raise InvalidArgument(f"model: blur is {blur}, expected 0 or more")
         struct.blur = blur if blur != 0 else -1.0  # in C, 0 stands for the usual blur
         struct.antialiased = _checks.choice(self.antialiased, "model: antialiased", (False, True))
         struct.order = _checks.choice(self.order, "model: order", _c.ORDERS)

@@ -13,6 +13,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <swiftgs/io/model_text.hpp>
 #include <swiftgs/io/sort_calibrations.hpp>
 
 #include "bench/lists.hpp"
@@ -31,6 +32,12 @@
 
 namespace swiftgs::cli {
 namespace {
+
+/// Tells scenes apart, and how they are drawn.
+std::string identity_of(const Scene& scene) {
+  const std::string model = text_of(scene.model);
+  return geometry_checksum(scene) + (model.empty() ? "" : "," + model);
+}
 
 struct BenchOptions {
   std::vector<std::string> scenes;
@@ -154,7 +161,7 @@ class Matrix {
                            factor,
                            original.sh_degree,
                            original.model.antialiased,
-                           options_.json.empty() ? "" : geometry_checksum(*session.gaussians)};
+                           options_.json.empty() ? "" : identity_of(*session.gaussians)};
           if (options_.resume) require_same_scene(options_.json, results, session.scene);
           std::vector<SceneResult>& scenes = results.scenes;
           if (std::find(scenes.begin(), scenes.end(), session.scene) == scenes.end())

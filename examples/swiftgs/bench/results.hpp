@@ -34,7 +34,7 @@ struct SceneResult {
   double enlarge = 1;
   int sh_degree = 0;
   bool antialiased = false;
-  std::string geometry;  ///< `geometry_checksum`; empty where no file is written
+  std::string geometry;  ///< checksum of the Gaussians, and their model; empty where no file is written
 
   bool operator==(const SceneResult&) const = default;
 };

@@ -216,12 +216,14 @@ constexpr const char* render_help =
     R"(Prints where each image is and how long its frame took, memory and files left out.
 A scene without cameras gets one view, which is found for it; 'builtin' has a front view,
 number 0, and an orbit, 1 to 24. Images are called as the cameras are, or by number.
-A scene that was trained with anti-aliasing is rendered with it.
+Scenes are drawn as their files say that they were trained, or as --model says.
 Each camera has the lens of its file unless --lens or --panorama gives all the same.
-With --place, or a list, a frame shows several scenes, and splats of all are blended by depth.
+With --place, or a list, a frame shows several scenes, and splats of all are blended in one order.
 The first one has the cameras. A list is a JSON array of objects with "file", beside the list,
 and where they differ from these defaults "rotation": [1, 0, 0, 0] (a quaternion w, x, y, z, or
-three rows), "scale": 1, "translation": [0, 0, 0], "opacity": 1, and "clip" with what shows, in
+three rows), "scale": 1, "translation": [0, 0, 0], "opacity": 1,
+"tint": [red, green, blue, amount], "visible": true, "first" and "count" of the Gaussians that
+show, and "clip" with what of them shows, in
 numbers of the file: "box": [x, y, z, x, y, z], "sphere": [x, y, z, radius], and "half_spaces":
 [[x, y, z, offset]]. A scene with an origin stands at its origin.
 --video has as many frames a second as a camera_path.json says, and 24 of other cameras.

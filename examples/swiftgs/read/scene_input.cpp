@@ -57,6 +57,9 @@ SceneFile load(const SceneOptions& options, const swiftgs::Progress& progress) {
                               .level = options.level,
                               .progress = progress};
   (void)model_from(options.model);  // before a large file is read
+  if (options.model.find("kernel=") != std::string::npos)
+    throw std::invalid_argument("--model " + options.model +
+                                ": expected no kernel, which the Gaussians have");
   const std::optional<std::size_t> size = builtin_size(options.scene);
   SceneFile file;
   if (!size) {

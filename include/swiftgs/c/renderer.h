@@ -135,7 +135,7 @@ typedef struct swiftgs_placement {
 } swiftgs_placement;
 
 /// Replaces Gaussians [first, first + count) of a scene of the renderer by those of `gaussians`, whose arrays
-/// lie where the renderer draws; arrays that are NULL stay as they are, `origin` and `antialiased` are not
+/// lie where the renderer draws; arrays that are NULL stay as they are, `origin` and the model are not
 /// looked at. Renderers that share the scene show the update too, as do all later and recorded frames. On a
 /// device it is in stream order, as `swiftgs_renderer_set_gaussians`, and numbers are not checked; a scene
 /// that was uploaded from the host has no bands there above the highest one with a number other than 0. On
@@ -196,7 +196,7 @@ typedef struct swiftgs_capacity {
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_reserve(swiftgs_renderer* renderer, const swiftgs_frame* frame,
                                                       const swiftgs_capacity* capacity);
 /// Sets the views that recorded frames draw, in stream order: as many as were reserved, of the same sizes and
-/// with the same planes; pinholes whose depth is z, if all that were reserved are.
+/// with the same planes; pinholes that take depth z alone, if all that were reserved do.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_set_views(swiftgs_renderer* renderer,
                                                         const swiftgs_frame* frame);
 

@@ -77,8 +77,8 @@ enum {
 SWIFTGS_C_API swiftgs_status swiftgs_conventions_named(const char* name, swiftgs_conventions* conventions);
 
 /// Format of colours in memory, interleaved. The last channel of RGBA is alpha, and colours are premultiplied
-/// by it. Colours are in the scene's own values, usually sRGB-encoded, unless `conversion` of the view says
-/// otherwise.
+/// by it. Colours are in the scene's own values, usually sRGB-encoded (those of scenes in linear light are
+/// encoded), unless `conversion` of the view says otherwise.
 enum {
   SWIFTGS_RGB_FLOAT = 0,   ///< 12 bytes
   SWIFTGS_RGBA_FLOAT = 1,  ///< 16 bytes

@@ -122,7 +122,7 @@ struct SharedCamera {
 constexpr unsigned project_blocks(bool through_lens) { return through_lens ? 8 : 9; }
 
 /// Projects the Gaussians of one block in one view and appends the visible ones to those of the blocks before
-/// it. Without `through_lens` all views are pinholes whose depth is z.
+/// it. Without `through_lens` all views are pinholes that take depth z alone.
 template <class Bounds, class ViewSource, class Scenes, bool through_lens>
 __global__ void __launch_bounds__(project_threads,
                                   resident_blocks(project_blocks(through_lens), project_threads))
