@@ -43,7 +43,7 @@ SpzReach reach_of(const Scene& scene) {
       strays.push_back(std::uint32_t(i));
   }
   SpzReach reach{.fractional_bits = bits_of_scene(farthest), .middle = bulk.centre()};
-  if (strays.size() > scene.size() / 1000) return reach;
+  if (strays.size() > scene.size() / 500) return reach;
   const int wanted = bits_of_scene(farthest_of_bulk);
   if (reach.fractional_bits >= std::min(wanted, bits_for(farthest_of_bulk, 1 << 17, 24))) return reach;
   reach.fractional_bits = wanted;

@@ -27,7 +27,7 @@ struct SpzReach {
 /// 8,388,607 is clamped. In a scene so small that 1/4096 is coarse, the farthest position lies 16,384 to
 /// 32,768 steps off, with at most 24 bits. All readers scale by 1 / (1 << bits).
 ///
-/// At most a thousandth of the Gaussians, of those that stray, do not decide if the others were left fewer
+/// Strays, if at most one in 500 Gaussians is one, do not decide if the others were left fewer
 /// than 65,536 steps, or fewer than they would have by themselves. These may be `beyond`.
 SpzReach reach_of(const Scene& scene);
 
