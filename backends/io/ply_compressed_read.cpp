@@ -135,7 +135,8 @@ SceneFile read_compressed_ply(const Source& source, const PlyHeader& header,
                               const SceneReadOptions& options) {
   const ProgressMeter progress(options.progress, source.name);
   const CompressedLayout layout = find_compressed_layout(source, header, progress.step(0, 0.05));
-  const RenderingModel model = model_of(header, false);
+  std::vector<std::string> model_notes;
+  const RenderingModel model = model_of(header, false, model_notes);
   const bool flat = model.kernel == RenderingModel::Kernel::disk;
   SceneFile file;
   file.format = "compressed PLY";
@@ -146,6 +147,7 @@ SceneFile read_compressed_ply(const Source& source, const PlyHeader& header,
   decode_gaussians(source, layout, flat, first, progress.step(0.05, 1), file.scene);
   file.left_out = leave_out_invalid(file.scene);
   file.notes = notes_of(flat, layout.sh);
+  file.notes.insert(file.notes.end(), model_notes.begin(), model_notes.end());
   note_unread(header, {"chunk", "vertex", "sh"}, layout.unread, file.notes);
   return file;
 }

@@ -24,7 +24,7 @@ constexpr std::string_view own_key = "renderingmodel:";
 
 }  // namespace
 
-RenderingModel model_of(const PlyHeader& header, bool filtered) {
+RenderingModel model_of(const PlyHeader& header, bool filtered, std::vector<std::string>& notes) {
   RenderingModel model;
   // The variance that Mip-Splatting's trainer and renderer add.
   if (filtered) model.blur = 0.1f, model.antialiased = true;
@@ -39,8 +39,8 @@ RenderingModel model_of(const PlyHeader& header, bool filtered) {
     } else if (key == own_key) {
       try {
         model = model_from(value, model);
-      } catch (const std::invalid_argument&) {
-        // A comment of another program; no comment makes a file unreadable.
+      } catch (const std::invalid_argument&) {  // no comment makes a file unreadable
+        notes.push_back("The comment on the rendering model is not known, and ignored: " + value + ".");
       }
     }
   }

@@ -12,8 +12,9 @@
 namespace swiftgs::io {
 
 /// What the trainer's comments say of the rendering model; the last one counts. `filtered`: the vertices have
-/// the 3D filter of Mip-Splatting, which trains with its 2D filter too.
-RenderingModel model_of(const PlyHeader& header, bool filtered);
+/// the 3D filter of Mip-Splatting, which trains with its 2D filter too. `notes` are told of what is not
+/// known.
+RenderingModel model_of(const PlyHeader& header, bool filtered, std::vector<std::string>& notes);
 
 /// The comments that `model_of` reads.
 std::string model_comments(const RenderingModel& model);

@@ -162,7 +162,8 @@ SceneFile read_ply(const Source& source, const SceneReadOptions& options) {
   if (!found) source.fail(0, "a PLY with an element 'vertex'");
   const PlyElement& vertex = *found;
   PlyLayout layout = find_layout(source, vertex, header.encoding);
-  RenderingModel model = model_of(header, layout.filter.has_value());
+  std::vector<std::string> model_notes;
+  RenderingModel model = model_of(header, layout.filter.has_value(), model_notes);
   if (!layout.has_third_scale) model.kernel = RenderingModel::Kernel::disk;
   layout.flat = model.kernel == RenderingModel::Kernel::disk;
   const ProgressMeter progress(options.progress, source.name);
@@ -181,6 +182,7 @@ SceneFile read_ply(const Source& source, const SceneReadOptions& options) {
   decode_vertices(source, header, vertex, layout, starts.at(vertex.name), first, progress.step(locating, 1),
                   file.scene);
   file.notes = notes_of(layout.flat && layout.has_third_scale, layout.sh);
+  file.notes.insert(file.notes.end(), model_notes.begin(), model_notes.end());
   if (layout.filter)
     file.notes.push_back(
         "The 3D filter of the Gaussians (filter_3D) is applied to scales and opacities. They are drawn with "

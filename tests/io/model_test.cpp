@@ -79,6 +79,10 @@ TEST_CASE("model: PLY comments in any letters count, and those of other programs
   CHECK(model("comment RenderingModel: blur=0.1,order=distance\n") ==
         RenderingModel{.blur = 0.1f, .order = SplatOrder::distance});
   CHECK(model("comment RenderingModel: of clay\n") == RenderingModel());
+  const SceneFile later = read(ply(plain_gaussian(), {.before = "comment RenderingModel: blur=5,aa=yes\n"}));
+  CHECK(later.scene.model == RenderingModel());
+  CHECK(later.notes == std::vector<std::string>{
+                           "The comment on the rendering model is not known, and ignored: blur=5,aa=yes."});
   CHECK(model("comment SplatRenderMode: hologram\n") == RenderingModel());
 }
 
