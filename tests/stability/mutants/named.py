@@ -97,7 +97,7 @@ NAMED = [
          ("const dvec3 across = [-cross(a, b)-]{+axis+};",
           "[-(world_from_scene.scale * dot(across, axis))-]{+world_from_scene.scale+}")),
         ("depths are the scene's own", "[-out.depth_scale = pose.scale;-]"),
-        ("the opacity counts for nothing", "[-out.opacity = placed.opacity;-]"),
+        ("the opacity counts for nothing", "[-out.opacity = placed.opacity, -]out.follow"),
         ("parallel rays lie as far apart in every scene", "? of_camera [-* world_from_scene.scale -]: of_camera"),
         ("the axes that splats are projected by are the world's",
          "[-out.axes[row][column] = float(out.rotation[row][column]);-]"),
@@ -177,7 +177,7 @@ NAMED = [
         ("harmonics up to 2e38 are rotated", "coefficient < [-1e38f-]{+2e38f+}"),
         ("a stretch leaves harmonics where they were", "origin, [-rotation-]{+dmat3(1.0)+}, detail::upright")),
     *defects("edit", In(I + "edit/origin.hpp", test=EDIT),
-        ("an origin is the last position", "values.[-begin() + std::ptrdiff_t(values.size() / 2)-]{+end() - 1+}")),
+        ("an origin is the last position", "values.[-begin() + std::ptrdiff_t(count / 2)-]{+end() - 1+}")),
     # Bands and the exchange of splats.
     *defects("strips", In("backends/mpi/strips.cpp", test=BANDS),
         ("cuts move from a fifth on", "[-20 * slowest > 21-]{+10 * slowest > 12+} *"),

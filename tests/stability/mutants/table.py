@@ -137,8 +137,8 @@ MUTANTS = [
         ("a sphere without its border", "<[-=-] radius * radius"),
         ("half-spaces that end 1e-5 before their border", "h.w))) >= [-0-]{+1e-5f+};")),
     *defects("view", I + "view_constants.hpp",
-        ("blur times 1.0001", "v.blur = conventions.blur{+ * 1.0001f+};"),
-        ("blur times 1.001", "v.blur = conventions.blur{+ * 1.001f+};"),
+        ("blur times 1.0001", "v.blur = *whole.blur{+ * 1.0001f+}, v.antialiased"),
+        ("blur times 1.001", "v.blur = *whole.blur{+ * 1.001f+}, v.antialiased"),
         ("near plane of gsplat as inria's",
          "[-conventions.cull_at_near ? near_plane : std::nextafter(near_plane, 0.0f)-]{+near_plane+}")),
     *defects("splats", I + "splats.hpp",
@@ -153,7 +153,8 @@ MUTANTS = [
         constant("c0"), constant("c1"), constant("c22"), constant("c33")),
     *defects("view", I + "view_constants.hpp",
         *((f"gsplat's limit at the {side} 0.31", f"{least} + 0.3{{+1+}} *") for side, least in GSPLAT_LIMITS.items()),
-        *((f"inria's limit of {axis} 1.31", f"v.tan_{axis}_max = float(1.3{{+1+}} *") for axis in "xy")),
+        *((f"inria's limit of {axis} 1.31", f"tangents.most_{tangent} = 1.3{{+1+}} *")
+          for axis, tangent in zip("xy", "uv"))),
     # Order.
     *defects("splats", I + "splats.hpp",
         ("depth key of one bit less", "return __builtin_bit_cast(std::uint32_t, depth){+ & ~1u+};"),
