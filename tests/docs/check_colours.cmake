@@ -8,7 +8,7 @@ file(GLOB pages "${ROOT}/*.md" "${ROOT}/docs/*.md" "${ROOT}/backends/*.md" "${RO
 file(GLOB_RECURSE headers "${ROOT}/include/swiftgs/*.hpp" "${ROOT}/backends/*/include/*.hpp")
 set(found)
 foreach(file IN LISTS headers pages)
-  file(STRINGS "${file}" lines REGEX "(^|[^_])linear(,| RGB)|display values")
+  file(STRINGS "${file}" lines REGEX "(^|[^_.])linear(, [a-z]| RGB)|display values")
   foreach(line IN LISTS lines)
     string(APPEND found "\n${file}: ${line}")
   endforeach()
