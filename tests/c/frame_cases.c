@@ -147,7 +147,7 @@ void test_conventions(void) {
   CHECK(!same_floats(d.colour, plain, 3 * pixels));
 
 #define REFUSE(changes, part) changes, CHECK_INVALID(swiftgs_renderer_render_into(d.renderer, &d.frame), part)
-  REFUSE(gsplat.blur = -1, "a blur of 0 or more");
+  REFUSE(gsplat.blur = -2, "a blur of 0 or more");
   REFUSE((gsplat.blur = 0, gsplat.clamp = 2), "swiftgs_conventions: clamp is 2, expected 0 to 1");
   REFUSE((gsplat.clamp = 0, gsplat.footprint = -1), "footprint is -1");
   REFUSE((gsplat.footprint = 0, gsplat.depth = 3), "swiftgs_conventions: depth is 3, expected 0 to 2");

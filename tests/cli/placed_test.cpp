@@ -56,7 +56,9 @@ TEST_CASE("cli placed: parts of a scene in one frame are the scene") {
   place.write("parts/scenes.json", R"([{"file": "../a.ply"}, {"file": "./b.ply"}])");
   place.write("ranges.json", R"([{"file": "whole.ply", "count": 700}, {"file": "a.ply", "first": 700},
     {"file": "whole.ply", "first": 2000, "count": 1000}])");
-  place.write("parts/one.json", "\xef\xbb\xbf" R"(  [{"file": "b.ply"}])");  // with a byte order mark
+  place.write("parts/one.json",
+              "\xef\xbb\xbf"
+              R"(  [{"file": "b.ply"}])");  // with a byte order mark
   const std::vector<float> expected = drawn(place, "whole.ply");
   CHECK(drawn(place, "a.ply parts/b.ply --place") == expected);
   CHECK(drawn(place, "parts/scenes.json") == expected);
@@ -152,7 +154,7 @@ TEST_CASE("cli placed: each scene is drawn as it was trained, unless --model say
   write_scene(place / "b.spz", scene);
   const auto picture = [&](const std::string& scenes) {
     run(place, "render " + scenes + " --place --scale 0.05 --format pfm");
-    return place.read("renders/front.pfm");
+    return content_of(place / "renders/front.pfm");
   };
   const std::string both = picture("a.spz b.spz");
   CHECK(both != picture("a.spz a.spz"));

@@ -47,26 +47,41 @@ TEST_CASE("model text: a setting that is not known is refused by name") {
 
 TEST_CASE("model: PLY files keep it, other formats say what they leave out") {
   Scene scene = some_scene(40, 1);
-  for (vec3& scale : scene.scales) scale.z = 0;  // as of disks
-  for (const RenderingModel& model : {RenderingModel(), RenderingModel{.antialiased = true}, all,
-                                      RenderingModel{.kernel = RenderingModel::Kernel::disk}})
-    for (const auto& [ending, holds] :
-         {std::pair{".ply", model},
-          {".compressed.ply", model},
-          {".spz", {.antialiased = model.antialiased}},
-          {".sog",
-           {.antialiased = model.antialiased,
-           .kernel = model.antialiased ? RenderingModel().kernel : model.kernel}},
-          {".splat", {}}}) {
-      CAPTURE(ending);
-      CAPTURE(text_of(model));
-      scene.model = model;
-      const Written written = write_and_read(scene, ending);
-      CHECK(written.scene().model == holds);
-      const std::string notes = all_notes(written.notes);
-      CHECK(contains(notes, "How the scene was trained to be drawn is left out: ") == (holds != model));
-      if (holds == RenderingModel() && model != holds) CHECK(contains(notes, text_of(model)));
-    }
+  RenderingModel every = all;
+  every.kernel = RenderingModel::Kernel::ellipsoid;
+  const auto check = [&](const RenderingModel& model, const std::string& ending,
+                         const RenderingModel& holds) {
+    CAPTURE(ending);
+    CAPTURE(text_of(model));
+    scene.model = model;
+    const Written written = write_and_read(scene, ending);
+    CHECK(written.scene().model == holds);
+    const std::string notes = all_notes(written.notes);
+    CHECK(contains(notes, "How the scene was trained to be drawn is left out: ") == (holds != model));
+    if (holds == RenderingModel() && model != holds) CHECK(contains(notes, text_of(model)));
+  };
+  for (const RenderingModel& model : {RenderingModel(), RenderingModel{.antialiased = true}, every}) {
+    for (const char* ending : {".ply", ".compressed.ply"}) check(model, ending, model);
+    for (const char* ending : {".spz", ".sog"}) check(model, ending, {.antialiased = model.antialiased});
+    check(model, ".splat", {});
+  }
+}
+
+TEST_CASE("model: files that can say so keep that Gaussians were disks") {
+  Scene scene = some_scene(40, 1);
+  for (vec3& scale : scene.scales) scale.z = 0;
+  scene.model = {.kernel = RenderingModel::Kernel::disk};
+  const TemporaryFolder folder;
+  for (const char* ending : {".ply", ".compressed.ply", ".sog", ".spz"}) {
+    CAPTURE(ending);
+    const bool kept = std::string(ending) != ".spz";
+    const WrittenScene written = write_scene(folder / ("a" + std::string(ending)), scene);
+    const SceneFile file = read_scene(folder / ("a" + std::string(ending)));
+    CHECK(written.model == file.scene.model);
+    CHECK(file.scene.model == (kept ? scene.model : RenderingModel()));
+    CHECK(contains(all_notes(file.notes), "trained as 2D ones") == kept);
+    CHECK(contains(all_notes(written.notes), "is left out: kernel=disk.") == !kept);
+  }
 }
 
 TEST_CASE("model: PLY comments in any letters count, and those of other programs change nothing") {

@@ -89,7 +89,8 @@ TEST_CASE("compressed ply: comments say what the Gaussians are") {
   file.before = "comment SplatRenderMode: 2dgs\n";
   const SceneFile flat = read(file.text());
   CHECK(flat.scene.scales[0].z == 0);
-  CHECK(flat.notes.size() == 1);
+  CHECK(flat.notes.size() == 2);
+  CHECK(flat.scene.model.kernel == RenderingModel::Kernel::disk);
 }
 
 TEST_CASE("compressed ply: properties are found by name") {
