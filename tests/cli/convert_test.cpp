@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
+#include <glm/common.hpp>
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/edit.hpp>
 #include <swiftgs/io/scene_file.hpp>
@@ -144,7 +145,10 @@ TEST_CASE("cli convert: the largest losses of what was written are told") {
   check_members(
       json_in(place / "b.json")["output"]["losses"],
       R"({"position": 0, "gaussian": null, "displaced": 0, "scale_factor": 1, "opacity": 0, "colour": 0})");
-  const Outcome outcome = run(place, "convert a.ply b.spz --json b.json");
+  Scene scene = place.a;
+  for (swiftgs::vec3& scale : scene.scales) scale = glm::max(scale, swiftgs::vec3(1e-3f));  // nothing is clamped
+  write_scene(place / "c.ply", scene);
+  const Outcome outcome = run(place, "convert c.ply b.spz --json b.json");
   check_holds(outcome.out, {"\nrounded    at most: positions by ", " units, scales by a factor of 1.03",
                             ", opacities by 0.00", ", colours by 0.00"});
   const json losses = json_in(place / "b.json")["output"]["losses"];

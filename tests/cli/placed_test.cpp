@@ -154,7 +154,7 @@ TEST_CASE("cli placed: each scene is drawn as it was trained, unless --model say
   write_scene(place / "b.spz", scene);
   const auto picture = [&](const std::string& scenes) {
     run(place, "render " + scenes + " --place --scale 0.05 --format pfm");
-    return content_of(place / "renders/front.pfm");
+    return content_of(place / "renders/view.pfm");
   };
   const std::string both = picture("a.spz b.spz");
   CHECK(both != picture("a.spz a.spz"));

@@ -209,7 +209,7 @@ TEST_CASE("losses: a displacement that shows is noted with its size and its Gaus
   CHECK(written.losses.position > 0.5);
   CHECK(written.losses.position < 0.9);
   CHECK(contains(written.notes[0], "Positions move by up to 0."));
-  CHECK(contains(written.notes[0], " units (Gaussian " + std::to_string(written.losses.gaussian) + "), "));
+  CHECK(contains(written.notes[0], " units (Gaussian " + std::to_string(written.losses.gaussian) + "). "));
   CHECK(written.notes[0].ends_with(": " + std::to_string(written.losses.displaced) + "."));
   // None of what no frame shows.
   scene.opacities.assign(scene.size(), 0.003f);

@@ -160,5 +160,5 @@ SWIFTGS_CONTRACT("conversion: recorded frames convert and keep to what was reser
   std::vector<View> views = reserved.views;
   views[0].frame.conversion = Conversion::linear_to_srgb;
   CHECK_THROWS_WITH_AS(renderer.set_views(span_of(views)),
-                       doctest::Contains("the size or the planes of view 0 changed"), std::invalid_argument);
+                       doctest::Contains("conversion of colours of view 0 changed"), std::invalid_argument);
 }

@@ -130,7 +130,7 @@ SWIFTGS_CONTRACT("record: planes are those that were reserved, and no frame call
     std::vector<View> views = reserved.views;
     change(views[2].frame);
     CHECK_THROWS_WITH_AS(renderer.set_views(span_of(views)),
-                         doctest::Contains("the size or the planes of view 2 changed"),
+                         doctest::Contains("conversion of colours of view 2 changed"),
                          std::invalid_argument);
   };
   refuses([](FrameView& frame) { frame.median_depth = {}; });
@@ -207,7 +207,7 @@ TEST_CASE("record: takes views of the sizes that were reserved and no others") {
   CHECK_THROWS_WITH_AS(renderer.set_views(one.span()),
                        "set_views: the number of views is 1, expected 2 as reserved", std::invalid_argument);
   CHECK_THROWS_WITH_AS(renderer.set_views(other_way.span()),
-                       doctest::Contains("the size or the planes of view 0 changed"), std::invalid_argument);
+                       doctest::Contains("conversion of colours of view 0 changed"), std::invalid_argument);
   CHECK_THROWS_WITH_AS(renderer.record(more.view(), &report),
                        "Gaussians in a recorded frame: 501 needed, the limit is 500", CapacityError);
   CHECK_THROWS_AS(renderer.record(scene.view(), nullptr), std::invalid_argument);

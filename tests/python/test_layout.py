@@ -48,7 +48,7 @@ def test_functions_have_as_many_parameters_as_recorded():
 
 
 def test_numbers_are_those_of_the_record():
-    values = dict(re.fullmatch(r"value SWIFTGS_(\w+) = (\d+)", line).groups() for line in RECORD
+    values = dict(re.fullmatch(r"value SWIFTGS_(\w+) = (-?\d+)", line).groups() for line in RECORD
                   if line.startswith("value "))
     for name in ("HOST", "DEVICE", "LOG_SCALES", "LOGIT_OPACITIES", "ANY_ROTATIONS", "PLAIN_COLOURS",
                  "MEASURE_COUNTS", "MEASURE_TIMES"):

@@ -3,6 +3,8 @@
 import dataclasses
 from typing import Any
 
+import numpy as np
+
 from . import _c, _checks
 from ._errors import InvalidArgument
 
@@ -19,7 +21,8 @@ class RenderingModel:
 
     @classmethod
     def _of(cls, struct: Any) -> "RenderingModel":
-        return cls(struct.blur, bool(struct.antialiased), _c.ORDERS[struct.order], _c.COLOURS[struct.colours],
+        # The decimals of the float that C has.
+        return cls(float(str(np.float32(struct.blur))), bool(struct.antialiased), _c.ORDERS[struct.order], _c.COLOURS[struct.colours],
                    _c.KERNELS[struct.kernel])
 
     def _fill(self, struct: Any) -> None:
