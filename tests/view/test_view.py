@@ -273,6 +273,7 @@ class View(unittest.TestCase):
         broken.write_text("ply\nformat nonsense\n", encoding="utf-8")
         with self.viewer(self.folder, SCENE) as viewer:
             viewer.picture()
+            viewer.do("mousemove", "150", str(y_of(RASTER)))  # the pointer is in both pictures
             time.sleep(6)  # the message leaves
             entries, message = viewer.below(RASTER), viewer.message()
             viewer.click(150, RASTER)
