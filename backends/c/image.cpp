@@ -20,7 +20,7 @@ struct swiftgs_picture {
 namespace swiftgs::c {
 namespace {
 
-/// Views as they are written, with what they were drawn before.
+/// A view to write, and the background behind it.
 struct Picture {
   FrameView view;
   vec3 background;

@@ -22,8 +22,8 @@ bool is_scene_name(const std::string& name) {
 }  // namespace
 
 std::vector<std::string> names_in_tar(std::string_view text) {
-  // Each header fills 512 bytes, and what it describes as many more as it needs. Folders and extended headers
-  // have types of their own.
+  // A header fills 512 bytes. The content of its file follows, padded to a multiple of 512 bytes. Folders and
+  // extended headers have other types than files.
   std::vector<std::string> names;
   while (is_tar(text)) {
     const std::string_view name = text.substr(0, 100), size = text.substr(124, 11);

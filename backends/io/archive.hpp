@@ -17,7 +17,8 @@ inline bool is_tar(std::string_view text) { return text.size() >= 512 && text.su
 /// The names of files whose headers are in `text`, the beginning of a tar archive.
 std::vector<std::string> names_in_tar(std::string_view text);
 
-/// `archive`, the files of which have `names`, and what to do with it.
+/// What kind of archive `archive` is, judged by the `names` of its files, and what to do with it: the end of
+/// an error message.
 std::string archive_of(const std::string& archive, const std::vector<std::string>& names);
 
 }  // namespace swiftgs::io

@@ -68,9 +68,9 @@ std::optional<double> coefficient_in(const JsonEntry& entry, const char* key) {
   return is_off(entry.member(key)) ? 0.0 : entry.number(key);
 }
 
-/// The coefficient `key` of a camera whose model COLMAP calls `model`, if it calls it anything. Programs
-/// write names that the model has not; these mean what they mean in THIN_PRISM_FISHEYE. Null if there is
-/// none.
+/// The coefficient `key` of a camera of the COLMAP model `model`, which may be unknown. Some programs write
+/// coefficients that the model does not have; they mean what they mean in THIN_PRISM_FISHEYE. Null if that
+/// model does not have it either.
 double* coefficient_of(Distortion& distortion, std::string_view key, std::string_view model) {
   const ColmapModel* const known = colmap_model(model);
   double* const own = known ? coefficient_of(distortion, *known, key) : nullptr;

@@ -59,7 +59,7 @@ CameraFile read_file(const fs::path& path) {
   if (kind == FileKind::transforms_json)
     return read_transforms_json(source, path.has_parent_path() ? path.parent_path() : ".");
   if (kind == FileKind::camera_path) return parse_camera_path(source);
-  // Of any other array INRIA's reader tells what it lacks.
+  // The reader of INRIA's cameras.json also takes any other array: its error says what is missing.
   if (kind == FileKind::cameras_json ||
       (kind == FileKind::other && text.substr(json_start(text)).starts_with('[')))
     return sorted_by_name(parse_cameras_json(source));

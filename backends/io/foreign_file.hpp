@@ -7,7 +7,7 @@
 
 namespace swiftgs::io {
 
-/// What of a file tells what it is.
+/// How many bytes of a file are read to find out what it is.
 inline constexpr std::size_t beginning_bytes = 1 << 16;
 
 /// What a file is that nobody knows.

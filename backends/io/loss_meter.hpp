@@ -17,7 +17,8 @@ namespace swiftgs::io {
 
 class LossMeter {
  public:
-  /// `scene` has what is written, Gaussians of `whole` that are `fault_of` or all. Both must outlive this.
+  /// `scene`: the Gaussians that are written, which are those of `whole` without a fault (see `fault_of`), or
+  /// all of them. Both scenes must outlive this.
   LossMeter(const Scene& scene, const Scene& whole) : scene_(scene), whole_(whole) {}
 
   /// What the file has of Gaussian `i` of `scene`.

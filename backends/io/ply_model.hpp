@@ -11,9 +11,9 @@
 
 namespace swiftgs::io {
 
-/// What the trainer's comments say of the rendering model; the last one counts. `filtered`: the vertices have
-/// the 3D filter of Mip-Splatting, which trains with its 2D filter too. `notes` are told of what is not
-/// known.
+/// The rendering model that the trainer's comments name; the last comment counts. `filtered`: the vertices
+/// have the 3D filter of Mip-Splatting, which trains with its 2D filter too. Adds a note for each value that
+/// is not known.
 RenderingModel model_of(const PlyHeader& header, bool filtered, std::vector<std::string>& notes);
 
 /// The comments that `model_of` reads.

@@ -41,7 +41,8 @@ Fault fault_of(const Scene& scene, std::size_t i);
 /// Takes scales below 0, which linear formats can hold, without their sign, and notes of how many Gaussians.
 void drop_signs_of_scales(SceneFile& file);
 
-/// Removes the Gaussians with a fault, of which `faults` has one for each, and keeps the order of the others.
+/// Removes the Gaussians with a fault and keeps the order of the others. `faults` has one entry for each
+/// Gaussian.
 LeftOut leave_out(Scene& scene, const std::vector<Fault>& faults);
 
 /// The same of the faults that `fault_of` finds.

@@ -43,7 +43,7 @@ Codebook colour_codebook(const Scene& scene);
 /// For the numbers of a palette's colours, each as often as Gaussians have it.
 Codebook palette_codebook(const Palette& palette);
 
-/// Tells `losses` what the images make of means, scales, opacities and colours.
+/// Gives `losses` the means, scales, opacities and colours that a reader will find in the images.
 void measure_sog(const Scene& scene, const MeanEncoder& means, const Codebook& scales,
                  const Codebook& colours, LossMeter& losses);
 

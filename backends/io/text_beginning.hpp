@@ -21,8 +21,8 @@ inline std::size_t json_start(std::string_view text) {
   return std::min(text.find_first_not_of(" \t\r\n", mark_bytes(text)), text.size());
 }
 
-/// The other encoding that a text in it begins as; empty for UTF-8 and for what is no text. Programs of
-/// Windows write such texts, with a mark or without.
+/// "UTF-16" or "UTF-32" if `text` begins as a text in that encoding, else empty. Programs of Windows write
+/// such texts, with a byte order mark or without.
 inline std::string_view other_encoding(std::string_view text) {
   using namespace std::literals;
   if (text.starts_with("\xff\xfe\0\0"sv) || text.starts_with("\0\0\xfe\xff"sv)) return "UTF-32";
