@@ -55,8 +55,8 @@ Json json_of(const Camera& c) {
           {"lens", json_of(c.lens)}};
 }
 
-Json json_of(const Conventions& given) {
-  const Conventions k = as_trained(given, {});
+/// `k` leaves nothing to the scene.
+Json json_of(const Conventions& k) {
   return {{"near_plane", k.near_plane},
           {"cull_at_near", k.cull_at_near},
           {"far_plane", k.far_plane},
@@ -99,7 +99,7 @@ std::string case_text(const StressCase& drawn) {
   Json gaussians = Json::array();
   for (std::size_t i = 0; i < drawn.scene.size(); ++i) gaussians.push_back(json_of(drawn.scene, i));
   return text_of({{"camera", json_of(drawn.camera)},
-                  {"conventions", json_of(drawn.conventions)},
+                  {"conventions", json_of(as_trained(drawn.conventions, drawn.scene.model))},
                   {"background", json_of(drawn.background)},
                   {"world_from_scene", json_of(drawn.world_from_scene)},
                   {"clip", json_of(drawn.clip)},
