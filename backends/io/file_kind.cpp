@@ -71,7 +71,8 @@ std::string other_json(std::string_view text) {
   if (text.size() > most_bytes) return "JSON";
   const nlohmann::json root = nlohmann::json::parse(text, nullptr, false);
   if (root.is_discarded()) return "a text that begins as JSON does and is none";
-  return root.is_object() ? "a JSON object with " + listed_keys(root) : "a JSON array";
+  return root.is_object() ? "a JSON object with " + listed_keys(root)
+                          : "a JSON array; a list of scenes has objects with 'file'";
 }
 
 /// Looks into one gzip file alone: a file can be made that holds itself.

@@ -21,6 +21,7 @@
 #include <swiftgs/placing.hpp>
 #include <swiftgs/rotation.hpp>
 
+#include "file_kind.hpp"
 #include "json_entry.hpp"
 #include "listed.hpp"
 #include "mapped_file.hpp"
@@ -200,6 +201,13 @@ std::vector<ListedScene> parse_scene_list(const Source& source) {
 }
 
 }  // namespace io
+
+bool is_scene_list(const std::filesystem::path& path) {
+  if (!std::filesystem::is_regular_file(path)) return false;
+  const io::MappedFile file(path);
+  const io::Source source{file.bytes(), path.string()};
+  return io::kind_of(source.text(), source.name) == io::FileKind::scene_list;
+}
 
 std::vector<ListedScene> read_scene_list(const std::filesystem::path& path) {
   const io::MappedFile file(path);

@@ -43,7 +43,7 @@ TEST_CASE("scene file: foreign files are refused at byte 0 and named where they 
       {R"({"camera_path": []})", "JSON of cameras (camera_path.json)"},
       {"{}", "a JSON object with no keys"},
       {R"({"b": 1, "a": 2})", "a JSON object with the keys a, b"},
-      {"[1]", "a JSON array"},
+      {"[1]", "a JSON array; a list of scenes has objects with 'file'"},
       {"{'a': 1}", "a text that begins as JSON does and is none"},
       {"// made by hand\n{}", "a text that begins with a comment, which JSON has not"},
       {"\xff\xfe{\0}\0"s, "a text in UTF-16; save it in UTF-8"},

@@ -37,6 +37,17 @@ const std::string whole = R"([{"file": "room.spz"},
 
 }  // namespace
 
+TEST_CASE("scene list: a file is one by its content, whatever its name") {
+  const TemporaryFolder folder;
+  CHECK(is_scene_list(folder.write("scenes.json", whole)));
+  CHECK(is_scene_list(folder.write("marked.txt", "\xef\xbb\xbf\r\n " + whole)));
+  for (const std::string other : {R"([{"img_name": "a", "file": 1}])", R"({"file": "a.ply"})", "[1]", "",
+                                  "\xef\xbb[{\"file\": \"a.ply\"}]", "ply\n[\"file\""})
+    CHECK_FALSE(is_scene_list(folder.write("other.json", other)));
+  CHECK_FALSE(is_scene_list(folder.path()));
+  CHECK_FALSE(is_scene_list(folder.path() / "none.json"));
+}
+
 TEST_CASE("scene list: scenes have what their objects say and the defaults of what they do not") {
   const TemporaryFolder folder;
   const std::vector<ListedScene> scenes = read_scene_list(folder.write("scenes.json", whole));

@@ -4,10 +4,8 @@
 #include <algorithm>
 #include <cstddef>
 #include <filesystem>
-#include <fstream>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <utility>
 
 #include <swiftgs/edit/transform.hpp>
@@ -19,17 +17,6 @@
 namespace swiftgs::cli {
 
 namespace fs = std::filesystem;
-
-bool is_scene_list(const std::string& name) {
-  if (!name.ends_with(".json") || !fs::is_regular_file(name)) return false;
-  constexpr std::string_view mark = "\xef\xbb\xbf";  // which editors of Windows write first
-  std::ifstream file(name);
-  for (const char byte : mark)
-    if (file.peek() == std::char_traits<char>::to_int_type(byte)) file.get();
-  char first = 0;
-  file >> first;
-  return first == '[';
-}
 
 std::vector<ListedScene> scenes_of(const std::vector<std::string>& names, bool place) {
   if (names.size() > 1 && !place)

@@ -17,9 +17,6 @@
 
 namespace swiftgs::cli {
 
-/// Whether `name` is a file of a JSON array. Scenes in JSON are objects.
-bool is_scene_list(const std::string& name);
-
 /// The scenes of one frame. `names` are files of scenes, or lists, whose paths are relative to the list.
 /// Reads lists alone. Throws `std::invalid_argument` for several names unless `place` says that one frame
 /// shows all.

@@ -28,6 +28,10 @@ struct ListedScene {
   std::optional<std::uint64_t> count{};  ///< Gaussians that show, 1 or more; all from `first` on
 };
 
+/// Whether `path` is a file that holds a list of scenes, by its content. Other JSON, such as a list of
+/// cameras, is none. Throws `std::system_error` if the file cannot be read.
+SWIFTGS_API bool is_scene_list(const std::filesystem::path& path);
+
 /// Reads a list of scenes, a JSON array of objects. Each has a `file`, and may have
 /// - `rotation`, a quaternion w, x, y, z of any length or three rows of three numbers, `scale` above 0, and
 ///   `translation`, which make p_world = scale rotation p + translation,
