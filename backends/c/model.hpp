@@ -23,7 +23,13 @@ void set_model(Struct& to, const RenderingModel& from) {
   to.kernel = int(from.kernel), to.blur = from.blur;
 }
 
-/// The model of Gaussians in arrays. 0 stands for the usual blur, and a negative number for none.
+/// The same for Gaussians in arrays, where a blur of 0 stands for the usual one and a negative one for none.
+inline void set_model(swiftgs_gaussians& to, const RenderingModel& from) {
+  set_model<swiftgs_gaussians>(to, from);
+  if (from.blur == 0) to.blur = -1;
+}
+
+/// The model that `set_model` writes to Gaussians in arrays.
 inline RenderingModel model_of(const swiftgs_gaussians& from) {
   require_choice(from.order, 2, "swiftgs_gaussians: order");
   require_choice(from.colours, 2, "swiftgs_gaussians: colours");
