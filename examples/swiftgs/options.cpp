@@ -32,8 +32,12 @@ void add_scene_reading(CLI::App& command, SceneOptions& options) {
       ->capture_default_str();
   command.add_option("--level", options.level, "Level of detail of a streamed SOG; 0 is the finest")
       ->capture_default_str();
+  add_model(command, options.model);
+}
+
+void add_model(CLI::App& command, std::string& model) {
   command.add_option(
-      "--model", options.model,
+      "--model", model,
       "How the scene was trained to be drawn [as the file says]: settings with commas between,\n"
       "of antialiased=yes or no, blur=PIXELS2, order=depth or distance, colours=srgb or linear");
 }

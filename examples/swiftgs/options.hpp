@@ -37,6 +37,9 @@ struct ViewOptions {
 /// Adds the options of a scene, of which the name is required.
 void add_scene(CLI::App& command, SceneOptions& options);
 
+/// Adds `--model`, which changes how a scene is drawn.
+void add_model(CLI::App& command, std::string& model);
+
 /// Adds those of them that say how to read it.
 void add_scene_reading(CLI::App& command, SceneOptions& options);
 

@@ -161,6 +161,17 @@ TEST_CASE("bench: rows say how they were measured, and errors are of the views t
   }
 }
 
+TEST_CASE("bench: --model says how scenes were trained, for frames and for what they are compared with") {
+  const TemporaryFolder place;
+  const std::string bench = "builtin:500 --views 0" + one, model = "antialiased=yes,blur=0.5,order=distance";
+  const Json as_usual = measured(place, bench), changed = measured(place, bench + " --model " + model);
+  CHECK(as_usual.at("scenes")[0].at("model") == "");
+  CHECK(changed.at("scenes")[0].at("model") == model);
+  CHECK(changed.at("rows")[0].at("intersections") != as_usual.at("rows")[0].at("intersections"));
+  CHECK(changed.at("rows")[0].at("psnr_db").get<double>() > 90);
+  fails("builtin:500 --model kernel=disk" + one, {"--model kernel=disk: expected no kernel"});
+}
+
 TEST_CASE("bench: with --profile every view is drawn by every renderer and nothing is written") {
   const TemporaryFolder place;
   const Outcome outcome = run(place,
@@ -303,6 +314,7 @@ TEST_CASE("bench: --resume refuses a file of something else and leaves it as it 
   refuses("/command", "swiftgs bench garden",
           {"command is \"swiftgs bench garden\"; expected \"swiftgs bench "});
   refuses("/scenes/0/geometry", "other", {"scene builtin has changed; expected the Gaussians"});
+  refuses("/scenes/0/model", "antialiased=yes", {"expected the Gaussians and the model"});
   refuses("/format", "swiftgs-stress", {"format is \"swiftgs-stress\"; expected \"swiftgs-bench\""});
   refuses("/rows/0/frames", "few", {"--resume r.json: expected what bench has written"});
   refuses("/rows", Json{{"a", 1}}, {"--resume r.json: expected what bench has written"});

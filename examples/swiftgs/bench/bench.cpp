@@ -33,12 +33,6 @@
 namespace swiftgs::cli {
 namespace {
 
-/// Tells scenes apart, and how they are drawn.
-std::string identity_of(const Scene& scene) {
-  const std::string model = text_of(scene.model);
-  return geometry_checksum(scene) + (model.empty() ? "" : "," + model);
-}
-
 struct BenchOptions {
   std::vector<std::string> scenes;
   std::string renderers = "*";
@@ -48,7 +42,7 @@ struct BenchOptions {
   std::string json, images;
   Plan plan;
   int batch = 1;
-  std::string planes, harmonics = "smallest";
+  std::string planes, harmonics = "smallest", model;
   bool profile = false, resume = false;
 };
 
@@ -94,8 +88,8 @@ std::vector<std::optional<std::size_t>> counts_or_one_case(const std::string& op
 
 /// A scene with what lies beside it.
 struct Input {
-  explicit Input(const std::string& name) : capture(capture_of({.scene = name})) {
-    scene.scene = name;
+  Input(const std::string& name, const std::string& model) : capture(capture_of({.scene = name})) {
+    scene.scene = name, scene.model = model;
     // A folder brings its own.
     if (!capture.cameras.empty() && !std::filesystem::is_directory(name))
       cameras_file = capture.cameras.string();
@@ -124,7 +118,7 @@ class Matrix {
     // In results a scene goes by its name and its number of Gaussians.
     std::set<std::pair<std::string, std::size_t>> names;
     for (const std::string& scene : options.scenes) {
-      inputs_.emplace_back(scene);
+      inputs_.emplace_back(scene, options.model);
       const std::size_t built_in = options.gaussians.empty() ? builtin_size(scene).value_or(0) : 0;
       if (!names.emplace(name_of(inputs_.back()), built_in).second)
         throw std::invalid_argument("SCENE '" + scene +
@@ -160,8 +154,8 @@ class Matrix {
                            original.size(),
                            factor,
                            original.sh_degree,
-                           original.model.antialiased,
-                           options_.json.empty() ? "" : identity_of(*session.gaussians)};
+                           text_of(original.model),
+                           options_.json.empty() ? "" : geometry_checksum(*session.gaussians)};
           if (options_.resume) require_same_scene(options_.json, results, session.scene);
           std::vector<SceneResult>& scenes = results.scenes;
           if (std::find(scenes.begin(), scenes.end(), session.scene) == scenes.end())
@@ -331,6 +325,7 @@ void add_bench(CLI::App& app) {
   command->add_option("--gaussians", options->gaussians, "Numbers of Gaussians [as in the file]");
   command->add_option("--enlarge", options->enlarge, "Factors of the Gaussians' scales")
       ->capture_default_str();
+  add_model(*command, options->model);
   command->add_option("--threads", options->threads, "Numbers of threads of the cpu backend [all]");
   command->add_option("--conventions", options->conventions, "gsplat, inria or both")->capture_default_str();
   command

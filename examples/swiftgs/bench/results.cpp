@@ -21,7 +21,7 @@ Json json_of(const Duration& d) {
 
 Json json_of(const SceneResult& s) {
   return {{"scene", s.scene},      {"gaussians", s.gaussians}, {"original", s.original},
-          {"enlarge", s.enlarge},  {"sh_degree", s.sh_degree}, {"antialiased", s.antialiased},
+          {"enlarge", s.enlarge},  {"sh_degree", s.sh_degree}, {"model", s.model},
           {"geometry", s.geometry}};
 }
 

@@ -33,8 +33,8 @@ struct SceneResult {
   std::size_t gaussians = 0, original = 0;
   double enlarge = 1;
   int sh_degree = 0;
-  bool antialiased = false;
-  std::string geometry;  ///< checksum of the Gaussians, and their model; empty where no file is written
+  std::string model;     ///< how it was trained to be drawn, as `text_of` says it
+  std::string geometry;  ///< checksum of the Gaussians; empty where no file is written
 
   bool operator==(const SceneResult&) const = default;
 };

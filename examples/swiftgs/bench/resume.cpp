@@ -50,8 +50,8 @@ std::optional<Errors> errors_of(const Json& json) {
 }
 
 SceneResult scene_of(const Json& json) {
-  return {json.at("scene"),     json.at("gaussians"),   json.at("original"), json.at("enlarge"),
-          json.at("sh_degree"), json.at("antialiased"), json.at("geometry")};
+  return {json.at("scene"),     json.at("gaussians"), json.at("original"), json.at("enlarge"),
+          json.at("sh_degree"), json.at("model"),     json.at("geometry")};
 }
 
 ViewResult view_of(const Json& json) {
@@ -112,9 +112,9 @@ Results resumed_results(const std::string& path, const ResultHead& head) {
 void require_same_scene(const std::string& path, const Results& found, const SceneResult& scene) {
   for (const SceneResult& other : found.scenes)
     if (other.scene == scene.scene && other.gaussians == scene.gaussians && other.enlarge == scene.enlarge &&
-        other.geometry != scene.geometry)
-      fail(path,
-           "scene " + scene.scene + " has changed; expected the Gaussians that the file was measured with");
+        (other.geometry != scene.geometry || other.model != scene.model))
+      fail(path, "scene " + scene.scene +
+                     " has changed; expected the Gaussians and the model that the file was measured with");
 }
 
 }  // namespace swiftgs::cli
