@@ -23,14 +23,14 @@ vec3 log_scale_of(const Scene& scene, std::size_t i) {
                     -most_log_scale, most_log_scale);
 }
 
-std::vector<ChunkRanges> ranges_of(const Scene& scene, const std::vector<std::uint32_t>& order) {
-  std::vector<ChunkRanges> chunks((order.size() + chunk_size - 1) / chunk_size);
+std::vector<ChunkRanges> ranges_of(const Scene& scene, const std::vector<ChunkRow>& rows) {
+  std::vector<ChunkRanges> chunks((rows.size() + chunk_size - 1) / chunk_size);
   const auto measure = [&](std::size_t chunk) {
     const auto range_of = [&](const auto& value) {
-      const std::size_t begin = chunk * chunk_size, end = std::min(begin + chunk_size, order.size());
-      Range3 range{value(scene, order[begin]), value(scene, order[begin])};
+      const std::size_t begin = chunk * chunk_size, end = std::min(begin + chunk_size, rows.size());
+      Range3 range{value(scene, rows[begin].gaussian), value(scene, rows[begin].gaussian)};
       for (std::size_t k = begin + 1; k < end; ++k) {
-        const vec3 v = value(scene, order[k]);
+        const vec3 v = value(scene, rows[k].gaussian);
         range = {glm::min(range.low, v), glm::max(range.high, v)};
       }
       return range;
@@ -39,7 +39,7 @@ std::vector<ChunkRanges> ranges_of(const Scene& scene, const std::vector<std::ui
     chunks[chunk] = {range_of(mean_of), range_of(log_scale_of), range_of(colour_of)};
   };
   // Parts of Gaussians; a chunk belongs to the part of its first.
-  for_parts(order.size(), [&](std::size_t begin, std::size_t end) {
+  for_parts(rows.size(), [&](std::size_t begin, std::size_t end) {
     const std::size_t first = (begin + chunk_size - 1) / chunk_size;
     for (std::size_t chunk = first; chunk * chunk_size < end; ++chunk) measure(chunk);
   });
@@ -114,26 +114,36 @@ WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene
   const ProgressMeter progress(options.progress, path.string());
   progress.report(0);
   WrittenScene written = written_whole("compressed PLY", scene);
-  const std::vector<std::uint32_t> order = order_in_chunks(scene);
+  const std::vector<ChunkRow> rows = order_in_chunks(scene);
+  written.gaussians = rows.size();
+  if (rows.size() > scene.size())
+    written.notes.push_back(
+        "Gaussians of opacity 0 are added, so that those far from the rest have chunks of "
+        "their own: " +
+        std::to_string(rows.size() - scene.size()) + ".");
   note_clamped_fields(scene, written.notes);
   progress.report(0.3);
-  const std::vector<ChunkRanges> chunks = ranges_of(scene, order);
+  const std::vector<ChunkRanges> chunks = ranges_of(scene, rows);
 
   OutputFile file(path);
-  const std::string header = header_of(scene, order.size(), chunks.size());
+  const std::string header = header_of(scene, rows.size(), chunks.size());
   file.write(header.data(), header.size());
   write_rows(file, chunks.size(), chunk_properties.size() * sizeof(float), progress.step(0.3, 0.4),
              [&](std::size_t i, RowEncoder row) { encode_chunk(chunks[i], row); });
-  write_rows(file, order.size(), vertex_properties.size() * sizeof(std::uint32_t), progress.step(0.4, 0.6),
+  write_rows(file, rows.size(), vertex_properties.size() * sizeof(std::uint32_t), progress.step(0.4, 0.6),
              [&](std::size_t i, RowEncoder row) {
-               const PackedVertex vertex = packed(scene, order[i], chunks[i / chunk_size]);
+               const auto [gaussian, fills] = rows[i];
+               PackedVertex vertex = packed(scene, gaussian, chunks[i / chunk_size]);
+               if (fills)
+                 vertex[3] &= ~std::uint32_t(0xff);  // the opacity
+               else
+                 measure(gaussian, unpacked(vertex, chunks[i / chunk_size]), losses);
                for (const std::uint32_t word : vertex) row.add(word);
-               measure(order[i], unpacked(vertex, chunks[i / chunk_size]), losses);
              });
   const std::size_t count = std::size_t(sh_rest_count(scene.sh_degree));
   if (count > 0)
-    write_rows(file, order.size(), 3 * count, progress.step(0.6, 1), [&](std::size_t i, RowEncoder row) {
-      const float* rest = scene.sh_rest.data() + 3 * count * order[i];
+    write_rows(file, rows.size(), 3 * count, progress.step(0.6, 1), [&](std::size_t i, RowEncoder row) {
+      const float* rest = scene.sh_rest.data() + 3 * count * rows[i].gaussian;
       for (std::size_t c = 0; c < 3; ++c)
         for (std::size_t j = 0; j < count; ++j) row.add(pack_sh(rest[3 * j + c], (i + j) % 2 == 0));
     });
