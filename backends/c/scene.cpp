@@ -105,7 +105,6 @@ swiftgs_gaussians arrays_of(const Scene& scene, std::size_t size) {
   arrays.sh_degree = scene.sh_degree, arrays.feature_channels = scene.feature_channels;
   arrays.count = scene.size();
   set_model(arrays, scene.model);
-  if (scene.model.blur == 0) arrays.blur = -1;
   for_each_array(
       [](const char*, std::size_t each, const auto& from, swiftgs_array& to) {
         if (!from.empty()) to = {swiftgs::detail::floats_of(from).data, std::int64_t(each * sizeof(from[0]))};
@@ -226,7 +225,10 @@ swiftgs_status swiftgs_scene_write(const swiftgs_scene* scene, const char* path,
     require_pointer(scene, "scene");
     require_pointer(path, "path");
     const swiftgs_write_options write = read_options(options, "swiftgs_write_options");
-    hand_over(swiftgs::write_scene(path, *scene->scene, to_options(write)).notes, write);
+    WrittenScene written = swiftgs::write_scene(path, *scene->scene, to_options(write));
+    if (const std::string losses = text_of(written.losses); !losses.empty())
+      written.notes.push_back("Rounding changes numbers at most: " + losses + ".");
+    hand_over(written.notes, write);
   });
 }
 

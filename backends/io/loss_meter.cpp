@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <iterator>
 #include <limits>
 #include <string_view>
@@ -74,3 +75,21 @@ std::optional<std::string> LossMeter::sentence() const {
 }
 
 }  // namespace swiftgs::io
+
+namespace swiftgs {
+
+std::string text_of(const LargestLosses& losses) {
+  std::string text;
+  const auto add = [&](const char* format, double loss, double none) {
+    char part[64];
+    std::snprintf(part, sizeof part, format, loss);
+    if (loss > none) text += (text.empty() ? "" : ", ") + std::string(part);
+  };
+  add("positions by %.3g units", losses.position, 0);
+  add("scales by a factor of %.4g", losses.scale, 1);
+  add("opacities by %.3g", losses.opacity, 0);
+  add("colours by %.3g", losses.colour, 0);
+  return text;
+}
+
+}  // namespace swiftgs

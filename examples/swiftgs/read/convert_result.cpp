@@ -3,6 +3,7 @@
 
 #include <cinttypes>
 #include <cstdio>
+#include <string>
 
 #include "json_text.hpp"
 
@@ -22,21 +23,6 @@ Json json_of(const LargestLosses& losses) {
           {"scale_factor", rounded(losses.scale, 6)},
           {"opacity", rounded(losses.opacity, 6)},
           {"colour", rounded(losses.colour, 6)}};
-}
-
-/// What is not lost is not told.
-void print_losses(const LargestLosses& losses) {
-  std::string text;
-  const auto add = [&](const char* format, double loss, double none) {
-    char part[64];
-    std::snprintf(part, sizeof part, format, loss);
-    if (loss > none) text += (text.empty() ? "" : ", ") + std::string(part);
-  };
-  add("positions by %.3g units", losses.position, 0);
-  add("scales by a factor of %.4g", losses.scale, 1);
-  add("opacities by %.3g", losses.opacity, 0);
-  add("colours by %.3g", losses.colour, 0);
-  if (!text.empty()) std::printf("%-10s at most: %s\n", "rounded", text.c_str());
 }
 
 void print_file(const char* verb, const ConvertedFile& file) {
@@ -67,7 +53,8 @@ void print_table(const ConvertResult& result) {
     before = step.gaussians;
   }
   print_file("written", result.output);
-  print_losses(result.losses);
+  if (const std::string losses = text_of(result.losses); !losses.empty())
+    std::printf("%-10s at most: %s\n", "rounded", losses.c_str());
 }
 
 }  // namespace swiftgs::cli

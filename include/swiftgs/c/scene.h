@@ -189,7 +189,7 @@ typedef struct swiftgs_write_options {
   uint32_t reserved;          ///< 0
   const char* ending;         ///< names the format, as `.ply` does; NULL: the file's own name does
   swiftgs_progress progress;  ///< or NULL
-  swiftgs_note note;          ///< or NULL
+  swiftgs_note note;          ///< or NULL; called for each loss, and once with the largest of rounding
   void* context;              ///< what both are called with
 } swiftgs_write_options;
 

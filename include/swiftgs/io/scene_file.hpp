@@ -111,6 +111,10 @@ struct LargestLosses {
   double colour = 0;  ///< of a channel by band 0, of which 1 is full
 };
 
+/// "positions by 0.00012 units, scales by a factor of 1.03, opacities by 0.002, colours by 0.005": those that
+/// are not as before; empty if all are.
+SWIFTGS_API std::string text_of(const LargestLosses& losses);
+
 /// What a file holds of a scene. A format may hold fewer bands, or less of the scene's model.
 struct WrittenScene {
   std::string format;       ///< as `SceneFile::format`
@@ -126,8 +130,8 @@ struct WrittenScene {
 /// - `.ply`: INRIA PLY, little-endian, of floats. Opacities are kept within [1e-6, 1 - 1e-6], as it holds
 /// logits.
 /// - `.compressed.ply`: SuperSplat's compressed PLY. All numbers are rounded, positions to a part of what 256
-///   consecutive Gaussians span. The order is that of `spatial_order`; strays come last, together with as
-///   many of the least visible Gaussians as fill 256.
+///   consecutive Gaussians span. The order is that of `spatial_order`; strays come last, and as many
+///   Gaussians of opacity 0 before them as fill 256.
 /// - `.spz`: SPZ version 4 or 3. Rounds means to 1/4096 (finer in a scene smaller than 4, coarser in one
 ///   beyond 2048; a thousandth of strays is moved nearer instead, and noted), scales to 1/16 of their
 ///   logarithm, opacities to 1/255, and SH coefficients to 1/38 in band 0, 1/16 in band 1 and 1/8 above.
