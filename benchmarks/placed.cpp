@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /// @file
-/// Frames of placed scenes beside frames of one scene that holds the same Gaussians. docs/results.md shows
+/// Frames of placed scenes beside frames of one scene that holds the same Gaussians. docs/scenes.md shows
 /// the table.
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /// @file
-/// What planes beside colour cost. docs/conventions.md shows the table.
+/// What planes beside colour cost. docs/planes.md shows the table.
 
 #include <algorithm>
 #include <cstddef>

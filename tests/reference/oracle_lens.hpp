@@ -2,7 +2,7 @@
 #pragma once
 
 /// @file
-/// The oracle's lenses in long double, written from docs/conventions.md. Derivatives are carried beside
+/// The oracle's lenses in long double, written from docs/planes.md. Derivatives are carried beside
 /// values.
 
 #include <algorithm>

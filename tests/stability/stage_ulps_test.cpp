@@ -54,7 +54,7 @@ double recorded_ulps(const Worst& found) {
   return largest;
 }
 
-/// Each gate is the recorded number, which docs/conventions.md shows, so that table and gate are one. The
+/// Each gate is the recorded number, which docs/errors.md shows, so that table and gate are one. The
 /// record repeats these searches with three more seeds. A twentieth and a tenth of an ulp more are left for
 /// compilers, which order and fuse operations differently.
 void check_against_the_record(std::vector<Worst> (*search)(int effort)) {
