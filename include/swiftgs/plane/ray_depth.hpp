@@ -16,8 +16,8 @@
 
 namespace swiftgs {
 
-/// Depth as a plane over the image. All splats of an image have one origin, its middle, so that weighted sums
-/// of their planes are the plane of the sum, and parts of an image have its bits.
+/// Depth as a plane over the image. All splats measure from the middle of the image, so the weighted sum of
+/// their planes is a plane too, and an image strip has the bits of the whole image.
 struct RayDepth {
   static constexpr int terms = 3, squares = 6;
 
