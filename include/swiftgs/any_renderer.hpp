@@ -55,16 +55,16 @@ class SWIFTGS_API AnyRenderer {
   virtual void set_scene(std::shared_ptr<const Scene> scene,
                          HarmonicsKept kept = HarmonicsKept::smallest) = 0;
 
-  /// As above, of arrays that the backend reaches: those of a device go to its renderers within the device,
-  /// in stream order. It waits only if memory has to grow: it reuses memory of the last scene, unless that
-  /// was ever shared. A device does not draw Gaussians with a NaN or an infinity, since no pass checks them;
+  /// Sets a scene of arrays that the backend reaches: a device copies its own arrays within the device, in
+  /// stream order. Reuses the memory of the last scene, unless that was ever shared, and waits only if memory
+  /// has to grow. A device does not draw Gaussians with a NaN or an infinity, since no pass checks them;
   /// hosts refuse them. Throws `std::invalid_argument` as `validate`. After any other exception a device
   /// renderer has no scene, and a host renderer keeps the last one.
   virtual void set_scene(const SceneArrays& arrays) = 0;
 
-  /// As above, of arrays that frames read where they lie, and that the backend reaches: nothing is copied,
-  /// and numbers are not checked. They stay where they are until another scene is set and frames are
-  /// finished, and may change between frames. Throws as `view(SceneArrays)`.
+  /// Sets a scene of arrays that frames read without a copy or a check of numbers, in memory that the backend
+  /// reaches. The arrays must outlive all frames until another scene is set, and may change between frames.
+  /// Throws as `view(SceneArrays)`.
   virtual void borrow_scene(const SceneArrays& arrays) = 0;
 
   /// Uploads one more scene, and returns its number: 0, 1 and so on. Frames show it too, where it stands by

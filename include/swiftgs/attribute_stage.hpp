@@ -49,7 +49,7 @@ struct SplatAttributes {
     vec3 normal{0};
   };
 
-  /// What is not finite counts as 0. Larger magnitudes than `most_attribute` are cut to it.
+  /// A number that is not finite counts as 0. Larger magnitudes than `most_attribute` are cut to it.
   SWIFTGS_HD AttributeRow row(const View& view, unsigned r, const Geometry& of, const float* features) const {
     const float largest = 3.4028234663852886e38f, most = most_attribute(view.rules.alpha_max);
     AttributeRow out;

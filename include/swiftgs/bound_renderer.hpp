@@ -147,10 +147,11 @@ class BoundRenderer {
   }
 
   /// Sets the views that `record` renders, in stream order. Recorded work that runs again renders them too.
-  /// Between `reserve` calls, cameras, conventions, backgrounds, formats and the places of planes may change,
-  /// and lenses and orders if any of those reserved is no pinhole that takes depth z alone. Throws
-  /// `std::invalid_argument`, and changes nothing, if more changes: the number of views, a size, which placed
-  /// scenes show, which planes there are, whether colours are converted, as those of linear scenes are.
+  /// Between `reserve` calls, cameras, conventions, backgrounds, formats and the addresses of planes may
+  /// change; lenses and orders may change if a reserved view is no pinhole or takes another depth than z.
+  /// Throws `std::invalid_argument`, and changes nothing, if more changes: the number of views, a size, which
+  /// placed scenes show, which planes a frame has, whether it converts colours, as frames of linear scenes
+  /// do.
   void set_views(Span<const View> views) { recorded_.set_views(backend(), views); }
 
   /// Sets what `record(report)` renders, in stream order: the placed scenes of the latest `reserve`, moved,
@@ -161,11 +162,11 @@ class BoundRenderer {
 
   /// The placed scenes that `record(report)` renders, in memory of the backend, until the next `reserve` or
   /// `trim`: work in stream order may write poses, opacities, clips and tints there, and nothing else, for
-  /// frames that are recorded or run again later. A device does not draw one that is not valid (NaN, no
+  /// frames that are recorded or run again later. A device does not draw a scene that is not valid (NaN, no
   /// rotation), see `refused_scenes`; a host throws. Null on a device for a scene alone.
   PlacedScene* recorded_scenes() { return recorded_.stored_scenes(); }
-  /// Which of them the last recorded frame did not draw, of those that its views show; complete when it
-  /// returns.
+  /// Indices of placed scenes that the last recorded frame should have shown and refused to draw. Waits for
+  /// the frame.
   std::vector<std::size_t> refused_scenes() const { return recorded_.refused_scenes(backend()); }
 
   /// Renders the views that were set. It never waits, allocates or queries the device, so a CUDA graph may
@@ -187,7 +188,7 @@ class BoundRenderer {
       detail::require_for_render(PlacedScenes(scene).shown(view).size == 1, "views that show the scene");
     record_scenes(scene, report, before_raster);
   }
-  /// The same of the scenes of `reserve` or `set_scenes`.
+  /// Renders the scenes of `reserve` or `set_scenes` likewise.
   template <class BeforeRaster = detail::DoNothing>
   requires std::invocable<const BeforeRaster&>
   void record(FrameReport* report, const BeforeRaster& before_raster = {}) {
@@ -257,8 +258,8 @@ class BoundRenderer {
     return frame;
   }
 
-  /// What pixels of the last frame show, by rows, from its splats and tile lists; complete when it returns.
-  /// It does not look at occluders: compare depths with yours.
+  /// Which Gaussians pixels of the last frame show, by rows, from its splats and tile lists. Waits for the
+  /// frame. `pick` does not look at occluders: compare depths with yours.
   ///
   /// The last frame is that of the latest `render_into`, `render_resident`, `render` or `record`. Results are
   /// undefined after the replay of a graph that does not hold the latest `record`, and between `set_views`
@@ -290,7 +291,7 @@ class BoundRenderer {
     return {ms(0, 1), ms(1, 2), ms(2, 3), ms(0, 3)};
   }
 
-  /// What the last frame took. What is counted only where the settings asked for it is waited for.
+  /// Counts of the last frame. Waits for counts that only the settings ask for.
   Statistics statistics() const {
     Statistics s{.gaussians = gaussians_,
                  .visible = std::size_t(report_.visible),
@@ -304,9 +305,9 @@ class BoundRenderer {
     return s;
   }
 
-  /// Splats of each placed scene in the last frame of `render_into` or what calls it, all views together;
-  /// complete when it returns. A panorama shows a Gaussian with one in each of its parts. Brings 4 bytes a
-  /// splat to the host. Throws `std::logic_error` if there is no such frame.
+  /// Splats of each placed scene in the last frame of `render_into` or what calls it, all views together.
+  /// Waits for the frame and copies 4 bytes a splat to the host. A panorama has a splat of a Gaussian in each
+  /// of its parts. Throws `std::logic_error` without such a frame.
   std::vector<std::size_t> visible_by_scene() const {
     if (last_ != LastFrame::drawn) throw std::logic_error("visible_by_scene: expected a frame before");
     std::vector<std::uint32_t> numbers(std::size_t(report_.visible));
@@ -318,8 +319,8 @@ class BoundRenderer {
     return visible;
   }
 
-  /// What the buffers of each stage hold, in the backend's memory. They grow with the largest frame so far,
-  /// and are empty after `trim`.
+  /// Bytes that the buffers of each stage take in the backend's memory. Buffers grow with the largest frame
+  /// so far, and are empty after `trim`.
   StageMemory memory() const {
     StageMemory memory = stages_.memory();
     memory.project += bytes_of(view_storage_, scene_storage_, recorded_);
@@ -376,15 +377,15 @@ class BoundRenderer {
   ResidentFrames<B> resident_;
   PickStage<B> picking_;
   PanoramaParts parts_;      ///< of the last frame that was not recorded
-  ModelledViews modelled_;   ///< of these parts
+  ModelledViews modelled_;   ///< of the views in `parts_`
   std::vector<View> views_;  ///< of `render_resident` and `render`
   std::array<typename B::TimePoint, 4> points_{};
   bool counted_ = false, timed_ = false;
   std::size_t gaussians_ = 0;
   FrameReport report_;      ///< of the last frame that was not recorded
-  TileChoice tiles_;        ///< that learnt from it
+  TileChoice tiles_;        ///< learnt from that frame
   FrameCapacity capacity_;  ///< of a device's frames
-  /// Of those with other tiles. They have fewer intersections, and launches are as large as the capacity.
+  /// Capacity of frames with coarse tiles: fewer intersections, so smaller launches.
   FrameCapacity coarse_capacity_;
   Views drawn_;                ///< in `view_storage_`
   PlacedScenes drawn_scenes_;  ///< in `scene_storage_`

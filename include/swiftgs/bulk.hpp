@@ -32,9 +32,9 @@ Range trimmed_range(std::vector<T>& values, std::size_t outside) {
 /// may hold them more often.
 inline std::size_t outermost(std::size_t count) { return count / 50; }
 
-/// All of some positions but those that stray: that are farther than twice its longest side from the
-/// box of all but the outermost along each axis. Of fewer than 50 positions none strays, of others at most an
-/// eighth.
+/// Positions without strays. A stray lies farther from a box than twice the box's longest side; the box holds
+/// all positions but the outermost along each axis. Fewer than 50 positions have no strays, more an eighth at
+/// most.
 class Bulk {
  public:
   /// `position(k)` is finite for each k below `count`. Takes time linear in `count`.
@@ -59,7 +59,7 @@ class Bulk {
     return true;
   }
 
-  /// Of the box without strays.
+  /// Centre of the box without strays.
   const dvec3& centre() const { return centre_; }
   /// Nothing farther along an axis is part of the bulk.
   const dvec3& low() const { return low_; }

@@ -26,7 +26,8 @@ SWIFTGS_HD inline double most_lengthened(Quaternion q) {
   return squares + std::fabs(1 - squares);
 }
 
-/// Sum of the sides of the box around the means `first`, `first + step`, ..., `chunk_size` of them at most.
+/// Sum of the sides of the box around the means `first`, `first + step` and so on, `chunk_size` means at
+/// most.
 inline double sides_of_box(const SceneView& scene, std::size_t first, std::size_t step) {
   vec3 low = scene.means[first], high = low;
   for (std::size_t n = 0, i = first; n < chunk_size && i < scene.size(); ++n, i += step)
@@ -35,7 +36,7 @@ inline double sides_of_box(const SceneView& scene, std::size_t first, std::size_
   return sides.x + sides.y + sides.z;
 }
 
-/// Widens `bounds` to those of both.
+/// Widens `bounds` so that they hold `other` too.
 SWIFTGS_HD inline void add_bounds(ChunkBounds& bounds, const ChunkBounds& other) {
   const auto larger = [](float a, float b) { return a < b ? b : a; };
   for (int k = 0; k < 3; ++k) {

@@ -157,12 +157,11 @@ requires(bool(B::reaches_host_memory)) void add_contributions(B& b, const Contri
 }
 
 /// Sums the weights of the Gaussians of a scene, or of placed scenes, over views that are added one by one.
-/// It uses exact float terms, exact bounds, and the conventions' rules of alpha and stop, so the weights are
-/// those that `AxisSharedThreshold<FloatCholesky>` blends with.
+/// It uses exact float terms, exact bounds, and the conventions' rules of alpha and stop, so
+/// `AxisSharedThreshold<FloatCholesky>` blends with the same weights.
 ///
-/// The stages are those of a renderer, and so is where memory comes from. Frames do not draw Gaussians whose
-/// colour is not finite. To leave these out too, it evaluates the colours of placed scenes, and those of a
-/// scene with numbers beyond 1e36.
+/// Stages and memory are a renderer's. Frames do not draw Gaussians whose colour is not finite. To leave
+/// these Gaussians out too, it evaluates colours, but not for a scene alone with numbers below 1e36.
 template <BackendPolicy B>
 class Contributions {
  public:
@@ -175,7 +174,7 @@ class Contributions {
   }
 
   /// Sums of placed scenes: uploaded ones, which outlive this. They stay as they are placed now, and
-  /// Gaussians are numbered over all of them, see `placed_index`. Throws `std::invalid_argument` as
+  /// Gaussians are numbered over all scenes, see `placed_index`. Throws `std::invalid_argument` as
   /// `validate` does of each, and `CapacityError` beyond 2^32 - 1 Gaussians.
   explicit Contributions(const PlacedScenes& scenes, B backend = B()) : Contributions(std::move(backend)) {
     for (const PlacedScene& placed : scenes.each()) validate(placed);

@@ -8,8 +8,8 @@
 
 namespace swiftgs {
 
-/// How many elements there are. A device may know it before its host does: the host then launches work for
-/// `most` elements, and the device does it for as many as there are.
+/// A number of elements. A device may know it before its host does: the host then launches work for
+/// `most` elements, and the device works on `get()` elements.
 struct Count {
   std::size_t most = 0;
   const std::uint32_t* exact = nullptr;  ///< in the backend's memory, at most `most`; null: it is `most`
@@ -18,7 +18,7 @@ struct Count {
   SWIFTGS_HD Count(std::size_t count, const std::uint32_t* known_there = nullptr)
       : most(count), exact(known_there) {}
 
-  /// Where loops run.
+  /// The number itself; call it where loops run.
   SWIFTGS_HD std::size_t get() const { return exact ? *exact : most; }
 };
 

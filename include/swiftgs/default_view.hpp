@@ -91,8 +91,8 @@ inline dvec3 thinnest_direction(const std::vector<SampledGaussian>& points, cons
   return principal_axes(covariance).directions[2];
 }
 
-/// Where up may be, as unit vectors: where it is told, or else along four axes. Worlds are seldom level:
-/// these follow the ground where it is near the axis.
+/// Unit vectors that may point up: `up` if it is given, otherwise four axes. Worlds are seldom level, so an
+/// axis near the ground's normal follows the ground.
 inline std::vector<dvec3> axes_to_try(const std::vector<SampledGaussian>& points, const SceneBounds& bulk,
                                       const dvec3& up) {
   if (const double length = std::sqrt(dot(up, up)); length > 0) return {up / length};

@@ -118,7 +118,7 @@ struct Plane {
   }
 };
 
-/// Outputs of a frame: colour, and those that are asked for.
+/// Planes that a frame gets: colour, and others by choice.
 struct Outputs {
   static constexpr bool colour = true;
   bool alpha = false;

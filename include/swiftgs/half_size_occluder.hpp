@@ -12,10 +12,10 @@
 
 namespace swiftgs {
 
-/// The occluder of a frame through `scaled(camera, 0.5)`, from that of the whole frame, on the host: the
-/// farthest depth of each two by two pixels, so that no splat which one of them shows is lost. Rows lie
-/// densely, and values are depths themselves. @shape{(height + 1) / 2, (width + 1) / 2} Throws
-/// `std::invalid_argument` if there is none.
+/// Halves the occluder of `whole` for a frame through `scaled(camera, 0.5)`, on the host: each value is the
+/// farthest depth of two by two pixels, so it hides no splat that one of the four shows. Rows lie densely,
+/// and values are depths themselves. @shape{(height + 1) / 2, (width + 1) / 2} Throws `std::invalid_argument`
+/// if `whole` has no occluder.
 inline std::vector<float> half_size_occluder(const FrameView& whole) {
   if (!whole.occluder.data)
     throw std::invalid_argument("half_size_occluder: the frame has no occluder, expected one");

@@ -49,7 +49,7 @@ struct DigitRange {
   }
 
   bool fit_halves() const { return digits <= 11 && lowest >= -24 && least >= -65504 && most <= 65504; }
-  /// The largest that divides all of them. A smaller scale needs larger multiples.
+  /// The largest that divides all numbers. A smaller scale needs larger multiples.
   float scale() const { return std::ldexp(1.0f, lowest); }
   bool fit_bytes() const {
     return digits <= 8 && lowest >= -126 && lowest <= 96 && least >= -128 * scale() && most <= 127 * scale();
@@ -163,9 +163,9 @@ class HarmonicPacking {
   std::size_t rows() const { return palette_ ? palette_->first.size() : harmonics_.scene.size(); }
   /// @units{bytes}
   std::size_t stride() const { return padded_row(format_, degree_); }
-  /// Of rows and labels together. @units{bytes}
+  /// Size of rows and labels together. @units{bytes}
   std::size_t bytes() const { return rows() * stride() + labels().size * sizeof(std::uint16_t); }
-  /// The row of each Gaussian in a palette; empty: there is none.
+  /// The row of each Gaussian in the palette; empty without a palette.
   Span<const std::uint16_t> labels() const {
     return palette_ ? Span<const std::uint16_t>{palette_->labels.data(), palette_->labels.size()}
                     : Span<const std::uint16_t>{};

@@ -88,7 +88,7 @@ struct HarmonicRows {
     for (int k = 0; k < 3 * sh_rest_count(degree); ++k) to[k] = from[k];
   }
 
-  /// Those of `count` Gaussians from number `first` on. No rows stay none.
+  /// Rows of `count` Gaussians from number `first` on; empty rows stay empty.
   SWIFTGS_HD HarmonicRows part(std::size_t first, std::size_t count) const {
     HarmonicRows some = *this;
     if (empty()) return some;

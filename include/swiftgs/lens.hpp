@@ -22,7 +22,7 @@ enum class LensModel {
 /// Moves (u, v) in its plane; with r^2 = u^2 + v^2 to
 ///   u R + 2 p0 u v + p1 (r^2 + 2 u^2) + s0 r^2,  v R + p0 (r^2 + 2 v^2) + 2 p1 u v + s1 r^2,
 ///   R = (1 + k0 r^2 + k1 r^4 + k2 r^6 + k3 r^8) / (1 + q0 r^2 + q1 r^4 + q2 r^6).
-/// That is OpenCV's model of a perspective (k1, k2, k3 | k4, k5, k6) and of a fisheye lens (k1 to k4), and
+/// This is OpenCV's model of a perspective (k1, k2, k3 | k4, k5, k6) and of a fisheye lens (k1 to k4), and
 /// COLMAP's of a thin prism.
 struct Distortion {
   double radial[4] = {};      ///< k
@@ -33,7 +33,7 @@ struct Distortion {
   bool operator==(const Distortion&) const = default;
 };
 
-/// What is between a scene and the image plane.
+/// How directions become points of the image plane.
 struct Lens {
   LensModel model = LensModel::perspective;
   Distortion distortion;  ///< of perspective and fisheye lenses alone

@@ -12,7 +12,7 @@ namespace swiftgs {
 /// A renderer calls them from the thread that calls the renderer. What `context` points to outlives the
 /// backend, its renderers and the scenes that it uploaded.
 struct MemoryHook {
-  /// Memory of `bytes` bytes, aligned to 64 bytes on a host and to 256 on a device. If there is none it
+  /// Memory of `bytes` bytes, aligned to 64 bytes on a host and to 256 on a device. Without memory it
   /// throws or returns null: an exception reaches the caller of the renderer, null becomes `std::bad_alloc`.
   /// The renderer stays usable.
   void* (*allocate)(void* context, std::size_t bytes) = nullptr;

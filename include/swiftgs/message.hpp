@@ -47,8 +47,8 @@ inline std::string joined(const MessagePart* parts, std::size_t count) {
   return text;
 }
 
-/// `parts`, one behind the other, which are copied so that few instances are compiled. A sum of strings is
-/// several times as much code in each place that throws.
+/// Concatenates `parts`. Takes copies so that few instances are compiled. A sum of strings is
+/// several times as much code wherever a function throws.
 template <class... Parts>
 std::string message(Parts... parts) {
   const MessagePart all[] = {MessagePart(parts)...};

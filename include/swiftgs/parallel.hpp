@@ -45,14 +45,14 @@ void for_each_index(std::size_t count, int threads, const Body& body) {
   try {
     while (others.size() + 1 < wanted) others.emplace_back(work);
   } catch (const std::system_error&) {
-    // The system grants no more threads: those there are do the work.
+    // The system grants no more threads: the ones that run do the work.
   }
   work();
   for (std::thread& other : others) other.join();
   if (error) std::rethrow_exception(error);
 }
 
-/// Loops of as many threads as there are processors, for backends that have none on the host.
+/// Loops with one thread a processor, for backends without threads on the host.
 struct HostThreads {
   template <class F>
   void for_each(Count n, const F& f) const {

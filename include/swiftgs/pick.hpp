@@ -79,7 +79,7 @@ struct PickJob {
   SWIFTGS_HD vec2 centre(int column, int row) const {
     return vec2(float(view.left() + column) + 0.5f, float(view.top() + row) + 0.5f);
   }
-  /// Of the first pixel of the raster block that holds it.
+  /// Centre of the first pixel of the raster block that holds the pixel.
   SWIFTGS_HD vec2 first_centre(int column, int row) const {
     return centre(column - column % raster_block_side, row - row % raster_block_side);
   }

@@ -2,8 +2,8 @@
 #pragma once
 
 /// @file
-/// Placed scenes: the scenes of one frame, each where it stands in the world. Gaussians are numbered over the
-/// frame, those of the first placed scene first; everything that tells of a Gaussian tells its number.
+/// Placed scenes: the scenes of one frame, each at its pose in the world. Gaussians are numbered over the
+/// frame, the first placed scene's first; ids and picks are these numbers.
 
 #include <algorithm>
 #include <concepts>
@@ -40,9 +40,9 @@ struct PlacedScene {
 
   // The library sets what follows.
   std::uint32_t first_gaussian = 0;  ///< Gaussians of the placed scenes before it
-  std::uint32_t first_chunk = 0;     ///< chunks of these
-  /// 1: a device did not draw it, since its pose, opacity, clip or tint is not valid. Others may have written
-  /// them.
+  std::uint32_t first_chunk = 0;     ///< chunks of the placed scenes before it
+  /// 1: a device did not draw the scene, since its pose, opacity, clip or tint is not valid. Kernels of the
+  /// program may have written them.
   mutable std::uint32_t refused = 0;
 
   SWIFTGS_HD std::size_t size() const { return scene.size(); }
@@ -162,7 +162,7 @@ struct SeveralScenes {
   SWIFTGS_HD const PlacedScene& of_gaussian(std::uint32_t number) const {
     return last_from(&PlacedScene::first_gaussian, number);
   }
-  /// That of a chunk.
+  /// The placed scene of a chunk.
   SWIFTGS_HD const PlacedScene& of_chunk(std::uint32_t chunk) const {
     return last_from(&PlacedScene::first_chunk, chunk);
   }
@@ -216,17 +216,17 @@ class PlacedScenes {
 
   Span<const PlacedScene> each() const { return is_one_ ? Span<const PlacedScene>{&one_, 1} : each_; }
   std::size_t size() const { return each().size; }
-  /// Where loops of the backend read them.
+  /// Address at which loops of the backend read the placed scenes.
   const PlacedScene* reachable() const { return stored_ ? stored_ : each().data; }
   bool is_stored() const { return stored_ != nullptr; }
-  /// Whether it is a scene alone, where it stands by itself.
+  /// Whether the frame shows one scene alone, as it stands by itself.
   bool is_alone() const { return size() == 1 && each()[0].is_plain(); }
 
-  /// Of all scenes, once they are numbered.
+  /// Gaussians of all scenes, once they are numbered.
   std::size_t gaussians() const { return empty() ? 0 : last().first_gaussian + last().size(); }
   std::size_t chunks() const { return empty() ? 0 : last().first_chunk + last().chunks(); }
 
-  /// Those that `view` shows, and their chunks.
+  /// The placed scenes that `view` shows.
   Span<const PlacedScene> shown(const View& view) const {
     const std::size_t first = std::min(std::size_t(view.shows.first), size());
     return {each().data + first, std::min(std::size_t(view.shows.count), size() - first)};
@@ -269,8 +269,8 @@ struct PlacedIndex {
   std::size_t scene, gaussian;  ///< index of the placed scene, and of the Gaussian in it
 };
 
-/// Of the Gaussian with this number in a frame of `scenes`, as ids and picks tell it. Throws
-/// `std::invalid_argument` if there is none, as of `no_gaussian`.
+/// Finds the Gaussian with this number in a frame of `scenes`, as ids and picks tell it. Throws
+/// `std::invalid_argument` if no Gaussian has the number, such as `no_gaussian`.
 inline PlacedIndex placed_index(const PlacedScenes& scenes, std::uint32_t number) {
   std::size_t first = 0;
   for (std::size_t i = 0; i < scenes.size(); first += scenes.each()[i].size(), ++i)

@@ -166,7 +166,7 @@ inline constexpr float float_lengths_per_mean = 4;  ///< as much more for each p
 inline constexpr float float_tangent_squared = 16;  ///< of the direction to the Gaussian, through a pinhole
 inline constexpr float float_sine_squared = 0.2f;   ///< at least, of the angle between rows, through a lens
 
-/// Of a Gaussian at `mean`, seen from its side.
+/// Largest squared length of a Gaussian at `mean`, seen from its side, that float may compute.
 SWIFTGS_HD inline float most_length_squared_in_float(vec2 mean) {
   const float near = std::fmin(std::fabs(mean.x), std::fabs(mean.y));
   return std::fma(float_lengths_per_mean * near, near, float_length_squared);
@@ -185,7 +185,7 @@ SWIFTGS_HD inline bool needs_double(const Linearisation<float>& at, vec3 scale, 
   return !(length <= most_length_squared_in_float(mean) && xx + yy <= float_tangent_squared);
 }
 
-/// The same through a lens.
+/// Whether rows in float would move a splat visibly through a lens.
 SWIFTGS_HD inline bool needs_double(const LensSlopes<float>& by, vec3 scale, vec2 mean) {
   const float uu = dot(by.u, by.u), vv = dot(by.v, by.v);
   const vec3 across = cross(by.u, by.v);

@@ -48,7 +48,7 @@ class RecordedFrames {
   /// the reserved ones in more than may change.
   void set_views(B& b, Span<const View> views) { take_views(b, views, scenes_); }
 
-  /// The same for placed scenes.
+  /// Takes placed scenes, and throws likewise.
   void set_scenes(B& b, const PlacedScenes& scenes) {
     for (const PlacedScene& placed : scenes.each()) validate(placed);
     detail::require_for_render(reserved_.has_value(), "reserve before set_scenes");
@@ -71,7 +71,7 @@ class RecordedFrames {
     if (!B::reaches_host_memory && !scenes_.is_stored()) return nullptr;
     return const_cast<PlacedScene*>(scenes_.reachable());
   }
-  /// Which of them the last frame did not draw; complete when it returns.
+  /// Indices of placed scenes that the last frame refused to draw. Waits for the frame.
   std::vector<std::size_t> refused_scenes(const B& b) const {
     std::vector<std::size_t> refused;
     if (!scenes_.is_stored()) return refused;
@@ -133,8 +133,8 @@ class RecordedFrames {
     }
   }
 
-  /// Whether frames of both have the same size, placed scenes, planes for the same outputs, and colours to
-  /// convert or not.
+  /// Whether frames of `a` and `b` have the same size, placed scenes and planes, and both or neither convert
+  /// colours.
   static bool same_shape(const View& a, const View& b) {
     bool same = a.frame.width == b.frame.width && a.frame.height == b.frame.height &&
                 a.grid.side == b.grid.side && !a.frame.occluder.data == !b.frame.occluder.data;

@@ -132,7 +132,7 @@ void validate_update(const SceneLike& scene, std::size_t first, const SceneArray
   for_each_array(check, arrays);
 }
 
-/// What updates of scenes that are not the renderer's say.
+/// Error of an update of a scene that frames read from the caller's arrays.
 inline constexpr const char* update_of_borrowed =
     "update: the scene's arrays are the caller's, expected a scene that was uploaded: write to the arrays";
 
@@ -164,7 +164,7 @@ struct SceneCapacity {
   int sh_stride = 0;  ///< floats a Gaussian in `sh_rest`: a multiple of 3, and 0 behind what is copied
   float* features = nullptr;
 
-  /// Those of `arrays`, a `Scene` or the like, from Gaussian `first` on, with so many floats a Gaussian.
+  /// Pointers into `arrays`, a `Scene` or the like, from Gaussian `first` on, with so many floats a Gaussian.
   template <class Arrays>
   static SceneCapacity of(Arrays& arrays, std::size_t first, int sh_stride, int feature_channels) {
     return {arrays.means.data() + first,
@@ -217,7 +217,7 @@ struct CopyRows {
   void operator()(std::size_t i) const { std::copy_n(row(i), width, to + i * width); }
 };
 
-/// The same, one float of `width` a Gaussian at a time, for backends that load neighbours together.
+/// Copies one float of `width` a Gaussian at a time, for backends that load neighbours together.
 struct CopyFloats {
   FloatArray from;
   float* to = nullptr;
@@ -272,7 +272,7 @@ struct ArrayCopies {
   }
 };
 
-/// What `copy_arrays` would write of Gaussian i: notes in `found` whether it has a number that is not finite.
+/// Notes in `found` whether a number that `copy_arrays` would write of Gaussian i is not finite.
 struct FindNotFiniteValue {
   ArrayCopies copies;
   std::atomic<bool>* found;

@@ -17,7 +17,7 @@ struct ScenePart {
     std::size_t begin, end;
     std::size_t size() const { return end - begin; }
   };
-  /// Of the Gaussians of a scene that has `count`.
+  /// Gaussians of this part, of a scene that has `count`.
   Range range(std::size_t count) const {
     const auto before = [&](std::size_t part) { return count / of * part + count % of * part / of; };
     return {before(index), before(index + 1)};
@@ -26,7 +26,7 @@ struct ScenePart {
   bool is_whole() const { return of == 1; }
 };
 
-/// Throws `std::invalid_argument` if there is no such part.
+/// Throws `std::invalid_argument` unless `index` is below `of`, which is 1 to 65535.
 inline void validate(const ScenePart& part) {
   if (part.of < 1 || part.of > 65535 || part.index >= part.of)
     detail::refuse("scene: the part is number ", part.index, " of ", part.of,

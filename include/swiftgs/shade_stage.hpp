@@ -47,7 +47,7 @@ struct SWIFTGS_API ShadeSplats {
   }
 
  private:
-  /// Loops may run side by side, and any of them may write.
+  /// Several loops may run at once, and each may write.
   SWIFTGS_HD void note_hidden() const {
 #if defined(__CUDA_ARCH__)
     *hidden = 1;
@@ -63,15 +63,15 @@ struct SWIFTGS_API ClearWord {
   SWIFTGS_HD void operator()(std::size_t) const { *word = 0; }
 };
 
-/// Colours that `shade` evaluates. A backend whose `shade` may return earlier specialises this: `finish`,
-/// called once, orders later work after them and returns them; if it was not called, the destructor orders
-/// later work.
+/// Colours that `shade` evaluates. A backend specialises this class if its `shade` returns before the colours
+/// are evaluated: `finish`, called once, orders later work after the colours and returns them. Without a call
+/// of `finish` the destructor orders later work.
 template <class B>
 class [[nodiscard]] Shading {
  public:
   explicit Shading(const ColoursView& colours) : colours_(colours) {}
   ColoursView finish() { return colours_; }
-  /// The stream on which they are evaluated, if that is not the backend's: what waits for it finds them.
+  /// Stream that evaluates the colours if it is not the backend's own: work that waits for it reads them.
   void* stream() const { return nullptr; }
 
  private:

@@ -57,12 +57,12 @@ struct Splats {
   std::size_t count = 0;
   std::size_t visible = 0;  ///< more than `count` where the capacity did not suffice
 
-  /// Holds splats of so many views, and keeps those there are.
+  /// Makes room for so many splats of so many views, and keeps the splats.
   void resize(std::size_t splats, std::size_t views) {
     shapes.resize(splats), depths.resize(splats), gaussians.resize(splats);
     of_view.resize(views > 1 ? splats : 0);
   }
-  /// As `resize`, but keeps none.
+  /// Makes room as `resize` does, but keeps no splats.
   void reset(std::size_t splats, std::size_t views) {
     shapes.reset(splats), depths.reset(splats), gaussians.reset(splats);
     of_view.reset(views > 1 ? splats : 0);

@@ -164,11 +164,11 @@ class Stages {
     mark(3);
   }
 
-  /// What the last frame took. On a device it waits for the numbers.
+  /// Numbers of splats and intersections of the last frame. Waits for them on a device.
   FrameReport report(const FramePlan& plan) {
     return await_report(backend_, splats_, footprints_, plan.limits);
   }
-  /// Of a frame that `report` told the host about.
+  /// Sets the intersections of a frame that `report` told the host about.
   void set_intersections(std::uint64_t intersections) { lists_.intersections = std::size_t(intersections); }
 
   /// Takes the memory of such frames, on hosts.

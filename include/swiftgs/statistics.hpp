@@ -12,7 +12,8 @@ struct Statistics {
   std::size_t gaussians = 0;      ///< in the scene
   std::size_t visible = 0;        ///< projected to splats; harmonics are evaluated for these
   std::size_t intersections = 0;  ///< pairs of splat and tile, of the tiles that the frame had
-  /// Those whose means lie at or behind an occluder in all pixels of their tile; zero unless requested.
+  /// Intersections whose splat's mean lies at or behind the occluder in all pixels of the tile; zero unless
+  /// requested.
   std::size_t intersections_hidden = 0;
   RasterCounts raster{};  ///< summed over raster blocks; zero unless requested
 

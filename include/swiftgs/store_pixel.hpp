@@ -87,7 +87,7 @@ SWIFTGS_HD inline vec4 convert(const FrameView& frame, vec4 colour, float alpha,
   return colour;
 }
 
-/// What the splats of a frame over an image are laid on, in the scene's values.
+/// Pixel of the image that a frame with `over` draws on, in the scene's values.
 SWIFTGS_HD inline vec4 load_below(const FrameView& frame, std::size_t x, std::size_t y) {
   const vec4 colour = load_colour(frame, x, y);
   return frame.conversion == Conversion::as_is ? colour : convert(frame, colour, colour.w, true);

@@ -45,7 +45,7 @@ struct TileGrid {
   }
   bool operator==(const TileGrid&) const = default;
 
-  /// Of a tile of the grid.
+  /// Number of a tile of the grid.
   SWIFTGS_HD constexpr std::uint32_t number(int column, int row) const {
     return first + std::uint32_t(row - rows.begin) * stride + std::uint32_t(column - columns.begin);
   }

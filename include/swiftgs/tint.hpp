@@ -8,11 +8,11 @@
 
 namespace swiftgs {
 
-/// A colour that is mixed into those of a scene's Gaussians, such as a highlight. By default they stay as
-/// they are.
+/// A colour that is mixed into the colours of a scene's Gaussians, such as a highlight. By default nothing is
+/// mixed in.
 struct Tint {
   vec3 colour{1.0f};  ///< RGB, in the scene's own values, 0 or more
-  float amount = 0;   ///< 0 to 1: 0 leaves the Gaussians' colours, 1 shows `colour` in their place
+  float amount = 0;   ///< 0 to 1: 0 leaves the Gaussians' colours, 1 shows `colour` alone
 
   /// Says what was expected, or is null if it is valid.
   SWIFTGS_HD const char* unmet() const {

@@ -2,7 +2,7 @@
 #pragma once
 
 /// @file
-/// The views of one frame: their tiles, which are numbered together, and the renderer's copy of them.
+/// The views of one frame, the numbers of their tiles, and the renderer's copy of the views.
 
 #include <algorithm>
 #include <cstddef>
