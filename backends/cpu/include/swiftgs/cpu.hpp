@@ -67,7 +67,7 @@ class SWIFTGS_API Cpu {
   static bool usable() { return true; }
   const MemoryHook& memory_hook() const { return memory_; }
   int threads() const;
-  /// Of `threads`, those that oneTBB lets run at the moment.
+  /// How many of `threads` oneTBB lets run at the moment.
   int threads_at_once() const;
   std::string device_name() const;
 
@@ -188,7 +188,7 @@ void find_footprints(const Bounds& bounds, const SplatShape* shapes, std::size_t
                      Footprint* out) {
   for (std::size_t i = 0; i < count; ++i) out[i] = find_footprint(bounds, shapes[i], grid);
 }
-/// The same tiles, found for a register of splats at a time. Bounds need no such overload.
+/// Finds the same tiles for a register of splats at a time. Bounds need no such overload.
 SWIFTGS_API void find_footprints(const ThreeSigmaSquare& bounds, const SplatShape* shapes, std::size_t count,
                                  TileGrid grid, Footprint* out);
 SWIFTGS_API void find_footprints(const OpacityBox& bounds, const SplatShape* shapes, std::size_t count,
@@ -240,7 +240,7 @@ struct LargeTiles {
   };
 };
 
-/// What intersections are emitted from, whatever the bounds.
+/// Input of emission, whatever the bounds.
 struct EmissionJob {
   SplatsView splats;
   Span<const Footprint> footprints;
