@@ -54,9 +54,8 @@ class Buffer {
 
 /// A buffer's memory while CUDA has it, for planes of frames. OpenGL must not use the buffer meanwhile.
 ///
-/// What OpenGL was given before comes before what `stream` is given from here on; what `stream` is given
-/// until the destructor comes before what OpenGL is given after it. Memory may move from one mapping to the
-/// next. The buffer must outlive this.
+/// Orders OpenGL's earlier work before the stream's later work, and the stream's work until the destructor
+/// before OpenGL's work after it. Memory may move from one mapping to the next. The buffer must outlive this.
 class Mapped {
  public:
   SWIFTGS_API Mapped(const Buffer& buffer, cudaStream_t stream);
