@@ -47,8 +47,8 @@ struct ExportedMemory {
 /// An image that fills its memory: optimal tiling, two dimensions, one level, layer and sample.
 struct ImageShape {
   int width = 0, height = 0;
-  /// That of its memory: `rgba_8` or `bgra_8` for VK_FORMAT_R8G8B8A8_UNORM, B8G8R8A8_UNORM and their SRGB,
-  /// `rgba_half` for R16G16B16A16_SFLOAT, `rgba_float` for R32G32B32A32_SFLOAT.
+  /// Format of the image's memory: `rgba_8` or `bgra_8` for VK_FORMAT_R8G8B8A8_UNORM, B8G8R8A8_UNORM and
+  /// their SRGB, `rgba_half` for R16G16B16A16_SFLOAT, `rgba_float` for R32G32B32A32_SFLOAT.
   PixelFormat format = PixelFormat::rgba_8;
   bool attachment = false;  ///< used with VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT
 };
@@ -102,9 +102,9 @@ class Semaphore {
   /// Throws as `Buffer`.
   SWIFTGS_API Semaphore(const Device& device, int fd);
 
-  /// What `stream` is given afterwards begins when the semaphore has reached `value`.
+  /// Later work of `stream` begins when the semaphore has reached `value`.
   SWIFTGS_API void wait(std::uint64_t value, cudaStream_t stream) const;
-  /// The semaphore gets `value` when what `stream` was given before is done.
+  /// Sets the semaphore to `value` when the earlier work of `stream` is done.
   SWIFTGS_API void signal(std::uint64_t value, cudaStream_t stream) const;
 
  private:
