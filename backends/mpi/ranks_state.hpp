@@ -26,7 +26,7 @@ struct Ranks::State {
   std::shared_ptr<void> devices;  ///< that a direct link joins; made once, since that takes long
   std::uint64_t steps_told = 0;   ///< by this rank
   std::uint64_t steps_heard = 0;  ///< by this rank, of all others
-  std::uint64_t steps_asked = 0;  ///< of those heard, what its caller has asked for
+  std::uint64_t steps_asked = 0;  ///< steps heard that `steps_told` has returned
 };
 
 namespace mpi {

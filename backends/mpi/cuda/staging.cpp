@@ -32,7 +32,7 @@ FrameReport await_shares(Cuda& cuda, Shares<Cuda>& shares) {
   if (report.overflowed != 0) return report;
   const std::uint32_t* const posted = shares.posted.data();
   for (std::size_t r = 1; r < shares.begins.size(); ++r) {
-    // Sums are of 32 bits. Those for one rank fit, so a sum that falls has wrapped.
+    // Sums have 32 bits. The splats for one rank fit, so a sum below the one before has wrapped.
     if (posted[r] < posted[r - 1])
       require_indices("splats for the first strips", (std::uint64_t(1) << 32) + posted[r]);
     shares.begins[r] = posted[r];

@@ -9,7 +9,7 @@
 
 namespace swiftgs {
 
-/// What one rank did for one frame.
+/// Counters of one rank for one frame.
 struct RankCounters {
   std::uint64_t gaussians = 0;      ///< of its part of the scene
   std::uint64_t visible = 0;        ///< splats that it projected
@@ -26,7 +26,7 @@ struct RankCounters {
   std::uint64_t failed = 0;         ///< not 0: it could not draw its strip
 };
 
-/// What all ranks did for one frame, in their order.
+/// Counters of all ranks for one frame, in the order of ranks.
 struct FrameCounters {
   std::vector<RankCounters> ranks;
 

@@ -50,7 +50,7 @@ struct SWIFTGS_API CountViewsFrom {
   SWIFTGS_HD void operator()(std::size_t i) const { of_view[i] = std::uint16_t(of_view[i] - first); }
 };
 
-/// Joins a rank's own colours to those that have arrived, and notes whether a splat is hidden.
+/// Joins a rank's own colours to the colours that have arrived, and notes whether a colour is not finite.
 struct SWIFTGS_API JoinColours {
   Span<const SplatColour> own;
   std::size_t at;  ///< where they are joined
@@ -68,10 +68,10 @@ struct SWIFTGS_API JoinColours {
   }
 };
 
-/// Joins a rank's own attributes to those that have arrived.
+/// Joins a rank's own attributes to the attributes that have arrived.
 struct SWIFTGS_API JoinAttributes {
   AttributesView own;  ///< from the rank's own splats on
-  std::size_t count;   ///< of those splats
+  std::size_t count;   ///< of the rank's own splats
   std::size_t at;      ///< where they are joined
   AttributeRow* joined;
   AttributeRow* first_row;  ///< where the first row is kept beside; null: nowhere

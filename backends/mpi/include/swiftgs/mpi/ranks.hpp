@@ -59,13 +59,13 @@ class SWIFTGS_API Ranks {
 
   int rank() const;
   int size() const;
-  /// Of this rank among those of its machine, from 0. Collective.
+  /// Number of this rank among the ranks of its machine, from 0. Collective.
   int rank_on_machine() const;
 
   /// Whether `mine` holds on all ranks.
   bool all(bool mine) const;
 
-  /// What each rank brings, in their order.
+  /// Gathers `mine` of each rank, in the order of ranks.
   std::vector<std::string> all_gather(const std::string& mine) const;
   template <class T>
   std::vector<T> all_gather(const T& mine) const {
@@ -75,7 +75,7 @@ class SWIFTGS_API Ranks {
     return each;
   }
 
-  /// Replaces each element by the sum of those of all ranks.
+  /// Replaces each element by its sum over all ranks.
   void add_up(Span<std::uint64_t> sums) const;
 
   /// Throws `std::invalid_argument` on all ranks unless all bring the same text for `what`.
@@ -90,7 +90,7 @@ class SWIFTGS_API Ranks {
   /// On rank 0: how many steps others have told since this was last asked. Not collective.
   std::size_t steps_told() const;
 
-  /// Of this rank, since its communicator was made. Not collective.
+  /// Traffic of this rank since its communicator was made. Not collective.
   Traffic traffic() const;
 
   /// Longest message: longer ones are cut, since MPI counts in 31 bits. The same on all ranks; tests lower
@@ -150,7 +150,7 @@ class SWIFTGS_API Exchange {
   std::unique_ptr<Requests> requests_;
 };
 
-/// An error of this rank that all learn of before one of them goes on.
+/// An error of this rank. All ranks learn of it before one of them goes on.
 class SWIFTGS_API Failure {
  public:
   /// Calls `f`, unless there is a failure already, and keeps what it throws. Not an `MpiError`, of which
@@ -172,7 +172,7 @@ class SWIFTGS_API Failure {
   void agree(const Ranks& ranks) const {
     if (!ranks.all(!error_)) tell(ranks);
   }
-  /// The same where all know that one has failed.
+  /// Throws as `agree` does where all ranks know that one has failed.
   [[noreturn]] void tell(const Ranks& ranks) const;
 
  private:

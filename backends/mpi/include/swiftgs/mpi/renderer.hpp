@@ -37,11 +37,11 @@ namespace swiftgs {
 /// The bits are those of one `Renderer` that draws the same parts rank by rank.
 ///
 /// Part r of a scene holds Gaussians that follow those of part r - 1 in the order of the scene (`part_of`).
-/// Of several placed scenes each rank gives its parts, placed alike: Gaussians are numbered rank by rank, and
-/// of equal depths the lower rank's is in front. All functions that render are collective, and all ranks ask
-/// for the same planes of the same views; the orders and colours that these leave to the scenes must agree.
-/// If one rank fails, all throw: that rank its own error, the others `RankError`; the renderers stay usable.
-/// After an `MpiError` the program must end.
+/// With several placed scenes each rank gives its parts of all, placed alike: Gaussians are numbered rank by
+/// rank, and of equal depths the lower rank's is in front. All functions that render are collective, and all
+/// ranks ask for the same planes of the same views; the orders and colours that these leave to the scenes
+/// must agree. If one rank fails, all throw: that rank its own error, the others `RankError`; the renderers
+/// stay usable. After an `MpiError` the program must end.
 template <class B, class Sort, class Raster, class Bounds>
 requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRenderer {
  public:
@@ -123,13 +123,13 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     render(part, {&camera, 1}, settings, {&frame, 1});
   }
 
-  /// What this rank has drawn of the last frame: nothing if there are more ranks than rows of tiles.
+  /// Strips of the last frame that this rank has drawn: none if the ranks outnumber the rows of tiles.
   Span<const DrawnStrip> drawn() const { return {drawn_.data(), drawn_.size()}; }
 
-  /// What all ranks did for the last frame; the same on all. Empty if it failed.
+  /// Counters of all ranks for the last frame; the same on all ranks. Empty if the frame failed.
   const FrameCounters& counters() const { return counters_; }
 
-  /// Of this rank's stages, and of what it sends and receives, in the backend's memory. @units{bytes}
+  /// Memory that this rank's stages and exchange take of the backend's. @units{bytes}
   std::size_t memory() const {
     return std::apply([](const auto&... all) { return bytes_of(all...); }, parts(*this)) +
            one_.memory().total();
@@ -249,7 +249,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     learn(mine, failure);
   }
 
-  /// The same on a rank alone, whose strip is all there is.
+  /// Draws the frame on a rank alone, whose strip is the whole frame.
   template <class Place, class Finish>
   void draw_alone(const PlacedScenes& scene, Span<const View> views, const Failure& failure,
                   const Place& place, const Finish& finish) {

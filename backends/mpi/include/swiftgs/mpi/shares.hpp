@@ -152,7 +152,7 @@ inline void require_indices(const char* what, std::uint64_t count) {
 template <class B>
 struct Shares {
   Splats<B> splats;
-  std::vector<std::uint64_t> begins;  ///< of those for each rank, and the end @shape{ranks + 1}
+  std::vector<std::uint64_t> begins;  ///< first splat for each rank, and the end @shape{ranks + 1}
   FrameReport found;                  ///< of the splats that were shared out
   typename B::template Buffer<std::uint32_t> cuts, places, picked;
 

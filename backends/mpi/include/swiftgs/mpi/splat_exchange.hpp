@@ -103,7 +103,7 @@ class SplatExchange {
     }
     exchange.begin();
   }
-  /// Copies those that this rank keeps to where they are joined.
+  /// Copies the shapes that this rank keeps to the joined ones.
   void keep_shapes(B& b, const SplatsView& shares) {
     const std::size_t begin = from_[own_], count = from_[own_ + 1] - begin, at = to_begins_[own_];
     const bool views = joined_.of_view.size() != 0;
@@ -125,8 +125,8 @@ class SplatExchange {
       b.for_each(joined_.count, CountViewsFrom{std::uint16_t(strip.first_view), joined_.of_view.data()});
   }
 
-  /// The same for colours, which are kept when all are there. A link begins with them when the caller says
-  /// so.
+  /// Stages colours likewise. They are kept when all have arrived; a link begins with them when the caller
+  /// says so.
   void stage_colours(B& b) {
     for_others(from_, [&](std::size_t first, std::size_t last) { colours_.packed.to_host(b, first, last); });
   }
@@ -192,14 +192,14 @@ class SplatExchange {
     static auto buffers(auto& self) { return std::tie(self.packed, self.joined); }
   };
 
-  /// Splats of the shares, and those that are joined.
+  /// Numbers of splats in the shares and of joined splats.
   std::size_t sent() const { return std::size_t(from_[from_.size - 1]); }
   std::size_t received() const { return std::size_t(to_begins_.back()); }
   /// Rows of a splat's attributes from the `first` on.
   unsigned rows(int first) const { return AttributesView::rows_for(attribute_count_ - first); }
   Span<const std::uint64_t> to_begins() const { return {to_begins_.data(), to_begins_.size()}; }
 
-  /// f(begin, end) for what lies before and behind this rank's own part.
+  /// Calls f(begin, end) for the parts before and behind this rank's own.
   template <class F>
   void for_others(Span<const std::uint64_t> begins, const F& f) const {
     const std::uint64_t end = begins[begins.size - 1];

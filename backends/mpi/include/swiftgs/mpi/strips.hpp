@@ -42,7 +42,7 @@ struct ViewStrip {
   int first_row = 0, first_column = 0;  ///< of the view's frame @units{pixels}
   int rows = 0, width = 0;              ///< @units{pixels}
 
-  /// What it covers of the view's frame.
+  /// The part of the view's frame that the strip covers.
   FrameView pixels_of(const FrameView& frame) const {
     return frame.part(first_column, first_row, width, rows);
   }
@@ -50,7 +50,7 @@ struct ViewStrip {
 
 /// The view strips of a strip, as views. Their frames have no memory.
 struct Strip {
-  std::uint32_t first_view = 0;  ///< that the first of them is a part of
+  std::uint32_t first_view = 0;  ///< the view that the first view strip is a part of
   std::vector<ViewStrip> view_strips;
   std::vector<View> views;
 };
