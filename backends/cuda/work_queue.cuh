@@ -77,12 +77,12 @@ struct WorkItem {
 /// Measured on an H200 when chosen: if every traversal is pushed after 1,024 splats, rasterizing
 /// `builtin:12000000` takes 2.5 ms, not 1.3.
 inline constexpr std::uint32_t long_blended = 4096, long_visited = 8192;
-/// Frames stop sharing after so many frames in a row without a work item.
-/// Enough that a view still shares if it alternates with others. The price: when lists become long after a
-/// while, two frames are drawn without helpers. Measured on an H200: if every frame starts the helper kernel,
-/// frames of herz, garden and fox, whose lists are short, take 1.1, 2.4 and 3.3 % longer than without
-/// segments. Of the 8 us in fox and in garden, 4.6 are the helper kernel, which finds nothing, 2 the
-/// registers for pushing, and 1 to 2 the joining.
+/// Frames stop sharing after so many frames in a row without a work item. A view that alternates with up to
+/// seven others goes on sharing. The price: when lists become long after a while, two frames are drawn
+/// without helpers. Measured on an H200: if every frame starts the helper kernel, frames of herz, garden and
+/// fox, whose lists are short, take 1.1, 2.4 and 3.3 % longer than without segments. Of the 8 us in fox and
+/// in garden, 4.6 are the helper kernel, which finds nothing, 2 the registers for pushing, and 1 to 2 the
+/// joining.
 inline constexpr std::uint32_t most_quiet_frames = 8;
 /// They share again after a frame in which one warp blended or visited so many.
 /// These limits lie below those for pushing. The price: while a warp visits between 4,096 and 8,192

@@ -17,8 +17,8 @@
 
 namespace swiftgs {
 
-/// Bounds that the library has no kernels for. Those of `AllBounds` it has, compiled with the flag that they
-/// need.
+/// Bounds without kernels in the library. The library has kernels for `AllBounds`, compiled with the flag
+/// that they need.
 template <class Bounds>
 concept OwnBounds = BoundsPolicy<Bounds> && !AllBounds::contains<Bounds>;
 

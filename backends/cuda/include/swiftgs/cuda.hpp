@@ -118,7 +118,8 @@ SWIFTGS_API void rasterize(Cuda& cuda, AxisSharedThreshold<FloatSplit>, const Ra
 SWIFTGS_API void rasterize(Cuda& cuda, AxisShared<FloatCholesky>, const RasterJob& job);
 SWIFTGS_API void rasterize(Cuda& cuda, AxisSharedThreshold<FloatCholesky>, const RasterJob& job);
 
-/// Warps of these four test each listed splat once. Threads of the others evaluate each at every pixel.
+/// Warps of these four rasterizers test each listed splat once. Threads of the other rasterizers evaluate it
+/// at every pixel.
 template <>
 inline constexpr bool may_gain_by_coarse_tiles<Cuda, AxisShared<FloatSplit>> = true;
 template <>

@@ -27,7 +27,7 @@ struct FrameCounts {
   std::uint64_t intersections = 0;
 };
 
-/// What later stages go by, in device memory.
+/// Counts that later stages read, in device memory.
 struct FrameTotals {
   FrameReport report;
   std::uint32_t splats = 0, intersections = 0;  ///< 0 where the frame overflowed
@@ -38,7 +38,7 @@ struct FrameTotals {
 ///
 /// A backend belongs to the device that was current when it was made; that device must be current wherever it
 /// is used. Its functions return when their work is in stream order, unless they say that they wait.
-/// All of them throw `DeviceError`, and `CapacityError` where the device's memory does not suffice.
+/// All functions may throw `DeviceError`, and `CapacityError` where the device's memory does not suffice.
 ///
 /// A recorded frame (`Renderer::record`) may be captured into a CUDA graph, as may `for_each`, `clear`,
 /// `update`, and `sort_pairs` and `sort_positions` of no more pairs than before. What waits, takes the time
@@ -64,7 +64,7 @@ class SWIFTGS_API Cuda {
   /// Whether kernels of this build run on the device that is current when this is first asked.
   static bool usable();
 
-  /// Of the current device.
+  /// Name of the current device.
   std::string device_name() const;
 
   /// Works on the caller's `stream`, which outlives it; by default on the default stream of the device.
@@ -147,7 +147,7 @@ class SWIFTGS_API Cuda {
   /// Memory of the current device, whoever uses it.
   static MemoryUse memory_use();
 
-  /// Of the backend's device, which is asked once.
+  /// Number of the device's multiprocessors, which is asked once.
   int multiprocessors() const;
   /// Most shared memory that a thread block can ask for; likewise. @units{bytes}
   std::size_t shared_memory() const;

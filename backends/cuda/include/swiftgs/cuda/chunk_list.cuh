@@ -13,9 +13,9 @@
 
 namespace swiftgs::kernels {
 
-/// Which blocks of a projection have something to show, in ascending order. Of a scene alone, block b
-/// projects chunk b / views for view b % views: the blocks of some Gaussians for all views follow each other,
-/// and find them in the cache. Of several scenes it projects chunk b % chunks_a_view of those that view b /
+/// Blocks of a projection that have something to show, in ascending order. For a scene alone, block b
+/// projects chunk b / views for view b % views: blocks of the same Gaussians follow each other and find them
+/// in the cache. For several scenes, block b projects chunk b % chunks_a_view among the chunks that view b /
 /// chunks_a_view shows.
 struct BlockList {
   const std::uint32_t* blocks = nullptr;  ///< null: all
@@ -41,10 +41,10 @@ __device__ inline const PlacedScene& scene_of_chunk(const SeveralScenes& scenes,
 /// A chunk of one of several scenes; `placed` is null where its view shows no more.
 struct PlacedChunk {
   const PlacedScene* placed = nullptr;
-  std::uint32_t chunk = 0;  ///< of that scene
+  std::uint32_t chunk = 0;  ///< of `placed`
 };
 
-/// Chunk `number` of those that `view` shows. With `by_warp` all lanes ask for the same one.
+/// Chunk `number` among the chunks that `view` shows. With `by_warp` all lanes ask for the same one.
 template <bool by_warp>
 __device__ PlacedChunk placed_chunk(const SeveralScenes& scenes, const View& view, std::uint32_t number) {
   const ShownScenes shows = view.shows;

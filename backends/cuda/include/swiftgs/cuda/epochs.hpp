@@ -14,8 +14,8 @@ namespace swiftgs {
 
 namespace kernels {
 
-/// Epochs are numbers of operations. There is an even number of them, so that copies alternate where they
-/// begin again, and few enough for a tag to fit the 30 bits that a word has for it.
+/// Epochs are numbers of operations. Their number is even, so that copies still alternate after the last
+/// epoch, and so small that a tag fits the 30 bits that a word has for it.
 inline constexpr std::uint32_t epochs_in_all = (1u << 27) - 2;
 /// Kernels of one operation that write the same words.
 inline constexpr std::uint32_t most_passes = 8;

@@ -76,7 +76,7 @@ __global__ void __launch_bounds__(emit_threads)
                        const std::uint32_t stride, const std::uint32_t* order, const Intersections<Key> out,
                        EmittedSplat* large, const EpochsView<std::uint32_t> epochs) {
   await_earlier();
-  // Apart, or the words around `tiles_of` are loaded with it while one of them is written.
+  // Aligned apart, or loads of `tiles_of` would read neighbouring words while another thread writes them.
   __shared__ alignas(16) std::uint32_t tiles_of[emit_warps];
   __shared__ std::uint32_t before_block, epoch_of_block;
   const unsigned warp = threadIdx.x / warp_size;

@@ -21,7 +21,7 @@ struct RasterInput {
   const std::uint32_t* order;  ///< @shape{raster blocks} as `order_raster_blocks` has it; null: by rows
 };
 
-/// Where a raster block lies among those of a frame.
+/// Column and row of a raster block in its frame.
 struct RasterBlockIndex {
   std::uint32_t column, row;
 
@@ -86,8 +86,8 @@ struct OwnRasterBlock {
     return index(input).number(gridDim.x);
   }
 
-  /// Where its list is. It depends only on the thread block's index, so the compiler sees one range for all
-  /// threads and generates no code for diverged warps, which would cost 3 % on a long list.
+  /// Range of the raster block's list. It depends only on the thread block's index, so the compiler sees one
+  /// range for all threads and generates no code for diverged warps, which would cost 3 % on a long list.
   template <class ViewSource>
   __device__ TileRange list(const RasterInput<ViewSource>& input) const {
     const View& of = input.views[view];
@@ -95,7 +95,7 @@ struct OwnRasterBlock {
   }
 };
 
-/// What a frame wants beside colour and alpha. Kernels are compiled apart for each.
+/// Outputs beside colour and alpha. Each value has kernels of its own.
 enum class Extras {
   none,
   depth,          ///< and occluders
@@ -166,10 +166,10 @@ void with_unconverted(Cuda& cuda, const RasterJob& job, const F& f) {
   });
 }
 
-/// The views, but those that convert colours draw them as they are blended to memory of the backend. A single
-/// view is then `one`.
+/// Copies of the views in which a view that converts colours draws unconverted ones to memory of the backend.
+/// A single such view is `one`.
 SWIFTGS_API Views redirect_colours(Cuda& cuda, const Views& views, View& one);
-/// Converts what rasterizers have drawn there, and writes it to the frames of `job`.
+/// Converts the colours in that memory and writes them to the frames of `job`.
 SWIFTGS_API void convert_colours(Cuda& cuda, const RasterJob& job);
 
 inline bool some_view_converts(const RasterJob& job) {

@@ -20,8 +20,8 @@ __device__ std::uint32_t read_epoch(const EpochsView<Counters>& epochs) {
   return epoch;
 }
 
-/// Ends the epoch of an operation with a word for each of `blocks`. For one thread of the last of them, after
-/// its look-back.
+/// Ends the epoch of an operation with a word for each of `blocks`. Call it from one thread of the last
+/// block, after its look-back.
 template <class Counters>
 __device__ void end_epoch(const EpochsView<Counters>& epochs, std::uint32_t epoch, std::uint32_t blocks) {
   const std::uint32_t swept = swept_word(epoch, 1, epochs.mask);

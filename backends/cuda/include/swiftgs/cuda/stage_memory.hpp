@@ -67,14 +67,14 @@ struct SceneStorage<Cuda> {
   static auto buffers(auto& self) { return std::tie(self.stored); }
 };
 
-/// Of operations that `Epochs` keeps running sums for alone.
+/// For operations of which `Epochs` keeps running sums alone.
 struct NoCounts {};
 
 /// Memory for the blocks of a projection whose chunks a view may show.
 struct BlockScratch {
   Epochs<NoCounts> epochs;
   DeviceBuffer<std::uint32_t> blocks;
-  DeviceBuffer<std::uint32_t> count;  ///< of them
+  DeviceBuffer<std::uint32_t> count;  ///< of `blocks`
 
   static auto buffers(auto& self) { return std::tie(self.epochs, self.blocks, self.count); }
 };
@@ -120,7 +120,7 @@ struct Splats<Cuda> {
     shapes.reset(splats), depths.reset(splats), gaussians.reset(splats);
     of_view.reset(views > 1 ? splats : 0);
   }
-  /// There are so many, and the host knows it.
+  /// Sets a number of splats that the host knows.
   void set_count(std::size_t splats) { count = splats, exact = nullptr, pending = {}; }
   SplatsView view() const {
     return {{shapes.data(), count},
