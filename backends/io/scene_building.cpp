@@ -27,9 +27,9 @@ void keep(std::vector<T>& values, const std::vector<Fault>& faults, std::size_t 
   values.erase(to, values.end());
 }
 
-/// Makes the system find the pages of [begin, end) now, large ones where it can, from all threads. It clears
-/// each page, which takes longer than decoding what will lie there, and would otherwise be done by the one
-/// thread that touches it.
+/// Makes the system allocate the pages of [begin, end) now, large ones where it can, from all threads. The
+/// system clears each page, which takes longer than decoding a page of the scene. Without this call the one
+/// thread that touches a page first would clear it.
 void populate([[maybe_unused]] void* begin, [[maybe_unused]] void* end) {
 #ifdef MADV_POPULATE_WRITE
   const auto page = std::uintptr_t(::sysconf(_SC_PAGESIZE));

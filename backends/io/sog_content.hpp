@@ -37,10 +37,11 @@ struct SogContent {
 /// Opens `source`, which is a bundle or `meta.json`. It must outlive what this returns.
 SogContent open_sog(const Source& source);
 
-/// Files whose bytes warrant memory already. They cannot do it again, whatever names lead to them.
+/// Files whose bytes were already counted as a reason to take memory. A file counts once, even if several
+/// names lead to it.
 using CountedFiles = std::set<FileIdentity>;
 
-/// The same of a file whose images, unless it is a bundle, `open` opens. Adds its files to `counted`.
+/// Opens a bundle, or a `meta.json` whose images `open` opens. Adds its files to `counted`.
 SogContent open_sog(const SogFile& file, const SogFiles& open, CountedFiles& counted);
 
 /// What a SOG's images hold.
