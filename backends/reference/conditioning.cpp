@@ -61,7 +61,7 @@ struct VariedPixel {
 /// Moves in the trials up to this many times as large are allowed for at every threshold.
 constexpr double threshold_moves = 10;
 
-/// What is decided at one pixel about one splat.
+/// Decisions about one splat at one pixel.
 struct PixelDecision {
   std::array<double, trials + 1> alphas;
   bool kept = false;

@@ -18,10 +18,10 @@
 
 namespace swiftgs::reference {
 
-/// Trials of one frame. In each, every number that a renderer reads or keeps as float is another one that it
-/// might have been:
+/// Trials of one frame. In each, every number that a renderer reads or keeps as float moves by a rounding
+/// error:
 /// - every float of the scene, and of every splat the stored mean and factor, moves by up to one unit in its
-///   last place: whoever stores them rounds them, and a ridge that is long enough shows it;
+///   last place, because every renderer rounds stored numbers, and a long ridge shows it;
 /// - what a pixel holds is rounded to float after every layer.
 inline constexpr std::size_t trials = 6;
 
