@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
 """Runs an example that opens a window: XVFB EXAMPLE EXPECTED_PICTURE."""
-import os
 import pathlib
 import subprocess
 import sys
@@ -36,9 +35,9 @@ class Host(unittest.TestCase):
     def test_without_a_display_it_says_so_in_one_line(self):
         self.one_line(without_display())
 
-    def test_on_a_display_without_opengl_and_vulkan_it_says_so_in_one_line(self):
+    def test_on_a_display_without_opengl_it_says_so_in_one_line(self):
         with display(XVFB, "-extension", "GLX") as environment:
-            self.one_line({**environment, "VK_ICD_FILENAMES": os.devnull})
+            self.one_line(environment)
 
 
 if __name__ == "__main__":

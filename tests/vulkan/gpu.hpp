@@ -17,8 +17,8 @@
 
 #include <vulkan/vulkan_raii.hpp>
 
-#include "19_vulkan.frag.hpp"
-#include "19_vulkan.vert.hpp"
+#include "box.frag.hpp"
+#include "box.vert.hpp"
 #include "support/among_splats.hpp"
 
 namespace swiftgs::test {
