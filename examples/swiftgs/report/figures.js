@@ -32,13 +32,18 @@ function figuresOfScene(scene, rows, files) {
   return figures;
 }
 
+/// What a series is, other than its renderer.
+const seriesTitle = series => [series.scene, ...series.held,
+  ...(series.views > 1 ? [`mean over ${series.views} views`] : []),
+  ...(series.conventions === 'gsplat' ? [] : [series.conventions])].join(', ');
+
 /// Growth of the first series of each scene and quantity.
 function figuresOfGrowth(rows, files) {
   return Object.entries(scaling.quantities).flatMap(([name, quantity]) => {
     const all = scaling.series(rows, name);
     return stats.distinct(all, one => one.scene).flatMap(scene => {
       const series = all.find(one => one.scene === scene);
-      const title = [series.renderer, `${seriesTitle(series, [])}, ${machineOf(series, files)}`];
+      const title = [series.renderer, `${seriesTitle(series)}, ${machineOf(series, files)}`];
       const figure = (more, plot) =>
         ({name: `scaling-${name}-${scene}${more}`, title, specify: look => plot(series, quantity, look),
           from: files[series.file]});
@@ -51,13 +56,14 @@ function figuresOfGrowth(rows, files) {
 /// Normalised errors on hard frames, one figure for each backend, of the first image size, sort and bounds of each.
 function figuresOfStress(files) {
   const rows = stress.rowsOf(files);
+  const policies = row => `${row.sort}, ${row.bounds}`;
   return [...stats.groupsOf(rows, row => row.backend)].map(([backend, some]) => {
-    const like = row => [stressSize, stressPolicies, one => one.file].every(key => key(row) === key(some[0]));
+    const like = row => [choices.sizeOf, policies, one => one.file].every(key => key(row) === key(some[0]));
     const chosen = some.filter(like), file = files[some[0].file];
     const device = backend === 'cuda' ? file.machine.gpu : file.machine.cpu;
     return {name: `stability-${backend === 'cuda' ? 'gpu' : backend}`,
-            title: `Error over what rounding may cost: ${stressSize(some[0])}, worst of ${some[0].seeds}, ${device}`,
-            specify: look => stressPlots.normalised(stress.panels(chosen), one => one.backend, look), from: file};
+            title: `Error over what rounding may cost: ${choices.sizeOf(some[0])}, worst of ${some[0].seeds}, ${device}`,
+            specify: look => stressPlots.normalised(stress.panels(chosen), look), from: file};
   });
 }
 

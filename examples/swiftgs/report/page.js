@@ -5,15 +5,15 @@
 const page = (() => {
   const data = JSON.parse(document.getElementById('data').textContent);
   const rows = stats.rowsOf(data.files);
-  const wanted = {clock: 'total', shape: 'bounds', show: 'few', baseline: '', bounds: '', series: {}};
+  const wanted = {clock: 'total', shape: 'bounds', show: 'few', baseline: '', bounds: ''};
   const few = 20;
 
   const find = (selector, root = document) => root.querySelector(selector);
 
   /// A labelled chooser of `options`, {value, title}; nothing where there is only one.
-  function chooser(title, options, chosen, choose, after = render) {
+  function chooser(title, options, chosen, choose) {
     if (options.length < 2) return [];
-    const select = element('select', {onchange: event => { choose(event.target.value); after(); }},
+    const select = element('select', {onchange: event => { choose(event.target.value); render(); }},
       ...options.map(({value, title: text}) => element('option', {value, selected: value === chosen}, text)));
     return [element('label', {}, title, select)];
   }
@@ -156,14 +156,12 @@ const page = (() => {
     showPanels(section, panels, (panel, look) => bars.speedups(panel.records, wanted.baseline, wanted.clock, look));
   }
 
-  function showScaling() {
-    const section = find('#scaling');
-    const parts = Object.keys(scaling.quantities).map(name => scalingSection(name, wanted, data.files, rows, render));
-    const shown = parts.filter(Boolean);
-    section.hidden = shown.length === 0;
-    find('.quantities', section).replaceChildren(...shown.map(part => part.element));
-    for (const part of shown) part.draw();
-    return Object.keys(scaling.quantities).filter((name, i) => !parts[i]).map(name => scaling.quantities[name].unit);
+  function showGrowth() {
+    const section = find('#growth');
+    const figures = [...figuresOfGrowth(rows, data.files), ...figuresOfStress(data.stress)];
+    section.hidden = figures.length === 0;
+    const titled = figures.map(figure => ({...figure, title: [figure.title].flat().join(', ')}));
+    showPanels(section, titled, (figure, look) => figure.specify(look));
   }
 
   function showImages(chosen) {
@@ -201,14 +199,12 @@ const page = (() => {
     showSpeedups(list);
     showPareto(list);
     showStages(list);
-    const absent = showScaling();
     showImages(chosen);
     find('#means').replaceChildren(sortableTable({
       caption: 'Renderers, as chosen above', columns: recordColumns(list), rows: list, filter: true, sort: 4}));
     find('#missing').textContent = [
       ...(find('#pareto').hidden ? ['errors against float64'] : []),
       ...(find('#speedups').hidden ? ['a baseline'] : []),
-      ...(absent.length ? [`growth with ${absent.join(', ')} (three values, with all else held)`] : []),
       ...(find('#images').hidden ? ['images (swiftgs bench --images)'] : []),
     ].map((text, i) => (i === 0 ? 'Not in these files: ' : '') + text).join('; ');
     charts.refresh(false);
@@ -221,9 +217,7 @@ const page = (() => {
     find('#rows').replaceChildren(sortableTable(
       {caption: 'All rows', columns: rowColumns(), rows, filter: true, sort: 0}));
   }
-  // Choices there concern that section alone.
-  const ownChooser = (title, options, chosen, choose) => chooser(title, options, chosen, choose, () => {});
-  showStress(data.stress, {}, ownChooser, setChoosers);
+  showGrowth();
   charts.refresh(false);
   if (location.hash === '#figures') writeFigures(rows, data.files, data.stress);
 })();

@@ -87,7 +87,7 @@ void report(const ReportOptions& options) {
 constexpr const char* report_help =
     R"(RESULTS are files that swiftgs bench or swiftgs stress wrote. The page holds everything that it
 shows and works without a network: run time against error with the Pareto front, stage times,
-speed-ups, growth with fitted exponents, normalised and largest errors on hard frames, all rows as a table,
+speed-ups, growth with fitted exponents, normalised errors on hard frames, all rows of bench as a table,
 and images where the files name some.
 
 Example:

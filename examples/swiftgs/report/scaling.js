@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 'use strict';
 
-// How time and memory grow with one quantity while the others are held: series of points, exponents fitted to them,
-// and which stage is the longest. No document is needed here.
+// How time and memory grow with one quantity while the others are held: series of points, and exponents fitted to them.
+// No document is needed here.
 const scaling = (() => {
   /// Of the buffers of each stage; `memory` is their sum, or without them what the renderer's memory grew by.
   const memoryOf = Object.fromEntries(stats.stages.map(stage => [stage, `${stage} memory`]));
@@ -70,26 +70,6 @@ const scaling = (() => {
     return {...point, memory: stats.sum(Object.values(record.stageBytes))};
   }
 
-  const longest = point => stats.stages.reduce((a, b) => point[b] > point[a] ? b : a);
-
-  /// Where the straight lines through both points, on log axes, of stages `a` and `b` meet.
-  function crossing(before, after, a, b) {
-    const gap = point => Math.log(point[a]) - Math.log(point[b]);
-    const part = gap(before) / (gap(before) - gap(after));
-    const middle = Number.isFinite(part) ? part : 0.5;
-    return Math.exp(Math.log(before.x) + middle * (Math.log(after.x) - Math.log(before.x)));
-  }
-
-  /// Which stage is the longest: [{stage, from}], the first from the first point on.
-  function dominance(points) {
-    const parts = [{stage: longest(points[0]), from: points[0].x}];
-    for (let i = 1; i < points.length; ++i) {
-      const last = parts[parts.length - 1].stage, stage = longest(points[i]);
-      if (stage !== last) parts.push({stage, from: crossing(points[i - 1], points[i], last, stage)});
-    }
-    return parts;
-  }
-
   /// One series from rows that differ in level and view alone, over the views that all levels have; null with
   /// fewer than three values.
   function seriesOf(rows, quantity) {
@@ -105,8 +85,8 @@ const scaling = (() => {
     for (const curve of curves) fits[curve] = fit(points.map(point => [point.x, point[curve]]));
     const {file, scene, conventions, renderer, backend} = rows[0];
     return {file, scene, conventions, renderer, backend, views: shared.length, points, fits,
-            memoryCurves: knowsStages ? [...stageMemory, 'memory'] : ['memory'],
-            dominance: dominance(points), held: textsOf(rows[0], quantity.held), rank: rank(rows[0], points)};
+            memoryCurves: knowsStages ? [...stageMemory, 'memory'] : ['memory'], held: textsOf(rows[0], quantity.held),
+            rank: rank(rows[0], points)};
   }
 
   function compareRanks(a, b) {
@@ -123,5 +103,5 @@ const scaling = (() => {
       .sort(compareRanks);
   }
 
-  return {quantities, curves, fit, dominance, series};
+  return {quantities, series};
 })();

@@ -4,7 +4,7 @@
 // Growth on log axes: what was measured, and the fitted lines.
 const scalingPlots = (() => {
   /// With two digits and a minus sign; zero has none.
-  const exponentText = fit => fit ? fit.exponent.toFixed(2).replace(/^-0.00$/, '0.00').replace('-', '−') : '–';
+  const exponentText = fit => fit.exponent.toFixed(2).replace(/^-0.00$/, '0.00').replace('-', '−');
 
   /// The curves `names` of one series from scaling.js; `scaled` turns what they hold into what the axis shows.
   function curves(series, quantity, names, axis, look) {
@@ -55,7 +55,6 @@ const scalingPlots = (() => {
   const memory = {title: 'Memory, MiB', unit: 'MiB', scaled: value => value / 2 ** 20};
 
   return {
-    exponentText,
     times: (series, quantity, look) => curves(series, quantity, ['project', 'sort', 'raster', 'total'], time, look),
     memory: (series, quantity, look) => curves(series, quantity, series.memoryCurves, memory, look),
   };
