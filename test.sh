@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 #
 # Installs what is missing, builds everything with warnings as errors, for CUDA where nvcc is there, and runs every
-# test: units, header and compile-fail checks, installation, documentation, hard frames again for this processor and
-# under sanitizers, and the fuzz targets for a few seconds each. Tests that need a GPU are built where there is one.
+# test: units, header and compile-fail checks, installation, documentation, hard frames again for this processor under
+# sanitizers, and the fuzz targets for a few seconds each. Tests that need a GPU are built where there is one.
 # Says why tests were skipped and which failed, then ends with one line, 'N passed, N failed, N skipped', and fails when
 # one test did.
 set -uo pipefail
@@ -47,7 +47,6 @@ if cmake/setup.sh test; then
   if grep -q '^SWIFTGS_BUILD_CUDA:BOOL=OFF$' build/release/CMakeCache.txt 2>/dev/null; then
     skip 'no nvcc 13 or newer here: the CUDA backend'
   fi
-  run_workflow native
   if [ "$(uname -m)" = x86_64 ] && ! grep -qw avx2 /proc/cpuinfo; then
     skip 'no AVX2 here: hard frames under sanitizers'
   else
