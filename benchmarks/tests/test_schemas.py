@@ -25,7 +25,6 @@ COMMANDS = (
     f"bench builtin:50 --scales 0.05 --views 0 --min-frames 2 --max-frames 2 --renderers {RENDERER} --json {{json}}",
     f"prune {SMALL} --keep 0.5 --out small.ply --backend serial --json {{json}}",
     "convert small.ply small.splat --degree 1 --json {json}",
-    f"calibrate {SMALL} --renderer serial/adaptive/per-pixel/ellipse --out {{json}}",
     f"stress --families needles --severity 100 --seeds 1 --renderers {RENDERER} --json {{json}}",
     f"stress --search 0.1 --families needles --renderers {RENDERER} --json {{json}}")
 

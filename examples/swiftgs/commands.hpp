@@ -10,7 +10,6 @@ class App;
 namespace swiftgs::cli {
 
 void add_bench(CLI::App& app);
-void add_calibrate(CLI::App& app);
 void add_check(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_convert(CLI::App& app);
@@ -22,8 +21,8 @@ void add_report(CLI::App& app);
 void add_stress(CLI::App& app);
 void add_view(CLI::App& app);
 
-/// Runs the command that the arguments name, in all processes of a launcher, and returns the exit code: 1 with
-/// one line on standard error where something is wrong.
+/// Runs the command that the arguments name, in all processes of a launcher, and returns the exit code: 1
+/// with one line on standard error where something is wrong.
 int run(int argc, char** argv);
 
 }  // namespace swiftgs::cli

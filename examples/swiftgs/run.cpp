@@ -138,7 +138,6 @@ int run_command(int argc, char** argv) {
   add_render(app);
   add_compare(app);
   add_check(app);
-  add_calibrate(app);
   add_convert(app);
   add_prune(app);
   add_bench(app);

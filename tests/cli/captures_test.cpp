@@ -36,7 +36,6 @@ TEST_CASE("cli captures: every command takes the folder of a capture for its sce
   CHECK(contains(run(place, "check garden --repeats 1 --views 1" + serial).out, " b "));
   run(place, "prune garden --keep 0.5 --views 0 --backend serial --out small.ply");
   CHECK(swiftgs::load_scene(place / "small.ply").size() == 50);
-  run(place, "calibrate garden --renderer serial/adaptive/per-pixel/ellipse --out sorts.json");
   run(place, "bench garden --errors none --views 1 --max-frames 2 --min-frames 2 --json r.json" + serial);
   check_members(json_in(place / "r.json")["rows"][0], R"({"scene": "scene", "view": "b"})");
 }
@@ -57,9 +56,8 @@ TEST_CASE("cli captures: photographs of the folder are compared with where views
   const json rows = checked("garden --views all");
   CHECK(rows[0]["photo_psnr_db"] > 50);
   CHECK(rows[1]["photo_psnr_db"].is_null());
-  for (const std::string other :
-       {"garden --views 1", "garden --views 0 --cameras garden",
-        "garden/scene.ply --cameras garden --views 0"})
+  for (const std::string other : {"garden --views 1", "garden --views 0 --cameras garden",
+                                  "garden/scene.ply --cameras garden --views 0"})
     CHECK_FALSE(checked(other)[0].contains("photo_psnr_db"));
   CHECK(checked("garden/scene.ply --cameras garden --views 0 --photos garden/photos")[0]["photo_psnr_db"] >
         50);
@@ -92,8 +90,7 @@ TEST_CASE("cli captures: a folder that is none says what is in it") {
   place.write("empty/photos/a.jpg", "");
   fails(place, "info empty", {"swiftgs: empty: expected a capture, ", ", found none\n"});
   place.write("two/a.ply", ""), place.write("two/b.spz", "");
-  for (const std::string command : {"render two", "check two", "bench two", "calibrate two --out x.json",
-                                    "prune two --keep 1 --out x.ply"})
+  for (const std::string command : {"render two", "check two", "bench two", "prune two --keep 1 --out x.ply"})
     fails(place, command, {"found a.ply, b.spz"});
   place.write("sog/meta.json", "{}");
   fails(place, "render sog", {"sog/meta.json: byte 0: expected a scene of Gaussians"});
@@ -140,8 +137,7 @@ TEST_CASE("cli cameras: cameras are refused before the scene is looked at") {
   place.write("capture/cameras.json", "[{\"id\": 0}]");
   place.write("capture/scene.ply", "no scene");
   place.write("cameras.json", cameras_json({"a.jpg"}));
-  for (const std::string command :
-       {"render", "check", "calibrate --out x.json", "prune --keep 1 --out x.ply"}) {
+  for (const std::string command : {"render", "check", "prune --keep 1 --out x.ply"}) {
     fails(place, command + " capture", {"capture/cameras.json: byte "});
     // The missing scene is not named, so nobody has looked for it.
     fails(place, command + " missing.ply --cameras broken.json", {"broken.json: byte "});

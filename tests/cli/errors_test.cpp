@@ -122,7 +122,6 @@ TEST_CASE("cli errors: no option or argument takes an empty value") {
     refuses("render builtin:10 " + name + " ''", name);
   refuses("check builtin:10 --photos ''", "--photos");
   refuses("bench builtin:10 --gaussians ''", "--gaussians");
-  refuses("calibrate builtin:10 --out ''", "--out");
   refuses("stress --families ''", "--families");
   refuses("prune builtin:10 --keep 0.5 --out ''", "--out");
   refuses("list --json ''", "--json");

@@ -139,8 +139,6 @@ TEST_CASE("cli placed: what cannot be placed is named") {
   fails(place, "render list.json",
         {"swiftgs: place: placement 1 shows 18 Gaussians from number 3 on, expected some of the 20"});
   place.write("list.json", R"([{"file": "builtin:20"}, {"file": "a.ply"}])");
-  fails(place, "render list.json --calibration c.json",
-        {"swiftgs: --calibration: found 2 scenes, expected the one that it is of\n"});
   fails(place, "render list.json --json a.ply",
         {"swiftgs: --json a.ply: expected another file than that of SCENE\n"});
   CHECK(run(place, "render list.json --scale 0.05").out.starts_with("renders/front.png  64x36"));

@@ -11,7 +11,6 @@
 
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/io/image.hpp>
-#include <swiftgs/io/sort_calibrations.hpp>
 
 #include "commands.hpp"
 #include "draw/choice.hpp"
@@ -42,8 +41,7 @@ struct RenderOptions {
   std::string format = "png";
   std::string video;  ///< file in place of images, or empty
   std::string harmonics = "smallest";
-  std::string calibration;  ///< file that `calibrate` wrote, or empty
-  std::string json;         ///< file for the results, or empty
+  std::string json;  ///< file for the results, or empty
   int batch = 1;
   bool stats = false;
 };
@@ -55,21 +53,6 @@ Writer writer_of(const std::string& format) {
   if (format == "pfm") return write_pfm;
   if (format == "exr") return write_exr;
   throw std::invalid_argument("--format '" + format + "': expected png, pfm or exr");
-}
-
-/// Has `renderer` choose its sort by `file`, which must have the size of each view.
-void use_calibration(AnyRenderer& renderer, const std::string& file, const Scene& scene,
-                     const std::vector<View>& views) {
-  std::vector<SortCalibration> found = find_sort_calibrations(
-      file, {geometry_checksum(scene), renderer.device_name(), std::string(renderer.name())});
-  for (const View& view : views)
-    if (std::none_of(found.begin(), found.end(), [&](const SortCalibration& saved) {
-          return saved.width == view.camera.width && saved.height == view.camera.height;
-        }))
-      throw std::runtime_error(file + ": expected a calibration at " + std::to_string(view.camera.width) +
-                               "x" + std::to_string(view.camera.height) + ", as the view " + view.name +
-                               " has");
-  renderer.use_calibrations(std::move(found));
 }
 
 /// What the scenes are called in results, and their files.
@@ -97,13 +80,9 @@ void render(RenderOptions options) {
   const HarmonicsKept harmonics = harmonics_of(options.harmonics);
   validate(options.lens);
   const std::vector<ListedScene> listed = scenes_of(options.scenes, options.place);
-  if (listed.size() > 1 && !options.calibration.empty())
-    throw std::invalid_argument("--calibration: found " + std::to_string(listed.size()) +
-                                " scenes, expected the one that it is of");
   options.scene.scene = listed[0].file;
   SceneNames names(listed, options.scene);
   names.files.push_back({"--cameras", cameras_of(options.scene, options.view.cameras)});
-  names.files.push_back({"--calibration", options.calibration});
   require_distinct({{"--video", options.video}, {"--json", options.json}}, names.files);
   const std::unique_ptr<AnyRenderer> renderer =
       make_renderer(options.renderer.empty() ? default_renderer() : options.renderer);
@@ -134,7 +113,6 @@ void render(RenderOptions options) {
       if (drawn.placements[i].scene == next)
         std::printf("%s: harmonics as %s\n", listed[i].file.c_str(), renderer->harmonics(next++));
   }
-  if (!options.calibration.empty()) use_calibration(*renderer, options.calibration, *scene, views);
 
   const std::size_t batch = std::min(std::size_t(options.batch), views.size());
   std::vector<Camera> cameras;
@@ -267,8 +245,6 @@ void add_render(CLI::App& app) {
                       "Video of all views in place of images, such as flight.mp4, by the program ffmpeg");
   add_batch(*command, options->batch);
   add_harmonics(*command, options->harmonics);
-  command->add_option("--calibration", options->calibration,
-                      "For renderers with the sort 'adaptive': a file of 'swiftgs calibrate'");
   add_json(*command, options->json);
   command->add_flag("--stats", options->stats, "Print what each frame had to do");
   command->callback([options] { render(*options); });
