@@ -3,11 +3,8 @@
 // What frames and renderers tell of themselves.
 #include <cstddef>
 #include <cstring>
-#include <utility>
-#include <vector>
 
 #include <swiftgs/pick.hpp>
-#include <swiftgs/sort/adaptive.hpp>
 #include <swiftgs/statistics.hpp>
 
 #include "error.hpp"
@@ -76,30 +73,6 @@ swiftgs_status swiftgs_renderer_memory(const swiftgs_renderer* renderer, swiftgs
     const std::size_t frames = renderer->host_frames ? renderer->host_frames->bytes() : 0;
     write_struct(memory, {0, 0, kept.project, kept.sort, kept.raster + frames, device.in_use, device.total},
                  "swiftgs_memory");
-  });
-}
-
-swiftgs_status swiftgs_renderer_calibration(const swiftgs_renderer* renderer,
-                                            swiftgs_calibration* calibration) {
-  return guarded([&] {
-    const swiftgs::SortCalibration known = of(renderer)->calibration().value_or(swiftgs::SortCalibration{});
-    write_struct(calibration,
-                 {0, known.width, known.height, 0, known.gaussians, known.standard_ms, known.early_ms},
-                 "swiftgs_calibration");
-  });
-}
-
-swiftgs_status swiftgs_renderer_use_calibrations(swiftgs_renderer* renderer,
-                                                 const swiftgs_calibration* calibrations, size_t count) {
-  return guarded([&] {
-    const Turn any = of(renderer);
-    std::vector<swiftgs::SortCalibration> saved;
-    for_each_struct(calibrations, count, "swiftgs_calibration", [&](const swiftgs_calibration& from) {
-      require_zero(from.reserved, "swiftgs_calibration");
-      saved.push_back(
-          {std::size_t(from.gaussians), from.width, from.height, from.standard_ms, from.early_ms});
-    });
-    any->use_calibrations(std::move(saved));
   });
 }
 

@@ -270,39 +270,6 @@ void test_memory(void) {
   CHECK(renderer == NULL);
 }
 
-void test_calibrations(void) {
-  struct drawing d;
-  set_up(&d, "serial/adaptive/per-pixel/ellipse");
-  swiftgs_renderer* const renderer = d.renderer;
-  swiftgs_calibration known = {.size = sizeof(known)};
-  CHECK_OK(swiftgs_renderer_render_into(renderer, &d.frame));
-  CHECK_OK(swiftgs_renderer_calibration(renderer, &known));
-  CHECK(known.width == 0 && known.gaussians == 0);
-  for (int i = 0; i < 20 && known.width == 0; ++i) {
-    CHECK_OK(swiftgs_renderer_render_into(renderer, &d.frame));
-    CHECK_OK(swiftgs_renderer_calibration(renderer, &known));
-  }
-  CHECK(known.width == small_width && known.height == small_height && known.gaussians == small_count);
-  CHECK(known.standard_ms > 0 && known.early_ms > 0);
-
-  /* Another renderer knows it from the first frame on. */
-  swiftgs_renderer* const other = make_renderer("serial/adaptive/per-pixel/ellipse");
-  swiftgs_calibration given[2] = {known, known};
-  given[0].width = 1, given[0].standard_ms = 1;
-  CHECK_OK(swiftgs_renderer_use_calibrations(other, given, 2));
-  CHECK_OK(swiftgs_renderer_render_into(other, &d.frame));
-  swiftgs_calibration found = {.size = sizeof(found)};
-  CHECK_OK(swiftgs_renderer_calibration(other, &found));
-  CHECK(memcmp(&found, &known, sizeof(known)) == 0);
-  CHECK_OK(swiftgs_renderer_use_calibrations(other, NULL, 0));
-
-  CHECK_INVALID(swiftgs_renderer_use_calibrations(other, NULL, 1), "swiftgs_calibration is NULL");
-  given[1].reserved = 1;
-  CHECK_INVALID(swiftgs_renderer_use_calibrations(other, given, 2), "reserved is 1");
-  CHECK_INVALID(swiftgs_renderer_calibration(other, NULL), "swiftgs_calibration is NULL");
-  swiftgs_renderer_free(renderer), swiftgs_renderer_free(other);
-}
-
 void test_renderer_errors(void) {
   swiftgs_renderer* renderer = NULL;
   CHECK_INVALID(swiftgs_renderer_create("serial/late/per-pixel/ellipse", NULL, &renderer),

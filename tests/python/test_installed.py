@@ -20,11 +20,11 @@ def test_the_package_is_the_installed_one_with_its_own_library():
     package = pathlib.Path(swiftgs.__file__).parent
     assert pathlib.Path(PREFIX).resolve() in package.resolve().parents
     names = {path.name for path in package.iterdir()} - {"__pycache__"}
-    assert {"__init__.py", "py.typed", "LICENSE", "libswiftgs_c.so.1"} <= names
+    assert {"__init__.py", "py.typed", "LICENSE", "libswiftgs_c.so.2"} <= names
     sources = {path.name for path in (pathlib.Path(__file__).parents[2] / "backends/python/swiftgs").glob("*.py")}
     assert {name for name in names if name.endswith(".py")} == sources
     maps = pathlib.Path("/proc/self/maps").read_text()
-    assert str((package / "libswiftgs_c.so.1").resolve()) in maps
+    assert str((package / "libswiftgs_c.so.2").resolve()) in maps
 
 
 def test_its_version_is_that_of_the_header():
@@ -36,7 +36,7 @@ def test_its_version_is_that_of_the_header():
 def test_its_library_is_not_searched_for_in_the_working_directory():
     if not shutil.which("readelf"):
         pytest.skip("no readelf")
-    said = subprocess.run(["readelf", "-d", pathlib.Path(swiftgs.__file__).with_name("libswiftgs_c.so.1")], check=True,
+    said = subprocess.run(["readelf", "-d", pathlib.Path(swiftgs.__file__).with_name("libswiftgs_c.so.2")], check=True,
                           stdout=subprocess.PIPE, text=True).stdout
     assert "(NEEDED)" in said
     for path in re.findall(r"R(?:UN)?PATH\).*\[(.*)\]", said):

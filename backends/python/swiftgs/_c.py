@@ -13,7 +13,7 @@ from typing import Any
 
 from ._errors import InvalidArgument, InvalidType, exception_of
 
-ABI_MAJOR, ABI_MINOR = 1, 11
+ABI_MAJOR, ABI_MINOR = 2, 0
 
 MEASURE_COUNTS, MEASURE_TIMES = 1, 2
 HOST, DEVICE = 0, 1

@@ -337,27 +337,6 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_memory(const swiftgs_renderer* ren
 /// again; what was reserved is forgotten.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_trim(swiftgs_renderer* renderer);
 
-/// Mean times of the adaptive sort's two strategies for a scene at an image size.
-typedef struct swiftgs_calibration {
-  uint32_t size;          ///< `sizeof(swiftgs_calibration)`; the same in all elements of an array
-  int32_t width, height;  ///< @units{pixels}
-  uint32_t reserved;      ///< 0
-  uint64_t gaussians;     ///< in the scene
-  double standard_ms;     ///< @units{milliseconds}
-  double early_ms;        ///< @units{milliseconds}
-} swiftgs_calibration;
-
-/// Fills `calibration`, whose size is set, with what the adaptive sort has measured of the last frame's scene
-/// and size. All is 0 while it still measures, for frames of several views, and for other sorts.
-SWIFTGS_C_API swiftgs_status swiftgs_renderer_calibration(const swiftgs_renderer* renderer,
-                                                          swiftgs_calibration* calibration);
-
-/// Hands `count` earlier measurements of the scene's sort, on this device and with these bounds, to the
-/// adaptive sort, in place of any before. Other sorts ignore them.
-SWIFTGS_C_API swiftgs_status swiftgs_renderer_use_calibrations(swiftgs_renderer* renderer,
-                                                               const swiftgs_calibration* calibrations,
-                                                               size_t count);
-
 #ifdef __cplusplus
 }
 #endif

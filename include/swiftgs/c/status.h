@@ -16,8 +16,8 @@
 /// Version of the binary interface that this header describes, apart from the library's own version. A change
 /// that breaks programs raises the first number, which is part of the library's file name; an addition raises
 /// the second.
-#define SWIFTGS_ABI_MAJOR 1
-#define SWIFTGS_ABI_MINOR 11
+#define SWIFTGS_ABI_MAJOR 2
+#define SWIFTGS_ABI_MINOR 0
 
 #ifdef __cplusplus
 extern "C" {
