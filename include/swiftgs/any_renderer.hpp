@@ -18,7 +18,6 @@
 #include <swiftgs/message.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/scene_arrays.hpp>
-#include <swiftgs/sort/adaptive.hpp>
 #include <swiftgs/type_list.hpp>
 
 namespace swiftgs {
@@ -146,12 +145,8 @@ class SWIFTGS_API AnyRenderer {
   /// As `Renderer::trim`. The scene stays.
   virtual void trim() = 0;
 
-  /// Hands measurements of the scene's sort, on this device and with these bounds, to `AdaptiveSort::use`.
-  /// Other sorts ignore them.
-  virtual void use_calibrations(std::vector<SortCalibration> saved) = 0;
-
-  /// `AdaptiveSort::calibration`; no value for other sorts.
-  virtual std::optional<SortCalibration> calibration() const = 0;
+  /// False while an adaptive sort still measures frames of the scene at this size.
+  virtual bool sort_decided() = 0;
 
   /// Memory of the backend's device; no value for a backend that works in the host's memory.
   virtual std::optional<MemoryUse> device_memory() const = 0;
@@ -171,12 +166,9 @@ struct RendererEntry {
 template <class B>
 class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
  public:
-  /// `adaptive` is the sort of `policies`, if it is adaptive.
-  AnyRendererOn(std::string name, const BackendOptions& options, StagePolicies<B> policies,
-                AdaptiveSort* adaptive)
+  AnyRendererOn(std::string name, const BackendOptions& options, StagePolicies<B> policies)
       : name_(std::move(name)),
-        renderer_(make_backend(std::type_identity<B>(), options), std::move(policies)),
-        adaptive_(adaptive) {}
+        renderer_(make_backend(std::type_identity<B>(), options), std::move(policies)) {}
 
   std::string_view name() const override { return name_; }
   void set_scene(std::shared_ptr<const Scene> scene, HarmonicsKept kept) override {
@@ -274,12 +266,7 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
     recorded_.reset();
   }
   std::string device_name() const override { return renderer_.backend().device_name(); }
-  void use_calibrations(std::vector<SortCalibration> saved) override {
-    if (adaptive_) adaptive_->use(std::move(saved));
-  }
-  std::optional<SortCalibration> calibration() const override {
-    return adaptive_ ? adaptive_->calibration() : std::nullopt;
-  }
+  bool sort_decided() override { return renderer_.stages().sort().decided(); }
   std::optional<MemoryUse> device_memory() const override {
     if constexpr (B::reaches_host_memory)
       return std::nullopt;
@@ -335,7 +322,6 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
 
   std::string name_;
   BoundRenderer<B> renderer_;
-  AdaptiveSort* adaptive_;          ///< in `renderer_`
   std::optional<SceneOn> scene_{};  ///< copies share the memory
   std::vector<SceneOn> more_{};     ///< after it
   Placed placed_{};
@@ -344,20 +330,10 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
 };
 
 namespace detail {
-/// The sort stage of a new renderer.
-template <class B>
-struct MadeSort {
-  std::unique_ptr<SortStage<B>> stage;
-  AdaptiveSort* adaptive = nullptr;  ///< the sort, if it is adaptive
-
-  template <class Sort, class Bounds>
-  static MadeSort make() {
-    auto stage = std::make_unique<SortStageOf<B, Sort, Bounds>>();
-    AdaptiveSort* adaptive = nullptr;
-    if constexpr (std::is_base_of_v<AdaptiveSort, Sort>) adaptive = &stage->sort;
-    return {std::move(stage), adaptive};
-  }
-};
+template <class B, class Sort, class Bounds>
+std::unique_ptr<SortStage<B>> make_sort() {
+  return std::make_unique<SortStageOf<B, Sort, Bounds>>();
+}
 }  // namespace detail
 
 /// Appends every combination of backend `B` with the given sorts, rasterizers and bounds to `table`.
@@ -366,7 +342,7 @@ struct MadeSort {
 template <class B, class... Sorts, class... Rasters, class... Bounds>
 void append_renderers(std::vector<RendererEntry>& table, TypeList<Sorts...>, TypeList<Rasters...>,
                       TypeList<Bounds...>) {
-  using MakeSort = detail::MadeSort<B> (*)();
+  using MakeSort = std::unique_ptr<SortStage<B>> (*)();
   const std::vector<BoundsStages<B>> all_bounds{BoundsStages<B>::template of<Bounds>()...};
   const std::vector<RasterStage<B>> all_rasters{RasterStage<B>::template of<Rasters>()...};
   const auto append = [&](std::string_view sort, const std::vector<MakeSort>& within) {
@@ -376,15 +352,14 @@ void append_renderers(std::vector<RendererEntry>& table, TypeList<Sorts...>, Typ
         std::string name{B::name};
         for (const std::string_view word : {sort, raster.name, bounds.name}) name.append("/").append(word);
         const auto make = [=, make_sort = within[k]](const BackendOptions& options) {
-          detail::MadeSort<B> made = make_sort();
           return std::unique_ptr<AnyRenderer>(std::make_unique<AnyRendererOn<B>>(
-              name, options, StagePolicies<B>{bounds, std::move(made.stage), raster}, made.adaptive));
+              name, options, StagePolicies<B>{bounds, make_sort(), raster}));
         };
         table.push_back({name, B::usable(), !B::reaches_host_memory, make});
       }
   };
   const auto append_sort = [&]<class Sort>() {
-    append(Sort::name, {&detail::MadeSort<B>::template make<Sort, Bounds>...});
+    append(Sort::name, {&detail::make_sort<B, Sort, Bounds>...});
   };
   (append_sort.template operator()<Sorts>(), ...);
 }

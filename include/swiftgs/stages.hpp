@@ -88,6 +88,8 @@ class SortStage {
  public:
   virtual ~SortStage() = default;
   virtual void build(B& b, const SortJob& job, TileLists<B>& lists) = 0;
+  /// False while an adaptive sort still measures frames.
+  virtual bool decided() const = 0;
   virtual std::size_t bytes() const = 0;
   /// As `use_memory_of`, `reserve_parts` and `trim_parts`.
   virtual void use_memory(const B& b) = 0;
@@ -102,6 +104,12 @@ class SortStageOf final : public SortStage<B> {
   explicit SortStageOf(Sort policy = Sort()) : sort(std::move(policy)) {}
   void build(B& b, const SortJob& job, TileLists<B>& lists) override {
     sort.build(b, job, Bounds{}, scratch_, lists);
+  }
+  bool decided() const override {
+    if constexpr (requires { sort.measured().has_value(); })
+      return sort.measured().has_value();
+    else
+      return true;
   }
   std::size_t bytes() const override { return bytes_of(scratch_); }
   void use_memory(const B& b) override { use_memory_of(b, scratch_); }

@@ -49,8 +49,7 @@ class ScriptedRenderer final : public AnyRenderer {
   StageMemory memory() const override { return {}; }
   void trim() override {}
   std::string device_name() const override { return "a script"; }
-  void use_calibrations(std::vector<SortCalibration>) override {}
-  std::optional<SortCalibration> calibration() const override { return std::nullopt; }
+  bool sort_decided() override { return name_.find("/adaptive/") == std::string::npos; }
   std::optional<MemoryUse> device_memory() const override { return std::nullopt; }
 
   int frames = 0;

@@ -11,6 +11,7 @@
 #include <optional>
 #include <stdexcept>
 #include <thread>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -214,12 +215,18 @@ SWIFTGS_DEVICE_CASE("cuda record: views set between launches without a wait are 
 }
 
 SWIFTGS_DEVICE_CASE("cuda record: the adaptive sort records what it has decided") {
-  const auto nodes_of = [](double standard_ms, double early_ms) {
-    Recording<Usual<Cuda, AdaptiveSort>> r;
-    r.renderer.sort().use({SortCalibration{4000, width, height, standard_ms, early_ms}});
-    return r.capture(frame_of(0, 1)).nodes();
+  const auto nodes_of = []<class Sort>(std::type_identity<Sort>) {
+    return Recording<Usual<Cuda, Sort>>().capture(frame_of(0, 1)).nodes();
   };
-  CHECK(nodes_of(1, 2) != nodes_of(2, 1));  // the early sort has one sort more
+  const std::size_t standard = nodes_of(std::type_identity<StandardSort>()),
+                    early = nodes_of(std::type_identity<EarlySort>());
+  CHECK(standard != early);  // the early sort has one sort more
+  Recording<Usual<Cuda, AdaptiveSort>> r;
+  for (int frame = 0; frame < 20 && !r.renderer.sort().measured(); ++frame)
+    draw_together(r.renderer, r.scene.view(), frame_of(0, 1));
+  REQUIRE(r.renderer.sort().measured());
+  const bool prefers_early = r.renderer.sort().measured()->prefers_early();
+  CHECK(r.capture(frame_of(0, 1)).nodes() == (prefers_early ? early : standard));
 }
 
 SWIFTGS_DEVICE_CASE("cuda record: an overflow between two frames of a graph leaves both as they are") {

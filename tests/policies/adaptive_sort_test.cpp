@@ -60,9 +60,7 @@ static_assert(BackendPolicy<ScriptedBackend>);
 
 /// An adaptive sort, the frames that it is shown, and what it ran for each.
 struct Session {
-  explicit Session(int frames_each, std::vector<SortCalibration> saved = {}) : sort(frames_each) {
-    sort.use(std::move(saved));
-  }
+  explicit Session(int frames_each) : sort(frames_each) {}
 
   /// Builds the lists of so many frames; returns the first letter of each sort that ran.
   std::string frames(int count, int width = 64, int height = 48) {
@@ -82,8 +80,8 @@ struct Session {
     return ran;
   }
   bool knows(double standard_ms, double early_ms) const {
-    const auto known = sort.calibration();
-    return known && known->standard_ms == standard_ms && known->early_ms == early_ms;
+    const auto known = sort.measured();
+    return known && known->standard == standard_ms && known->early == early_ms;
   }
 
   ScriptedBackend backend;
@@ -96,11 +94,6 @@ struct Session {
   FrameUse use = FrameUse::drawn;
   bool device_counts = false;
 };
-
-/// Measurements for the frames of a `Session`.
-SortCalibration saved(double standard_ms, double early_ms, int width = 64) {
-  return {20, width, 48, standard_ms, early_ms};
-}
 
 void make_large(SplatSet& splats) {
   for (SplatShape& shape : splats.shapes) shape = make_splat(32, 24, 40, 40, 0, 1);
@@ -164,7 +157,7 @@ TEST_CASE("adaptive sort: never waits for a measurement and renders on without i
   Session session(1);
   session.backend.late = true;
   CHECK(session.frames(110).find_first_not_of("se") == std::string::npos);
-  CHECK_FALSE(session.sort.calibration());
+  CHECK_FALSE(session.sort.measured());
   CHECK(session.backend.asked <= 2 * 110);  // it does not poll
   session.backend.late = false;
   session.frames(6);
@@ -176,16 +169,15 @@ TEST_CASE("adaptive sort: decides anew when the image size or the scene changes"
   session.frames(4);
   CHECK(session.knows(2, 1));
   CHECK(session.frames(1, 80) == "s");
-  CHECK_FALSE(session.sort.calibration());
+  CHECK_FALSE(session.sort.measured());
   session.frames(3, 80);
-  REQUIRE(session.sort.calibration());
-  CHECK(session.sort.calibration()->width == 80);
+  CHECK(session.sort.measured());
   session.scene = 2;
   session.frames(1, 80);
-  CHECK_FALSE(session.sort.calibration());
+  CHECK_FALSE(session.sort.measured());
 }
 
-TEST_CASE("adaptive sort: what is being measured is dropped with a new scene and with new measurements") {
+TEST_CASE("adaptive sort: what is being measured is dropped with a new scene") {
   Session session(1);
   session.backend.late = true, session.frames(1), session.backend.late = false;
   session.scene = 2;
@@ -193,60 +185,47 @@ TEST_CASE("adaptive sort: what is being measured is dropped with a new scene and
   session.backend.standard_ms = session.backend.early_ms = 1000;
   CHECK(session.frames(2) == "se");
   session.backend.standard_ms = 2, session.backend.early_ms = 1;
-  session.backend.late = true, session.frames(1), session.backend.late = false;
-  session.sort.use({saved(1, 2)});
-  CHECK(session.frames(3) == "sss");
-  CHECK(session.knows(1, 2));
+  CHECK(session.frames(3) == "see");
+  CHECK(session.knows(2, 1));
 }
 
-TEST_CASE("adaptive sort: saved measurements decide from the first frame on and are not measured again") {
-  Session session(1, {saved(1, 2), saved(2, 1, 80)});
-  for (int round = 0; round < 3; ++round) {
-    CHECK(session.frames(2) == "ss");
-    CHECK(session.knows(1, 2));
-    CHECK(session.frames(2, 80) == "ee");
-    CHECK(session.knows(2, 1));
-  }
-  CHECK(session.backend.asked == 0);
-  CHECK(session.frames(6, 96) == "seseee");  // a size that was not saved
-  session.sort.use({});
-  CHECK(session.frames(6) == "seseee");
-}
-
-TEST_CASE("adaptive sort: saved measurements of other Gaussians or sizes or of several views are ignored") {
-  for (const SortCalibration& other :
-       {SortCalibration{21, 64, 48, 1, 2}, {20, 63, 48, 1, 2}, {20, 64, 49, 1, 2}}) {
-    Session session(1, {other});
-    CHECK(session.frames(6) == "seseee");
-    CHECK(session.knows(2, 1));
-  }
-  Session session(1, {saved(1, 2)});
+TEST_CASE("adaptive sort: frames of several views are measured apart from those of one") {
+  Session session(1);
+  session.frames(4);
   session.views = 2;  // as tall together
-  CHECK(session.frames(6) == "seseee");
-  CHECK_FALSE(session.sort.calibration());
+  session.backend.standard_ms = 1, session.backend.early_ms = 2;
+  CHECK(session.frames(6) == "sesess");
+  CHECK(session.knows(1, 2));
 }
 
 TEST_CASE("adaptive sort: recorded frames are not measured and are sorted as was decided or early") {
   Session session(1);
   session.use = FrameUse::recorded;
   CHECK(session.frames(6) == "eeeeee");
-  session.sort.use({saved(1, 2)});
+  CHECK(session.backend.asked == 0);
+  session.backend.standard_ms = 1, session.backend.early_ms = 2;
+  session.use = FrameUse::drawn, session.frames(4);
+  REQUIRE(session.knows(1, 2));
+  const int asked = session.backend.asked;
+  session.use = FrameUse::recorded;
   CHECK(session.frames(2) == "ss");
-  CHECK(session.knows(1, 2));
   session.use = FrameUse::rehearsed;  // takes the memory of both sorts
+  session.scratch = {};
   session.frames(1);
   CHECK(bytes_of(session.scratch.standard) > 0);
   CHECK(bytes_of(session.scratch.early) > 0);
-  CHECK(session.backend.asked == 0);
+  CHECK(session.backend.asked == asked);
 }
 
-TEST_CASE("adaptive sort: a scene without identity is sorted early and not by what was learnt or saved") {
-  Session session(1, {saved(1, 2)});
-  CHECK(session.frames(1) == "s");
+TEST_CASE("adaptive sort: a scene without identity is sorted early and not by what was learnt") {
+  Session session(1);
+  session.backend.standard_ms = 1, session.backend.early_ms = 2;
+  CHECK(session.frames(5) == "seses");
+  const int asked = session.backend.asked;
   session.scene = 0;
   CHECK(session.frames(8) == "eeeeeeee");
-  CHECK(session.backend.asked == 0);
-  CHECK_FALSE(session.sort.calibration());
+  CHECK(session.backend.asked == asked);
+  CHECK_FALSE(session.sort.measured());
 }
 
 TEST_CASE_TEMPLATE("adaptive sort: a scene that lies where another one lay is not taken for it", B,
@@ -255,7 +234,7 @@ TEST_CASE_TEMPLATE("adaptive sort: a scene that lies where another one lay is no
   const auto memory = std::make_shared<const Scene>(random_scene(200, 0, 1));
   const auto known_after = [&](const auto& scene) {
     renderer.render(scene, forward_camera(64, 48));
-    return renderer.sort().calibration().has_value();
+    return renderer.sort().measured().has_value();
   };
   const auto scene = renderer.backend().upload(memory), copy = scene;
   for (int i = 0; i < 4; ++i) known_after(scene);

@@ -213,7 +213,7 @@ TEST_CASE("trim: the adaptive sort does not count frames that take memory again"
     Usual<Serial, AdaptiveSort> renderer(Serial(), AdaptiveSort(1));
     const auto scene = renderer.backend().upload(random_scene(500, 0, 12));
     for (int frame = 0;; ++frame) {
-      if (renderer.sort().calibration()) return frame;
+      if (renderer.sort().measured()) return frame;
       if (frame == trimmed_before) renderer.trim();
       renderer.render(scene, forward_camera(64, 48));
     }

@@ -9,9 +9,6 @@
 #include <stdexcept>
 #include <string>
 
-#include <swiftgs/sort/adaptive.hpp>
-
-#include "draw/renderer_words.hpp"
 #include "interruptible.hpp"
 #include "read/views.hpp"
 
@@ -78,10 +75,9 @@ Durations Samples::summary() const {
 }
 
 void adapt(AnyRenderer& renderer, Span<const Camera> cameras, const RenderSettings& settings) {
-  const bool adaptive = RendererWords(renderer.name()).sort == AdaptiveSort::name;
   int frames = 0;
   do renderer.render_resident(cameras, settings), ++frames;
-  while (adaptive && !renderer.calibration() && frames < most_frames_to_adapt);
+  while (!renderer.sort_decided() && frames < most_frames_to_adapt);
 }
 
 std::vector<Samples> measure(const std::vector<AnyRenderer*>& renderers, Span<const Camera> cameras,
