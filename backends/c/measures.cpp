@@ -26,9 +26,6 @@ swiftgs_statistics to_struct(const Statistics& from) {
   to.gaussians = from.gaussians, to.visible = from.visible, to.intersections = from.intersections;
   to.intersections_visited = from.raster.intersections_visited, to.rows_visited = from.raster.rows_visited;
   to.contributing_pairs = from.raster.contributing_pairs, to.pixels_stopped = from.raster.pixels_stopped;
-  to.segments = from.raster.segments, to.pixels_joined = from.raster.pixels_joined;
-  to.longest_item = from.raster.longest_item;
-  to.balanced_ms = from.balanced_ms();
   to.intersections_hidden = from.intersections_hidden;
   return to;
 }

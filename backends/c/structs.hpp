@@ -39,9 +39,6 @@ inline constexpr std::uint32_t first_size<swiftgs_placement> = offsetof(swiftgs_
 template <>
 inline constexpr std::uint32_t first_size<swiftgs_recorded_scenes> = offsetof(swiftgs_recorded_scenes, tint);
 template <>
-inline constexpr std::uint32_t first_size<swiftgs_statistics> = offsetof(swiftgs_statistics,
-                                                                         intersections_hidden);
-template <>
 inline constexpr std::uint32_t first_size<swiftgs_view> = offsetof(swiftgs_view, stored_depth);
 template <>
 inline constexpr std::uint32_t first_size<swiftgs_renderer_options> = offsetof(swiftgs_renderer_options,

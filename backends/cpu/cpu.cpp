@@ -51,14 +51,10 @@ Cpu::Cpu(int threads, const MemoryHook& memory) : memory_(memory), histograms_(m
       new Arena{tbb::task_arena(threads == 0 ? int(tbb::task_arena::automatic) : std::min(threads, most))});
 }
 
-int Cpu::threads_at_once() const {
-  // The arena may have places for more.
-  const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-  return int(std::min(std::size_t(threads()), allowed));
-}
-
 std::string Cpu::device_name() const {
-  const int running = threads_at_once();
+  // The arena may have places for more than oneTBB lets run.
+  const auto allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  const int running = int(std::min(std::size_t(threads()), allowed));
   return processor_name() + ", " + std::to_string(running) + (running == 1 ? " thread" : " threads");
 }
 

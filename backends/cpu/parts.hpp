@@ -79,8 +79,7 @@ inline std::uint32_t counts_to_places(const Cpu& cpu, std::uint32_t* counts, std
 template <class F>
 void for_raster_blocks(const Cpu& cpu, const RasterJob& job, const F& blend) {
   const RasterBlocks blocks = raster_blocks_of(job);
-  const auto blend_some = [&](std::size_t begin, std::size_t end) { blend(blocks, begin, end); };
-  cpu.for_parts(blocks.size(), 4, BlendOnHost<decltype(blend_some)>{job, cpu.threads_at_once(), blend_some});
+  cpu.for_parts(blocks.size(), 4, [&](std::size_t begin, std::size_t end) { blend(blocks, begin, end); });
 }
 
 }  // namespace swiftgs

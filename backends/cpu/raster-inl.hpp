@@ -268,7 +268,6 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
       Groups::ToRows(state.transmittance);
     if (planes.picks) StorePicks<Groups>(job, place, picks);
     if (planes.sums) StoreSums<Groups>(job, place, state.transmittance, sums);
-    counts.longest_item = counts.intersections_visited;
     if (job.counts) job.counts[block] = counts;
   }
   hwy::FlushStream();

@@ -157,25 +157,18 @@ struct JoinedPixel {
   }
 };
 
-/// Counts of one thread.
-struct ThreadCounts {
-  std::uint32_t pairs = 0, stopped = 0;
-};
-
 /// Blends one splat into a pixel, front to back; `alpha` is 0 where the pixel skips it, and `left` the
 /// transmittance behind it.
 template <bool extras>
-SWIFTGS_HD void blend(Pixel& pixel, float alpha, float left, const float4& colour, float occluder,
-                      ThreadCounts& counts) {
+SWIFTGS_HD void blend(Pixel& pixel, float alpha, float left, const float4& colour, float occluder) {
   if (!(alpha > 0)) return;
   if (left < pixel.stop_below || (extras && pixel.live() && colour.w >= occluder)) {
-    if (extras) ++counts.stopped;
     pixel.stop();
     return;
   }
   const float weight = alpha * pixel.transmittance;
   pixel.add(weight, colour.x, colour.y, colour.z);
-  if (extras) pixel.depth = fmaf(weight, colour.w, pixel.depth), counts.pairs += pixel.live();
+  if (extras) pixel.depth = fmaf(weight, colour.w, pixel.depth);
   pixel.transmittance = left;
 }
 

@@ -11,19 +11,15 @@ inline constexpr unsigned block_threads = raster_block_side * raster_block_side;
 /// The pixel of this thread, where a thread block blends a raster block and each thread loads splats for all.
 template <bool extras, class ViewSource>
 struct RasterBlockPixel {
-  const WarpTimer timer;
   const RasterInput<ViewSource>& input;
   OwnRasterBlock raster_block;
   PixelPlace place;
   Pixel pixel;
   SplatPicks picks;                    ///< with extras, as are sums
   float sums[AttributesView::most]{};  ///< of attributes
-  ThreadCounts counts;
-  std::uint32_t evaluated = 0;
 
-  __device__ RasterBlockPixel(const RasterInput<ViewSource>& of, std::uint32_t warps_at_once)
-      : timer(extras && of.job.counts, warps_at_once),
-        input(of),
+  __device__ explicit RasterBlockPixel(const RasterInput<ViewSource>& of)
+      : input(of),
         raster_block(of),
         place(view().frame, raster_block.x + column(), raster_block.y + row(), extras) {
     if (place.inside) pixel.start(view().rules.stop_below);
@@ -49,24 +45,21 @@ struct RasterBlockPixel {
   /// Blends the splat whose id is `lists.ids[at]`.
   __device__ void blend(float alpha, const float4& colour, std::uint32_t at) {
     if constexpr (!extras) {
-      kernels::blend<false>(pixel, alpha, Pixel::dimmed(pixel.transmittance, alpha), colour, INFINITY,
-                            counts);
+      kernels::blend<false>(pixel, alpha, Pixel::dimmed(pixel.transmittance, alpha), colour, INFINITY);
     } else {
       const RasterJob& job = input.job;
       const std::uint32_t id = job.lists.ids[at];
       const bool along_ray = hides_along_ray(view());
-      ++evaluated;
       if (along_ray && alpha > 0 && job.attributes.ray_depth(id).at(ray_place()) >= place.occluder) return;
       const float before = pixel.transmittance, left = Pixel::dimmed(before, alpha);
-      kernels::blend<true>(pixel, alpha, left, colour, along_ray ? INFINITY : place.occluder, counts);
+      kernels::blend<true>(pixel, alpha, left, colour, along_ray ? INFINITY : place.occluder);
       if (!(alpha > 0 && pixel.live())) return;
       job.attributes.add(sums, id, alpha * before);
       if (job.picks(view())) picks.offer(id, alpha * before, left, view().rules.first_below);
     }
   }
 
-  /// Writes the pixel, and the counts of a raster block that visited so many intersections.
-  __device__ void store(std::uint32_t intersections) const {
+  __device__ void store() const {
     const auto x = std::size_t(place.x), y = std::size_t(place.y);
     if (place.inside) {
       if constexpr (extras) {
@@ -76,10 +69,6 @@ struct RasterBlockPixel {
         store_pixel(view().frame, x, y, pixel.blended(), view().background);
       }
     }
-    if constexpr (extras)
-      if (input.job.counts)
-        add_counts(input.job.counts[OwnRasterBlock::number(input)],
-                   counts_of_warp(counts, intersections, warp_sum(evaluated), timer));
   }
 };
 }  // namespace kernels

@@ -9,12 +9,6 @@
 
 namespace swiftgs::kernels {
 
-__device__ inline ThreadCounts sum(const ThreadCounts (&of_pixels)[pixels_of_lane]) {
-  ThreadCounts all;
-  for (const ThreadCounts& one : of_pixels) all.pairs += one.pairs, all.stopped += one.stopped;
-  return all;
-}
-
 /// Whether all pixels of the warp stopped.
 template <unsigned count>
 __device__ bool all_stopped(const Pixel (&pixels)[count]) {
@@ -62,7 +56,6 @@ struct LaneBlender {
   float x, y, right;  ///< first pixel in the warp block; a single pixel lies `right` columns to its right
   Pixel pixels[pixel_count];
   float occluders[pixel_count];
-  ThreadCounts counts[pixel_count];
   LaneRays<Planes::rays, pixel_count> rays;
   LanePlanes<Planes, pixel_count> planes;
 
@@ -76,9 +69,10 @@ struct LaneBlender {
         rays(job, view),
         planes(view) {}
 
-  /// Blends `count` splats from `first` on: whole groups of `group_size` splats; with all extras, any number.
+  /// Blends `count` splats from `first` on: whole groups of `group_size` splats; with picks along the ray,
+  /// any number.
   __device__ void blend_queued(const Queue<Exponent, extras>& queue, unsigned first, unsigned count) {
-    if constexpr (extras == Extras::all) {
+    if constexpr (extras == Extras::picks_along_ray) {
       for (unsigned k = first; k < first + count; ++k) {
         float alphas[pixel_count];
         evaluate(queue.terms[k], queue.rests[k], alphas);
@@ -88,10 +82,8 @@ struct LaneBlender {
           if (along_ray && alphas[p] > 0 && rays.hide(queue.ids[k], p)) alphas[p] = 0;
           const float before = pixels[p].transmittance;
           const float left = Pixel::dimmed_relative(before, alphas[p] * before, rules.alpha_max);
-          blend<true>(pixels[p], alphas[p], left, queue.colours[k], along_ray ? INFINITY : occluders[p],
-                      counts[p]);
-          if constexpr (Planes::picks)
-            if (alphas[p] > 0 && pixels[p].live()) planes.offer(p, queue.ids[k], alphas[p] * before, before);
+          blend<true>(pixels[p], alphas[p], left, queue.colours[k], along_ray ? INFINITY : occluders[p]);
+          if (alphas[p] > 0 && pixels[p].live()) planes.offer(p, queue.ids[k], alphas[p] * before, before);
         }
       }
     } else if (extras != Extras::none && some_lie_behind(queue.colours[first + count - 1].w)) {
@@ -250,7 +242,7 @@ struct ColourBlender {
   /// Blends `count` splats from `first` on. May overwrite slots behind them.
   __device__ void blend_queued(unsigned first, unsigned count) {
     // Pad the last group with splats that show nothing.
-    if constexpr (extras != Extras::all) {
+    if constexpr (extras != Extras::picks_along_ray) {
       if (lane_index() < (group_size - count % group_size) % group_size)
         queue.clear(first + count + lane_index());
       __syncwarp();

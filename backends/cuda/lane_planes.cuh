@@ -28,7 +28,7 @@ struct PixelPlanes {
 };
 template <Extras extras>
 using PlanesOf =
-    PixelPlanes<picks_of(extras), rows_of(extras), rows_of(extras) != 0 || extras == Extras::all>;
+    PixelPlanes<picks_of(extras), rows_of(extras), rows_of(extras) != 0 || extras == Extras::picks_along_ray>;
 
 /// Calls a generic f(r) for each row. It is not compiled where there is none.
 template <unsigned rows, class F>

@@ -24,21 +24,6 @@ struct PixelPlace {
   }
 };
 
-/// Counts of a warp that has visited `intersections` of a list alone, by those of its threads and the pixels
-/// that it has evaluated.
-__device__ inline RasterCounts counts_of_warp(const ThreadCounts& mine, std::uint32_t intersections,
-                                              std::uint32_t pixels, const WarpTimer& timer) {
-  const std::uint64_t balanced_ps = timer.balanced_ps();
-  return {intersections,
-          pixels / raster_block_side,
-          warp_sum(mine.pairs),
-          warp_sum(mine.stopped),
-          0,
-          0,
-          intersections,
-          balanced_ps};
-}
-
 /// 32 bytes in two loads.
 __device__ inline SplatShape load_shape(const SplatsView& splats, std::uint32_t id) {
   const float4* words = reinterpret_cast<const float4*>(splats.shapes.data + id);

@@ -47,17 +47,16 @@ __device__ inline void compute_term(HalfBatch& batch, unsigned buffer, unsigned 
 /// threads, and is then blended by all.
 template <bool threshold, bool extras, class ViewSource>
 __global__ void __launch_bounds__(block_threads)
-    raster_half_split(const __grid_constant__ RasterInput<ViewSource> input, std::uint32_t warps_at_once) {
+    raster_half_split(const __grid_constant__ RasterInput<ViewSource> input) {
   __shared__ HalfBatch batch;
   const RasterJob& job = input.job;
-  RasterBlockPixel<extras, ViewSource> mine(input, warps_at_once);
+  RasterBlockPixel<extras, ViewSource> mine(input);
   if (mine.raster_block.outside(input)) return;
   const TileRange range = mine.raster_block.list(input);
   if (!range.drawn()) return;
   const unsigned column = threadIdx.x % raster_block_side, row = threadIdx.x / raster_block_side;
 
-  std::uint32_t at = range.begin;
-  for (; at < range.end && !mine.all_stopped(); at += block_threads) {
+  for (std::uint32_t at = range.begin; at < range.end && !mine.all_stopped(); at += block_threads) {
     const std::uint32_t count = min(range.end - at, block_threads);
     if (threadIdx.x < count) {
       const std::uint32_t id = job.lists.ids[at + threadIdx.x];
@@ -88,7 +87,7 @@ __global__ void __launch_bounds__(block_threads)
       }
     }
   }
-  mine.store(min(at, range.end) - range.begin);
+  mine.store();
 }
 
 template <bool threshold>

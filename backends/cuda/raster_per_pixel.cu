@@ -22,17 +22,16 @@ struct FactorBatch {
 /// listed splat, as gsplat has it.
 template <bool extras, class ViewSource>
 __global__ void __launch_bounds__(block_threads, resident_blocks(extras ? 6 : 8, block_threads))
-    raster_per_pixel(const __grid_constant__ RasterInput<ViewSource> input, std::uint32_t warps_at_once) {
+    raster_per_pixel(const __grid_constant__ RasterInput<ViewSource> input) {
   __shared__ FactorBatch batch;
   const RasterJob& job = input.job;
-  RasterBlockPixel<extras, ViewSource> mine(input, warps_at_once);
+  RasterBlockPixel<extras, ViewSource> mine(input);
   if (mine.raster_block.outside(input)) return;
   const TileRange range = mine.raster_block.list(input);
   if (!range.drawn()) return;
   const float x = mine.centre().x, y = mine.centre().y;
 
-  std::uint32_t at = range.begin;
-  for (; at < range.end && !mine.all_stopped(); at += block_threads) {
+  for (std::uint32_t at = range.begin; at < range.end && !mine.all_stopped(); at += block_threads) {
     std::uint32_t count = min(range.end - at, block_threads);
     asm volatile("" : "+r"(count));  // the compiler would find the minimum again for each splat
     if (threadIdx.x < count) {
@@ -53,7 +52,7 @@ __global__ void __launch_bounds__(block_threads, resident_blocks(extras ? 6 : 8,
       mine.blend(FactorExponent::alpha(factor, dx, dy, mine.view().rules), batch.colours[k], at + k);
     }
   }
-  mine.store(min(at, range.end) - range.begin);
+  mine.store();
 }
 
 struct PerPixelKernel {

@@ -16,7 +16,7 @@ namespace kernels {
 template <class Exponent, bool threshold, Extras extras, class ViewSource>
 __global__ void __launch_bounds__(segment_threads, segment_occupancy<extras>)
     raster_segments(const __grid_constant__ RasterInput<ViewSource> input,
-                    const __grid_constant__ WorkQueues work_queues, std::uint32_t warps_at_once) {
+                    const __grid_constant__ WorkQueues work_queues) {
   extern __shared__ __align__(16) std::byte memory[];
   auto& shared = *reinterpret_cast<SegmentShared<Exponent, extras>*>(memory);
   const Group cluster = Group::cluster();
@@ -34,10 +34,9 @@ __global__ void __launch_bounds__(segment_threads, segment_occupancy<extras>)
       group.sync();
       const WorkItem* const item = shared.item;
       if (!item) break;
-      const WarpTimer timer(extras == Extras::all && input.job.counts, warps_at_once);
       using ItemPlanes = JoinedPlanes<PlanesOf<extras>, pixels_of_warp_block>;
       WorkItemBlender<Exponent, threshold, extras, ViewSource>(input, *item, group, shared)
-          .run(*item, work_queues.planes_of<const ItemPlanes>(item), timer);
+          .run(*item, work_queues.planes_of<const ItemPlanes>(item));
       if (group.rank == 0 && threadIdx.x == 0) work_queues.end_item(as_cluster);
     }
   }
@@ -54,10 +53,10 @@ void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
     const WorkQueues work_queues = WorkQueues::of<JoinedPlanes<PlanesOf<extras>, pixels_of_warp_block>>(
         cuda, input.raster_blocks.size() * warps_of_raster_block);
     const auto launch_warps = [&](auto warps) {
-      launch(name, warps, blocks_of(input.raster_blocks), raster_threads, cuda.stream(), input, work_queues,
-             warps_at_once(cuda, job, warps, raster_threads));
+      launch(name, warps, blocks_of(input.raster_blocks), raster_threads, cuda.stream(), input, work_queues);
     };
-    if constexpr (extras != Extras::all)
+    // Picks along the ray are rare, and always shared: not to share would take kernels of their own.
+    if constexpr (extras != Extras::picks_along_ray)
       if (!WorkQueues::are_shared(cuda) || sizeof(Shared) > cuda.shared_memory())
         return launch_warps(raster_warps<Exponent, threshold, extras, false, ViewSource>);
     launch_warps(raster_warps<Exponent, threshold, extras, true, ViewSource>);
@@ -67,7 +66,7 @@ void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
     try {
       allow_shared(segments, block);
       launch_early<blocks_of_group>(cuda, name, segments, std::max(clusters, 1u) * blocks_of_group, block,
-                                    input, work_queues, warps_at_once(cuda, job, segments, block));
+                                    input, work_queues);
     } catch (const DeviceError&) {
       work_queues.forget(cuda);  // the next frame must not blend items of this one
       throw;

@@ -12,13 +12,12 @@
 
 namespace swiftgs::kernels {
 
-/// Pixels and counts at the end of the last segment.
+/// Pixels at the end of the last segment.
 template <Extras extras>
 struct TraversedSegments {
   JoinedPixels<extras != Extras::none, pixels_of_lane> pixels;
   JoinedPlanes<PlanesOf<extras>, pixels_of_lane> planes;
   SegmentEnd end;
-  std::uint32_t pairs, stopped;  ///< of this lane, with all extras
 };
 
 /// Composites the segments of a traversal.
@@ -32,10 +31,6 @@ struct SegmentJoiner {
   /// Joins segment k, which ended at `end`, to those in front of it. Starts the next.
   __device__ void end_segment(std::uint32_t k, const SegmentEnd& end) const {
     traversed.end = end;
-    if constexpr (extras == Extras::all) {
-      const ThreadCounts counts = sum(lane.counts);
-      traversed.pairs = counts.pairs, traversed.stopped = counts.stopped;
-    }
     join_segment(k);
   }
 
@@ -76,9 +71,6 @@ struct SegmentJoiner {
       item.raster_block = raster_block, item.warp_block = threadIdx.x / warp_size;
       item.at = at;
     }
-    // The helper counts what it blends.
-    if constexpr (extras == Extras::all)
-      if (segments != 0) lane.counts[0] = {traversed.pairs, traversed.stopped}, lane.counts[1] = {};
   }
 
  private:
@@ -129,7 +121,7 @@ inline constexpr unsigned raster_occupancy = extras == Extras::depth   ? std::mi
 /// 0.56 ms, not 0.58, but those of `builtin:1000000` 0.80, not 0.63.
 template <Extras extras>
 inline constexpr std::uint32_t least_left_to_help =
-    extras < Extras::picks || extras == Extras::all ? least_left : 2 * least_left;
+    extras < Extras::picks || extras == Extras::picks_along_ray ? least_left : 2 * least_left;
 
 /// Blends the list of one raster block: one thread block per raster block, one warp per warp block. If
 /// `shared`, pushes the rest of a long traversal to the work queues.
@@ -137,12 +129,11 @@ template <class Exponent, bool threshold, Extras extras, bool shared, class View
 __global__ void __launch_bounds__(raster_threads,
                                   (resident_blocks(raster_occupancy<Exponent, extras>, raster_threads)))
     raster_warps(const __grid_constant__ RasterInput<ViewSource> input,
-                 const __grid_constant__ WorkQueues work_queues, std::uint32_t warps_at_once) {
+                 const __grid_constant__ WorkQueues work_queues) {
   if constexpr (shared) let_next_start();
   __shared__ Queue<Exponent, extras> queues[warps_of_raster_block];
   const unsigned warp = threadIdx.x / warp_size;
   const RasterJob& job = input.job;
-  const WarpTimer timer(extras == Extras::all && job.counts, warps_at_once);
   const OwnRasterBlock raster_block(input);
   const View& view = input.views[raster_block.view];
   const BlendRules rules = view.rules;
@@ -204,11 +195,6 @@ __global__ void __launch_bounds__(raster_threads,
       joiner.traversed.planes.store(p, job, view, same.pixel(view.frame, p, false),
                                     blender.lane.pixels[p].blended());
   }
-  if constexpr (extras == Extras::all)
-    if (job.counts)
-      add_counts(job.counts[OwnRasterBlock::number(input)],
-                 counts_of_warp(sum(blender.lane.counts), traversal.visited(),
-                                traversal.blended() * pixels_of_warp_block, timer));
 }
 
 }  // namespace swiftgs::kernels

@@ -21,9 +21,6 @@ struct WorkItemBlender {
   const BlendRules rules;
   const WarpBlockPlace place;
   const vec2 first_centre;
-  std::uint32_t evaluated = 0;                           ///< pixels, by this warp
-  std::uint32_t segments_joined = 0, pixels_joined = 0;  ///< of this lane
-  ThreadCounts counts;
 
   __device__ WorkItemBlender(const RasterInput<ViewSource>& of, const WorkItem& item, const Group& by,
                              SegmentShared<Exponent, extras>& in)
@@ -38,9 +35,8 @@ struct WorkItemBlender {
 
   __device__ static unsigned warp() { return threadIdx.x / warp_size; }
 
-  /// `planes`: of the item. `timer`: began with the work on it.
-  __device__ void run(const WorkItem& item, const JoinedPlanes<Planes, pixels_of_warp_block>& planes,
-                      const WarpTimer& timer) {
+  /// `planes`: of the item.
+  __device__ void run(const WorkItem& item, const JoinedPlanes<Planes, pixels_of_warp_block>& planes) {
     const TileRange range = raster_block.list(input);
     if (threadIdx.x < pixels_of_warp_block) {
       shared.joined.store(threadIdx.x, item.joined.load(threadIdx.x));
@@ -74,13 +70,6 @@ struct WorkItemBlender {
       shared.planes.store(pixel, input.job, view, place.pixel(view.frame, warp(), false),
                           shared.joined.load(pixel).blended());
     }
-    if constexpr (extras == Extras::all)
-      if (input.job.counts) {
-        RasterCounts of_warp = counts_of_warp(counts, splats.position() - range.begin, evaluated, timer);
-        of_warp.segments = warp_sum(segments_joined), of_warp.pixels_joined = warp_sum(pixels_joined);
-        of_warp.longest_item = (splats.position() - item.at.position) / group.blocks;
-        add_counts(input.job.counts[item.raster_block.number(input.raster_blocks.columns)], of_warp);
-      }
   }
 
  private:
@@ -106,7 +95,6 @@ struct WorkItemBlender {
       }
       __syncwarp();
       blend_splats(lane, splats, 0, count, count, share);
-      if (group.rank != 0) evaluated = 0;  // the first thread block counts for all
 #pragma unroll
       for (unsigned p = 0; p < pixels_of_lane; ++p) {
         JoinedPixel all;
@@ -115,8 +103,6 @@ struct WorkItemBlender {
         shared.planes.end_rest(pixel_of_warp_block(p), lane.planes, p, all.total.w);
         const unsigned live = __ballot_sync(whole_warp, lane.pixels[p].live());
         if (lane_index() == 0) shared.live[p] = live;
-        if constexpr (extras == Extras::all)
-          if (group.rank == 0) counts.pairs += lane.counts[p].pairs, counts.stopped += lane.counts[p].stopped;
       }
     }
     splats.drop(count);
@@ -207,15 +193,6 @@ struct WorkItemBlender {
       if (group.blocks == 1) __syncthreads();
     }
     if (group.blocks != 1) group.sync();
-    if constexpr (extras == Extras::all)
-      if (share.segment < round.segments()) {
-        segments_joined += share.slot == 0;
-        for (unsigned p = 0; p < pixel_count; ++p) {
-          if (befores[p].transmittance < 0) continue;
-          counts.pairs += lane.counts[p].pairs, counts.stopped += lane.counts[p].stopped;
-          ++pixels_joined;
-        }
-      }
     join<pixel_count>(round);
     group.sync();
   }
@@ -234,7 +211,7 @@ struct WorkItemBlender {
                                  std::uint32_t most, const BeforeSegment (&befores)[pixel_count]) {
 #pragma unroll
     for (unsigned p = 0; p < pixel_count; ++p) {
-      lane.pixels[p] = {}, lane.counts[p] = {};
+      lane.pixels[p] = {};
       const float before = befores[p].transmittance;
       if (before >= 0) start_segment(lane.pixels[p], rules.stop_below, before, round.first + share.segment);
       lane.planes.start(p, befores[p].limits);
@@ -302,7 +279,6 @@ struct WorkItemBlender {
       __syncwarp();
       const std::uint32_t size = min(most - k, share.lanes);
       lane.blend_queued(queue, queued, (size + group_size - 1) / group_size * group_size);
-      if constexpr (extras == Extras::all) evaluated += size * pixel_count * warp_size;
       __syncwarp();
       if (lane.all_stopped()) break;
     }

@@ -38,8 +38,6 @@ class TouchedSplats {
     load_next();
   }
 
-  /// Intersections before this position are tested.
-  __device__ std::uint32_t position() const { return at_; }
   /// Splats found and not dropped.
   __device__ std::uint32_t count() const { return count_; }
   /// The k-th of them in this thread block's ring.

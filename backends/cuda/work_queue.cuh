@@ -158,9 +158,8 @@ struct WorkQueues {
     return all;
   }
 
-  /// Whether the next frame uses work queues, if it is not counted. Counted frames do, so that counts do not
-  /// depend on the frames before. Recorded frames do: nobody awaits them, so the host knows nothing of the
-  /// frames before.
+  /// Whether the next frame uses work queues. Recorded frames do: nobody awaits them, so the host knows
+  /// nothing of the frames before.
   static bool are_shared(const Cuda& cuda) { return RasterMemory::of(cuda).known_word < most_quiet_frames; }
 
   /// Empties the queues for the next frame.

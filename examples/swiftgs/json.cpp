@@ -36,10 +36,6 @@ Json object_of(const RenderResult& result) {
   json["intersections"] = result.counts->intersections;
   json["contributing_pairs"] = result.counts->raster.contributing_pairs;
   json["pixels_stopped"] = result.counts->raster.pixels_stopped;
-  json["segments"] = result.counts->raster.segments;
-  json["pixels_joined"] = result.counts->raster.pixels_joined;
-  json["longest_item"] = result.counts->raster.longest_item;
-  json["counted_ms"] = json_of(result.counted_ms);
   return json;
 }
 

@@ -8,7 +8,6 @@
 
 #include <swiftgs/statistics.hpp>
 
-#include "measure/counted_times.hpp"
 #include "result_head.hpp"
 
 namespace swiftgs::cli {
@@ -43,11 +42,10 @@ struct RenderResult {
   std::string image;      ///< the file's name as the command prints it
   StageTimes ms;
   std::optional<Statistics> counts;  ///< where they were asked for
-  CountedTimes counted_ms;           ///< where `counts` are there
 
   static auto members(auto& self) {
     return std::tie(self.renderer, self.scene, self.view, self.conventions, self.lens, self.width,
-                    self.height, self.scale, self.batch, self.image, self.ms, self.counts, self.counted_ms);
+                    self.height, self.scale, self.batch, self.image, self.ms, self.counts);
   }
 };
 

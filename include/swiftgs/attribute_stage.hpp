@@ -135,13 +135,7 @@ class AttributeStage {
       gather_attributes(b, {job.splats, first, attributes.rows}, scenes, job.views, rows);
       return attributes;
     };
-    // A device's kernels that count sum no attributes.
-    const bool counts_apart = job.counts && !B::reaches_host_memory;
-    if (count == 0 || counts_apart) {
-      if (count != 0) job.attributes = gather(0), job.attributes.rows = 0;
-      rasterize(job);
-    }
-    if (counts_apart) job.counts = nullptr, job.only_attributes = true;
+    if (count == 0) rasterize(job);
     for (int first = 0; first < count; first += most, job.counts = nullptr, job.only_attributes = true) {
       job.attributes = gather(first);
       rasterize(job);

@@ -145,7 +145,6 @@ struct AnyIndexed {
 /// - `memory_use()`: of the backend's own memory; only for a backend that does not reach the host's memory.
 /// - `wait()`: returns when all work submitted so far is done.
 /// - `memory_hook()`: where renderers take memory from; only for a backend that has a choice.
-/// - `threads_at_once()`: threads of a host that run loops at once; only for a backend with more than one.
 /// - `trim()`, `reserve_sort(pairs)`: gives back the memory that it keeps for later calls, and takes what
 /// sorts of so many pairs need of it; only for a backend that keeps any.
 /// - `for_each(n, f)`: f(i) for every i in [0, n), in any order. Complete when it returns, or in stream

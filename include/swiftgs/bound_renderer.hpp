@@ -19,7 +19,6 @@
 #include <swiftgs/frame.hpp>
 #include <swiftgs/frame_capacity.hpp>
 #include <swiftgs/frame_plan.hpp>
-#include <swiftgs/hidden_stage.hpp>
 #include <swiftgs/message.hpp>
 #include <swiftgs/modelled_views.hpp>
 #include <swiftgs/pick_stage.hpp>
@@ -56,8 +55,8 @@ class BoundRenderer {
  public:
   BoundRenderer(B backend, StagePolicies<B> policies)
       : stages_(std::move(backend), policies.bounds, std::move(policies.sort)), raster_(policies.raster) {
-    use_memory_of(this->backend(), raster_counts_, hidden_, attributes_, view_storage_, scene_storage_,
-                  recorded_, resident_, picking_);
+    use_memory_of(this->backend(), raster_counts_, attributes_, view_storage_, scene_storage_, recorded_,
+                  resident_, picking_);
   }
 
   B& backend() { return stages_.backend(); }
@@ -90,22 +89,27 @@ class BoundRenderer {
     const PlacedScenes scenes = store_scenes(backend(), asked, views, scene_storage_);
     const FrameKey key = FrameKey::of(scenes, views);
     if (may_gain_by_coarse_tiles()) views = tiles_.choose(key, views);
-    counted_ = timed_ = false;
+    counted_ = {}, timed_ = false;
     FramePlan plan(store_views(backend(), views, view_storage_), scenes);
+    RasterJob drawn;
     if constexpr (B::reaches_host_memory) {
-      run(plan, measures);
+      drawn = run(plan, measures);
       report_ = stages_.report(plan);
     } else {
       FrameCapacity& known = views[0].grid.side == default_tile_side ? capacity_ : coarse_capacity_;
       report_ = known.draw_until_it_fits([&](const Capacity& capacity) {
         plan.limits = {capacity};
-        run(plan, measures);
+        drawn = run(plan, measures);
         return stages_.report(plan);
       });
       stages_.set_intersections(report_.intersections);
     }
     tiles_.learn(key, report_.visible);
-    counted_ = measures.count, timed_ = measures.time;
+    timed_ = measures.time;
+    if (measures.count) {
+      drawn.splats = stages_.splats().view(), drawn.lists = stages_.lists().view();  // as many as reported
+      counted_ = raster_.count(backend(), drawn);
+    }
     gaussians_ = scenes.gaussians();
     drawn_ = plan.views, drawn_scenes_ = plan.scenes, last_ = LastFrame::drawn;
   }
@@ -204,11 +208,10 @@ class BoundRenderer {
     b.wait();
     last_ = LastFrame::none;
     stages_.trim();
-    trim_parts(b, raster_counts_, hidden_, attributes_, view_storage_, scene_storage_, recorded_, resident_,
-               picking_);
+    trim_parts(b, raster_counts_, attributes_, view_storage_, scene_storage_, recorded_, resident_, picking_);
     if constexpr (requires { b.trim(); }) b.trim();
     views_ = {}, parts_ = {}, modelled_ = {}, tiles_ = {}, capacity_ = {}, coarse_capacity_ = {};
-    counted_ = false;
+    counted_ = {};
   }
 
   /// Renders into memory of the backend that the renderer keeps: the frames, one a camera, hold until the
@@ -291,18 +294,13 @@ class BoundRenderer {
     return {ms(0, 1), ms(1, 2), ms(2, 3), ms(0, 3)};
   }
 
-  /// Counts of the last frame. Waits for counts that only the settings ask for.
+  /// What the last frame took.
   Statistics statistics() const {
-    Statistics s{.gaussians = gaussians_,
-                 .visible = std::size_t(report_.visible),
-                 .intersections = std::size_t(report_.intersections)};
-    if (counted_) {
-      std::vector<RasterCounts> blocks(raster_counts_.size());
-      backend().download(raster_counts_.span(), blocks.data());
-      for (const RasterCounts& block : blocks) s.raster += block;
-      s.intersections_hidden = hidden_.total(backend());
-    }
-    return s;
+    return {.gaussians = gaussians_,
+            .visible = std::size_t(report_.visible),
+            .intersections = std::size_t(report_.intersections),
+            .intersections_hidden = counted_.intersections_hidden,
+            .raster = counted_.raster};
   }
 
   /// Splats of each placed scene in the last frame of `render_into` or what calls it, all views together.
@@ -324,7 +322,7 @@ class BoundRenderer {
   StageMemory memory() const {
     StageMemory memory = stages_.memory();
     memory.project += bytes_of(view_storage_, scene_storage_, recorded_);
-    memory.raster += bytes_of(resident_, raster_counts_, hidden_, attributes_, picking_);
+    memory.raster += bytes_of(resident_, raster_counts_, attributes_, picking_);
     return memory;
   }
 
@@ -347,29 +345,30 @@ class BoundRenderer {
       if (report->overflowed != 0) last_ = LastFrame::none;  // its lists were not made
   }
 
+  /// Returns what was rasterized; nothing if the frame does not fit the limits of a host.
   template <class BeforeRaster = detail::DoNothing>
-  void run(const FramePlan& plan, const Measures& measures, const BeforeRaster& before_raster = {}) {
-    RasterCounts* counts = nullptr;
-    if (measures.count)
-      raster_counts_.reset(RasterBlocks(plan.views.tiles).size()), counts = raster_counts_.data();
+  RasterJob run(const FramePlan& plan, const Measures& measures, const BeforeRaster& before_raster = {}) {
+    if (B::reaches_host_memory && measures.count) raster_counts_.reset(RasterBlocks(plan.views.tiles).size());
+    RasterJob drawn;
     stages_.run(
         plan, true,
         [&](RasterJob job) {
-          job.counts = counts;
+          if (measures.count) job.counts = raster_counts_.data();
           before_raster();
-          const auto rasterize = [&](const RasterJob& pass) { raster_.rasterize(backend(), pass); };
-          attributes_.draw(backend(), plan.scenes, job, rasterize);
-          if (counts) hidden_.count(backend(), job);
+          attributes_.draw(backend(), plan.scenes, job, [&](const RasterJob& pass) {
+            raster_.rasterize(backend(), pass);
+            if (!pass.only_attributes) drawn = pass;
+          });
         },
         [&](std::size_t point) {
           if (measures.time) points_[point] = backend().now();
         });
+    return drawn;
   }
 
   Stages<B> stages_;
   RasterStage<B> raster_;
-  typename B::template Buffer<RasterCounts> raster_counts_;
-  HiddenStage<B> hidden_;
+  typename B::template Buffer<RasterCounts> raster_counts_;  ///< of hosts
   AttributeStage<B> attributes_;
   ViewStorage<B> view_storage_;    ///< of `render_into`
   SceneStorage<B> scene_storage_;  ///< likewise
@@ -380,7 +379,8 @@ class BoundRenderer {
   ModelledViews modelled_;   ///< of the views in `parts_`
   std::vector<View> views_;  ///< of `render_resident` and `render`
   std::array<typename B::TimePoint, 4> points_{};
-  bool counted_ = false, timed_ = false;
+  FrameCounted counted_;
+  bool timed_ = false;
   std::size_t gaussians_ = 0;
   FrameReport report_;      ///< of the last frame that was not recorded
   TileChoice tiles_;        ///< learnt from that frame

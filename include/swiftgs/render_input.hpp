@@ -27,9 +27,11 @@ struct RenderSettings {
   /// RGB in the frame's values before its `conversion`, sRGB-encoded of most scenes; shown where
   /// transmittance is left; has no part in alpha.
   vec3 background{0};
-  Outputs outputs;     ///< of `render`; `render_into` computes what its frame points to
-  bool count = false;  ///< fill all of `Statistics`, which costs some time
-  bool time = false;   ///< take the `times` of the frame, which costs a device some microseconds
+  Outputs outputs;  ///< of `render`; `render_into` computes what its frame points to
+  /// Fill all of `Statistics`. A host takes some time for it; of a device's frame the host waits, downloads
+  /// splats and lists, and blends them anew, which may take seconds.
+  bool count = false;
+  bool time = false;  ///< take the `times` of the frame, which costs a device some microseconds
 };
 
 /// What a frame tells beside its images.

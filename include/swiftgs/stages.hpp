@@ -16,6 +16,7 @@
 #include <swiftgs/colours.hpp>
 #include <swiftgs/footprint.hpp>
 #include <swiftgs/frame_plan.hpp>
+#include <swiftgs/hidden_intersections.hpp>
 #include <swiftgs/project_stage.hpp>
 #include <swiftgs/raster/raster.hpp>
 #include <swiftgs/shade_stage.hpp>
@@ -44,6 +45,19 @@ void bin_within(B& b, const FramePlan& plan, Splats<B>& splats, Footprints<B>& f
 template <class R, class B>
 void rasterize_by(B& b, const RasterJob& job) {
   rasterize(b, R{}, job);
+}
+template <class R, class B>
+FrameCounted count_by(B& b, const RasterJob& job) {
+  if constexpr (B::reaches_host_memory) {
+    FrameCounted counted{.intersections_hidden = count_hidden(job)};
+    const std::size_t blocks = raster_blocks_of(job).size();
+    for (std::size_t block = 0; block < blocks; ++block) counted.raster += job.counts[block];
+    return counted;
+  } else if constexpr (RasterPolicy<R>) {
+    return count_frame(b, R{}, job);
+  } else {
+    return {};
+  }
 }
 }  // namespace detail
 
@@ -75,10 +89,14 @@ struct RasterStage {
   std::string_view name;
   bool may_gain_by_coarse_tiles;
   void (*rasterize)(B&, const RasterJob&);
+  /// What a job took that was rasterized: with `counts` on hosts, while a device's lists are blended anew on
+  /// the host by `R::Kernel`. Waits.
+  FrameCounted (*count)(B&, const RasterJob&);
 
   template <RastersOn<B> R>
   static RasterStage of() {
-    return {R::name, swiftgs::may_gain_by_coarse_tiles<B, R>, &detail::rasterize_by<R, B>};
+    return {R::name, swiftgs::may_gain_by_coarse_tiles<B, R>, &detail::rasterize_by<R, B>,
+            &detail::count_by<R, B>};
   }
 };
 

@@ -7,6 +7,13 @@
 
 namespace swiftgs {
 
+/// What is counted on request.
+struct FrameCounted {
+  RasterCounts raster{};  ///< summed over raster blocks
+  /// Intersections of splats whose means lie at or behind an occluder in all pixels of their tile.
+  std::size_t intersections_hidden = 0;
+};
+
 /// Counts of one frame.
 struct Statistics {
   std::size_t gaussians = 0;      ///< in the scene
@@ -23,8 +30,6 @@ struct Statistics {
   }
 
   double intersections_a_visible() const { return visible ? double(intersections) / double(visible) : 0.0; }
-  /// Time of the raster stage if its work were shared out evenly. @units{milliseconds}
-  double balanced_ms() const { return 1e-9 * double(raster.balanced_ps); }
 };
 
 /// Memory that a renderer keeps for its stages, the scene excluded. @units{bytes}

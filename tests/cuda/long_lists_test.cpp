@@ -163,13 +163,19 @@ void for_each_segmented(const F& f) {
   });
 }
 
-RasterCounts counts_of(auto& renderer, const DeviceScene& scene, const Camera& camera,
-                       const Conventions& conventions = {}) {
+/// Whether the helper kernel had work items in the last frame that started it.
+bool was_shared(const Cuda& cuda) {
+  return to_host(cuda, std::as_const(RasterMemory::of(cuda).word).span()).at(0) == 0;
+}
+
+/// The same of frames of `scene`. The first ones may share none if short lists were drawn before.
+bool are_shared(auto& renderer, const DeviceScene& scene, const Camera& camera,
+                const Conventions& conventions = {}) {
   RenderSettings settings;
-  settings.conventions = conventions, settings.count = true;
+  settings.conventions = conventions;
   Frame frame;
-  renderer.render(scene, camera, settings, frame);
-  return renderer.statistics().raster;
+  for (int run = 0; run < 4; ++run) renderer.render(scene, camera, settings, frame);
+  return was_shared(renderer.backend());
 }
 
 /// Compares the bits of a square image with those of its parts, of which each is a square.
@@ -187,7 +193,7 @@ void check_squares_of_all(const Scene& scene, int side, int size, const Conventi
   const Scene drawn = with_features(scene, 7);
   for_each_segmented([&](auto&& renderer) {
     const DeviceScene uploaded = renderer.backend().upload(drawn);
-    CHECK(counts_of(renderer, uploaded, square_camera(side), conventions).segments > 10'000);
+    CHECK(are_shared(renderer, uploaded, square_camera(side), conventions));
     check_squares(renderer, uploaded, side, size, conventions);
   });
 }
@@ -243,7 +249,7 @@ SWIFTGS_DEVICE_CASE("cuda long lists: sorts, conservative bounds and runs change
           CAPTURE(Bounds::name);
           Renderer<Cuda, Sort, AxisSharedThreshold<FloatCholesky>, Bounds> renderer;
           const DeviceScene uploaded = renderer.backend().upload(scene);
-          CHECK(counts_of(renderer, uploaded, camera, settings.conventions).segments > 100);
+          CHECK(are_shared(renderer, uploaded, camera, settings.conventions));
           Frame frame;
           for (int run = 0; run < 5; ++run) {
             renderer.render(uploaded, camera, settings, frame);
@@ -271,14 +277,12 @@ SWIFTGS_DEVICE_CASE("cuda long lists: lists of larger tiles have the same bits")
   for_each_type(Segmented(), [&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
     const Drawing usual = draw<Raster, Ellipse>(cuda, splats, 128, 128);
-    CHECK(usual.counts.segments == 0);
+    CHECK_FALSE(was_shared(cuda));
     for (const int side : {64, 128}) {
       CAPTURE(side);
       const Drawing drawn = draw<Raster, Ellipse>(cuda, splats, 128, 128, {}, side);
-      CHECK(drawn.counts.segments > 100);
+      CHECK(was_shared(cuda));
       CHECK(same_planes(drawn.frame, usual.frame));
-      CHECK(drawn.counts.contributing_pairs == usual.counts.contributing_pairs);
-      CHECK(drawn.counts.pixels_stopped == usual.counts.pixels_stopped);
       const Frame again = draw<Raster, Ellipse>(cuda, splats, 128, 128, lean(), side).frame;
       CHECK(same_bits(again.colour, usual.frame.colour));
       CHECK(same_bits(again.alpha, usual.frame.alpha));
@@ -286,7 +290,7 @@ SWIFTGS_DEVICE_CASE("cuda long lists: lists of larger tiles have the same bits")
   });
 }
 
-SWIFTGS_DEVICE_CASE("cuda long lists: frames are those of hosts, and their counts") {
+SWIFTGS_DEVICE_CASE("cuda long lists: frames are those of hosts") {
   const Camera camera = square_camera(64);
   struct Drawn {
     const char* name;
@@ -306,10 +310,9 @@ SWIFTGS_DEVICE_CASE("cuda long lists: frames are those of hosts, and their count
     CAPTURE(name);
     Usual<Cpu> host;
     RenderSettings settings = settings_of({true, true});
-    settings.conventions = conventions, settings.count = true;
+    settings.conventions = conventions;
     Frame expected, drawn;
     host.render(host.backend().upload(scene), camera, settings, expected);
-    const RasterCounts counted = host.statistics().raster;
     for_each_segmented([&](auto&& renderer) {
       const DeviceScene uploaded = renderer.backend().upload(scene);
       renderer.render(uploaded, camera, settings, drawn);
@@ -317,11 +320,7 @@ SWIFTGS_DEVICE_CASE("cuda long lists: frames are those of hosts, and their count
       CHECK(difference(drawn.colour, expected.colour, 0).largest < 0.005);
       CHECK(difference(drawn.alpha, expected.alpha, 0).largest < 0.001);
       CHECK(difference(drawn.depth, expected.depth, 0).largest < 0.05);
-      const RasterCounts counts = renderer.statistics().raster;
-      CHECK((counts.segments > 0) == in_segments);
-      CHECK(double(counts.contributing_pairs) ==
-            doctest::Approx(double(counted.contributing_pairs)).epsilon(2e-3));
-      CHECK(double(counts.pixels_stopped) == doctest::Approx(double(counted.pixels_stopped)).epsilon(1e-2));
+      CHECK(was_shared(renderer.backend()) == in_segments);
     });
   }
 }
@@ -338,22 +337,13 @@ SWIFTGS_DEVICE_CASE(
     const DeviceScene uploaded = renderer.backend().upload(scene);
     check_squares(renderer, uploaded, side, 32);
 
-    // A traversal alone would visit 50,600 intersections. Others take them over behind the first 512 or
-    // later.
-    const RasterCounts counts = counts_of(renderer, uploaded, camera);
-    CHECK(counts.segments > 100);
-    CHECK(counts.longest_item < 50'300);
-    for (int run = 0; run < 5; ++run) {
-      const RasterCounts again = counts_of(renderer, uploaded, camera);
-      CHECK(again.contributing_pairs == counts.contributing_pairs);
-      CHECK(again.pixels_stopped == counts.pixels_stopped);
-    }
+    CHECK(are_shared(renderer, uploaded, camera));
 
     // The other quarters look as they do without the dots of the first, when warps traverse all lists alone.
     Frame drawn, expected;
     renderer.render(uploaded, camera, settings, drawn);
     const DeviceScene uploaded_short = renderer.backend().upload(short_lists);
-    CHECK(counts_of(renderer, uploaded_short, camera).segments == 0);
+    CHECK_FALSE(are_shared(renderer, uploaded_short, camera));
     renderer.render(uploaded_short, camera, settings, expected);
     std::size_t differing = 0;
     for (std::size_t i = 0; i < drawn.alpha.size(); ++i) {
@@ -374,27 +364,25 @@ SWIFTGS_DEVICE_CASE("cuda long lists: planes change no bit of colour and depth, 
     for_each_segmented([&](auto&& renderer) {
       const DeviceScene uploaded = renderer.backend().upload(drawn);
       const Cuda& cuda = renderer.backend();
-      const auto draw = [&](bool count, const Outputs& outputs) {
+      const auto draw = [&](const Outputs& outputs) {
         RenderSettings settings;
-        settings.conventions = faint(), settings.count = count, settings.outputs = outputs;
+        settings.conventions = faint(), settings.outputs = outputs;
         Frame frame;
         renderer.render(uploaded, square_camera(side), settings, frame);
         return frame;
       };
       const Outputs some{.alpha = true, .depth = true};
-      const Frame expected = draw(false, some);
+      const Frame expected = draw(some);
       for (Outputs outputs : {Outputs{.id = true}, Outputs{.median_depth = true}, Outputs{.normal = true},
                               Outputs{.normal = true, .id = true, .features = 7}}) {
         outputs.alpha = outputs.depth = true;
-        const Frame frame = draw(false, outputs);
+        const Frame frame = draw(outputs);
         cuda.wait();
         CHECK(RasterMemory::of(cuda).known_word == 0);
         CHECK(same_bits(frame.colour, expected.colour));
         CHECK(same_bits(frame.alpha, expected.alpha));
         CHECK(same_bits(frame.depth, expected.depth));
-        const Frame counted = draw(true, outputs);  // by other kernels
-        CHECK(renderer.statistics().raster.segments > 100);
-        CHECK(same_planes(counted, frame));
+        CHECK(was_shared(cuda));
       }
     });
   }
@@ -411,9 +399,9 @@ SWIFTGS_DEVICE_CASE("cuda long lists: views of one frame have the bits of frames
       asked.push_back(asked[1]);
       asked.back().conventions.alpha_min = 1e-6f;
       const std::vector<PlanesMemory> alone = draw_alone(renderer, uploaded.view(), asked).memories;
-      for (const bool count : {false, false, false, true})
-        CHECK(differing(draw_together(renderer, uploaded.view(), asked, {.count = count}), alone) == 0);
-      CHECK(renderer.statistics().raster.segments > 100);
+      for (int run = 0; run < 4; ++run)
+        CHECK(differing(draw_together(renderer, uploaded.view(), asked), alone) == 0);
+      CHECK(was_shared(renderer.backend()));
     }
   });
 }
@@ -431,9 +419,9 @@ SWIFTGS_DEVICE_CASE("cuda long lists: a graph that runs again and again has the 
       const std::vector<AskedView> asked{square_view(96, wanted, faint())};
       std::vector<AskedView> fainter = asked;
       fainter[0].conventions.alpha_min = 1e-6f;
-      draw_together(rendered, uploaded.view(), fainter, {.count = true});
+      draw_together(rendered, uploaded.view(), fainter);
       const Statistics statistics = rendered.statistics();
-      CHECK(statistics.raster.segments > 100);
+      CHECK(was_shared(rendered.backend()));
 
       Report<Cuda> report;
       const PlacedViews reserved(cuda, asked);
@@ -452,24 +440,6 @@ SWIFTGS_DEVICE_CASE("cuda long lists: a graph that runs again and again has the 
   });
 }
 
-SWIFTGS_DEVICE_CASE("cuda long lists: thread blocks that share warp blocks end with the frame") {
-  const int side = 384;
-  const Scene scene = layers(228'000, 0.0001, 0.002);
-  for_each_segmented([&](auto&& renderer) {
-    const DeviceScene uploaded = renderer.backend().upload(scene);
-    RenderSettings settings;
-    settings.conventions = faint(), settings.count = settings.time = true;
-    Frame frame;
-    for (int i = 0; i < 2; ++i)  // the first frame has kernels loaded
-      renderer.render(uploaded, square_camera(side), settings, frame);
-    const Statistics statistics = renderer.statistics();
-    CHECK(statistics.raster.segments > 10'000);
-    const double evenness = statistics.balanced_ms() / renderer.times().raster;
-    CHECK(evenness > 0.05);
-    CHECK(evenness < 1);
-  });
-}
-
 SWIFTGS_DEVICE_CASE("cuda long lists: frames stop sharing after eight short ones, and the bits stay") {
   const int side = 64;
   const Scene long_lists = with_features(layers(30'000, 0.0003, 0.006), 7),
@@ -484,9 +454,9 @@ SWIFTGS_DEVICE_CASE("cuda long lists: frames stop sharing after eight short ones
       std::vector<PlanesMemory> drawn;
       // Returns what the host knows when the next frame begins: frames without long warp blocks, of those
       // before the one that is drawn, each as often as it was rasterized.
-      const auto render = [&](const DeviceScene& scene, bool counted = false) {
+      const auto render = [&](const DeviceScene& scene) {
         PlacedViews views(cuda, {square_view(side, wanted, faint())});  // waits for the frame before
-        renderer.render_into(scene.view(), views.span(), {.count = counted});
+        renderer.render_into(scene.view(), views.span());
         const std::uint32_t known = RasterMemory::of(cuda).known_word;
         drawn = views.finish(cuda);
         return known;
@@ -515,39 +485,6 @@ SWIFTGS_DEVICE_CASE("cuda long lists: frames stop sharing after eight short ones
         CHECK(render(of_long) == rasterized);
         check_long_frame();
       }
-
-      // Counted frames share, whatever was before.
-      for (int i = 0; i < 10; ++i) render(of_short);
-      CHECK(render(of_long, true) == 8);
-      CHECK(renderer.statistics().raster.segments > 100);
-      check_long_frame();
-      CHECK(render(of_short, true) == 0);
-      CHECK(renderer.statistics().raster.segments == 0);
-      CHECK(render(of_long) == 1);
-      check_long_frame();
-      CHECK(render(of_long) == 0);
     }
   });
-}
-
-SWIFTGS_DEVICE_CASE("cuda long lists: counts tell of segments only where lists are long") {
-  Usual<Cuda> renderer;
-  const Camera camera = square_camera(64);
-  const RasterCounts usual = counts_of(renderer, renderer.backend().upload(layers(500, 0.004, 0.01)), camera);
-  CHECK(usual.segments == 0);
-  CHECK(usual.pixels_joined == 0);
-  CHECK(usual.longest_item > 100);
-  CHECK(usual.longest_item <= 500);
-  Scene scene = layers(14'700, 0.0003, 0.012);
-  put_dots(scene, 900, 64);
-  const RasterCounts longer = counts_of(renderer, renderer.backend().upload(scene), camera, faint());
-  CHECK(longer.segments > 64);
-  CHECK(longer.pixels_joined > 4 * longer.segments);
-  CHECK(longer.pixels_joined <= 64 * longer.segments);
-  CHECK(longer.longest_item >= 2048);
-  CHECK(longer.longest_item < 9'700);  // a traversal alone would visit 9,990
-  // Where warp blocks show little of a list, a traversal is long too.
-  const RasterCounts visited = counts_of(renderer, renderer.backend().upload(corners(14'000, 64)), camera);
-  CHECK(visited.longest_item >= 2048);
-  CHECK(visited.longest_item < 13'900);  // a traversal alone would visit 14,080
 }

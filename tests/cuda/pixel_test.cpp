@@ -88,23 +88,24 @@ Blended blend_by_serial(const std::vector<Layer>& layers, float stop_below, cons
 
 /// Blends a layer as kernels do with extras.
 template <bool extras>
-void blend_one(Pixel& pixel, const Layer& layer, float occluder, ThreadCounts& counts,
-               float unit = exact_unit) {
+void blend_one(Pixel& pixel, const Layer& layer, float occluder, float unit = exact_unit) {
   const float alpha = layer.alpha / unit;
   const float left = Pixel::dimmed_relative(pixel.transmittance, alpha * pixel.transmittance, unit);
-  blend<extras>(pixel, alpha, left, layer.colour(), occluder, counts);
+  blend<extras>(pixel, alpha, left, layer.colour(), occluder);
 }
 
 Blended blend_by_kernels(const std::vector<Layer>& layers, float stop_below, const float* occluder) {
   Pixel pixel;
   pixel.start(stop_below);
-  ThreadCounts counts;
-  for (const Layer& layer : layers) blend_one<true>(pixel, layer, occluder ? *occluder : INFINITY, counts);
+  Blended out;
+  for (const Layer& layer : layers) {
+    const bool was_live = pixel.live();
+    blend_one<true>(pixel, layer, occluder ? *occluder : INFINITY);
+    out.pairs += layer.alpha > 0 && pixel.live(), out.stopped += was_live && !pixel.live();
+  }
   BlendedPixel blended = pixel.blended();
   blended.colour *= exact_unit, blended.depth *= exact_unit;
-  Blended out;
   store_pixel(out.frame(), 0, 0, blended, vec3(0));
-  out.pairs = counts.pairs, out.stopped = counts.stopped;
   return out;
 }
 
@@ -176,7 +177,6 @@ TEST_CASE("cuda arithmetic: a group is blended as its splats one by one wherever
     const float unit = i % 2 ? 0.99f : exact_unit;
     if (place < group_size) layers[place].alpha = random.f(0.9, 1);
     Pixel together, single;
-    ThreadCounts counts;
     together.start(stop_below);
     together.transmittance = random.f(stop_below, i % 3 ? 1.2e-3 : 1);
     together.red = random.f(0, 1);
@@ -184,7 +184,7 @@ TEST_CASE("cuda arithmetic: a group is blended as its splats one by one wherever
     blend_together(together, layers.data(), unit);
     unsigned stopped_at = group_size;
     for (unsigned k = 0; k < group_size; ++k) {
-      blend_one<false>(single, layers[k], INFINITY, counts, unit);
+      blend_one<false>(single, layers[k], INFINITY, unit);
       if (stopped_at == group_size && !single.live()) stopped_at = k;
     }
     ++stops[stopped_at];
@@ -201,10 +201,9 @@ TEST_CASE("cuda arithmetic: a group meets the limit exactly as its splats one by
     const float limit = std::exp2(-float(place + 1));  // what the splat at this place leaves
     for (const float stop_below : {limit, above(limit)}) {
       Pixel together, single;
-      ThreadCounts counts;
       together.start(stop_below), single.start(stop_below);
       blend_together(together, halves.data());
-      for (const Layer& layer : halves) blend_one<false>(single, layer, INFINITY, counts);
+      for (const Layer& layer : halves) blend_one<false>(single, layer, INFINITY);
       CHECK(same_bits(together, single));
       CHECK(together.blended().transmittance == (stop_below == limit ? limit : 2 * limit));
       CHECK(together.live() == (stop_below == limit && place == group_size - 1));
@@ -219,10 +218,9 @@ TEST_CASE("cuda arithmetic: groups one after another are blended as all splats o
     const std::vector<Layer> layers = random_layers(random, 40, random.scale(0.05, 1));
     const float unit = i % 2 ? 0.99f : exact_unit;
     Pixel together, single;
-    ThreadCounts counts;
     together.start(1e-4f), single.start(1e-4f);
     for (std::size_t k = 0; k < layers.size(); k += group_size) blend_together(together, &layers[k], unit);
-    for (const Layer& layer : layers) blend_one<false>(single, layer, INFINITY, counts, unit);
+    for (const Layer& layer : layers) blend_one<false>(single, layer, INFINITY, unit);
     differences += !same_bits(together, single), stopped += !single.live();
   }
   CHECK(differences == 0);
@@ -234,12 +232,9 @@ TEST_CASE("cuda arithmetic: a pixel outside of the image takes nothing") {
   Random random(4);
   const std::vector<Layer> layers = random_layers(random, 8, 0.9);
   Pixel pixel;
-  ThreadCounts counts;
-  for (const Layer& layer : layers) blend_one<true>(pixel, layer, 2, counts);
+  for (const Layer& layer : layers) blend_one<true>(pixel, layer, 2);
   for (std::size_t k = 0; k < layers.size(); k += group_size) blend_together(pixel, &layers[k]);
   CHECK(same_bits(pixel, Pixel()));
-  CHECK(counts.pairs == 0);
-  CHECK(counts.stopped == 0);
 }
 
 namespace {

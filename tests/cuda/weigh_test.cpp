@@ -57,13 +57,12 @@ TEST_CASE("cuda arithmetic: a weight is what the pixel is dimmed by until it sto
   int stopped = 0;
   for (int i = 0; i < 5000; ++i) {
     Pixel weighed, blended;
-    ThreadCounts counts;
     weighed.start(1e-4f), blended.start(1e-4f);
     for (int k = 0; k < 40; ++k) {
       const float alpha = random.in(0, 1) < 0.3 ? 0.0f : random.f(1.0 / 255, i % 2 ? 0.99 : 0.05);
       const float before = blended.transmittance;
       blend<false>(blended, alpha, Pixel::dimmed_relative(before, alpha * before, unit),
-                   make_float4(0, 0, 0, 1), INFINITY, counts);
+                   make_float4(0, 0, 0, 1), INFINITY);
       const float weight = weigh(weighed, alpha, unit);
       REQUIRE(weighed.transmittance == blended.transmittance);
       REQUIRE(weighed.live() == blended.live());

@@ -388,26 +388,6 @@ SWIFTGS_BLENDING("pixels stop at every place of a list") {
   }
 }
 
-SWIFTGS_BLENDING("the balanced time of a raster stage is what threads or warps are at work of its time") {
-  with_each<B>([&](const BoundRaster<B>& raster) {
-    if constexpr (on_host<B>) {
-      // One thread at least is at work throughout, and all of them at most.
-      const double threads = threads_at_once(backend);
-      CHECK(evenness(backend, raster, faint_splats(2000, 160, 96), 160, 96) > 0.8 / threads);
-      const double of_one = evenness(backend, raster, faint_splats(2000, 16, 16), 16, 16);
-      CHECK(of_one > 0.8 / threads);
-      CHECK(of_one <= 1 / threads);
-    } else {
-      const double of_many = evenness(backend, raster, faint_splats(200'000, 1280, 720), 1280, 720);
-      CHECK(of_many > 0.05);
-      CHECK(of_many < 1);
-      const double of_one = evenness(backend, raster, faint_splats(400, 16, 16), 16, 16);
-      CHECK(of_one > 0);
-      CHECK(of_one < 0.05);  // eight warps at most, on devices that run hundreds
-    }
-  });
-}
-
 #if !defined(SWIFTGS_TEST_RASTER_PIXELS)
 SWIFTGS_CASE_ON("blend: lists of another number than the frame's tiles are refused", SWIFTGS_TEST_HOSTS) {
   std::vector<float> alpha(64 * 48);

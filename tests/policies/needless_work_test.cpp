@@ -208,9 +208,9 @@ TEST_CASE_TEMPLATE("no needless work: outputs that are not asked for are not the
   CHECK(renderer.statistics().raster.contributing_pairs == 0);  // not asked for either
 }
 
-TEST_CASE("balance: threads that oneTBB does not let run are not waited for") {
-  Cpu backend(4);
-  CHECK(backend.threads_at_once() == 4);
+TEST_CASE("cpu: a device is named by the threads that oneTBB lets run") {
+  const Cpu backend(4);
+  CHECK(backend.device_name().ends_with(", 4 threads"));
   const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
-  CHECK(backend.threads_at_once() == 2);
+  CHECK(backend.device_name().ends_with(", 2 threads"));
 }

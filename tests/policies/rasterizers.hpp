@@ -112,17 +112,6 @@ struct Drawing {
   float colour(int x, int y, int channel) const { return frame.colour[3 * at(x, y) + std::size_t(channel)]; }
 };
 
-/// Faint splats all over an image: no pixel stops, and every raster block takes long.
-inline SplatSet faint_splats(std::size_t count, int width, int height) {
-  Random random(count);
-  SplatSet splats;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double x = random.in(0, width), y = random.in(0, height);
-    splats.add(make_splat(x, y, 20, 10, random.in(0, 3), 0.006), float(1 + i));
-  }
-  return splats;
-}
-
 /// A view that draws into `frame`.
 inline View view_into(const FrameView& frame, const DrawSettings& settings = {},
                       int tile_side = default_tile_side) {
@@ -193,8 +182,7 @@ struct Picture {
         tile_side(tile_side_),
         settings(settings_),
         occluder(to_backend(backend, settings.occluder)),
-        counts(
-            to_backend(backend, std::vector<RasterCounts>(RasterBlocks(tiles_of_frame(view({}))).size()))) {}
+        counts(settings.count && on_host<B> ? RasterBlocks(tiles_of_frame(view({}))).size() : 0) {}
 
   View view(FrameView frame) const {
     frame.width = width, frame.height = height;
@@ -203,17 +191,9 @@ struct Picture {
   }
   void draw(const RasterStage<B>& raster, const FrameView& frame) {
     const View one = view(frame);
-    raster.rasterize(backend, {splats.view(),
-                               splats.colours_view(),
-                               lists.view(),
-                               {&one, 1},
-                               settings.count ? counts.data() : nullptr});
-  }
-  /// Of the last frame, after all work of the backend.
-  RasterCounts counted() const {
-    RasterCounts sum;
-    for (const RasterCounts& block : to_host(backend, counts.span())) sum += block;
-    return sum;
+    const RasterJob job{splats.view(), splats.colours_view(), lists.view(), {&one, 1}, counts.data()};
+    raster.rasterize(backend, job);
+    counted = settings.count ? raster.count(backend, job).raster : RasterCounts();
   }
 
   B& backend;
@@ -222,7 +202,8 @@ struct Picture {
   int width, height, tile_side;
   DrawSettings settings;
   typename B::template Buffer<float> occluder;
-  typename B::template Buffer<RasterCounts> counts;
+  std::vector<RasterCounts> counts;  ///< of hosts
+  RasterCounts counted;              ///< of the last frame
 };
 
 /// Draws `splats` once.
@@ -232,32 +213,13 @@ Drawing draw(B& backend, const RasterStage<B>& raster, const SplatSet& splats, i
   Picture<B, Bounds> picture(backend, splats, width, height, settings, tile_side);
   PlanesOn<B> planes(backend, width, height, settings.outputs);
   picture.draw(raster, planes.view());
-  return {planes.on_host(backend), picture.counted()};
+  return {planes.on_host(backend), picture.counted};
 }
 template <class Raster, class Bounds = OpacityBox, class B>
 Drawing draw(B& backend, const SplatSet& splats, int width, int height, const DrawSettings& settings = {},
              int tile_side = default_tile_side) {
   return draw<Bounds>(backend, RasterStage<B>::template of<Raster>(), splats, width, height, settings,
                       tile_side);
-}
-
-/// Balanced time over raster time, largest of some frames: a thread that is kept from running between two
-/// raster blocks makes it less, and so do kernels that are loaded.
-template <class B>
-double evenness(B& backend, const RasterStage<B>& raster, const SplatSet& splats, int width, int height) {
-  Picture<B> picture(backend, splats, width, height);
-  PlanesOn<B> planes(backend, width, height, {});
-  double largest = 0;
-  for (int i = 0; i < 5; ++i) {
-    const auto begin = backend.now();
-    picture.draw(raster, planes.view());
-    const auto end = backend.now();
-    const Statistics statistics{.raster = picture.counted()};
-    const double taken = backend.milliseconds(begin, end).value();
-    CHECK(statistics.balanced_ms() <= taken);
-    largest = std::max(largest, statistics.balanced_ms() / taken);
-  }
-  return largest;
 }
 
 }  // namespace swiftgs::test

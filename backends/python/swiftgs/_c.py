@@ -166,8 +166,7 @@ class Times(_Sized):
 class Statistics(_Sized):
     _fields_ = [("size", c_uint32), ("reserved", c_uint32), ("gaussians", c_uint64), ("visible", c_uint64),
                 ("intersections", c_uint64), ("intersections_visited", c_uint64), ("rows_visited", c_uint64),
-                ("contributing_pairs", c_uint64), ("pixels_stopped", c_uint64), ("segments", c_uint64),
-                ("pixels_joined", c_uint64), ("longest_item", c_uint64), ("balanced_ms", c_double),
+                ("contributing_pairs", c_uint64), ("pixels_stopped", c_uint64),
                 ("intersections_hidden", c_uint64)]
 
 

@@ -35,10 +35,6 @@ class Statistics(NamedTuple):
     rows_visited: int  #: rows of pixels on which an intersection was evaluated
     contributing_pairs: int  #: pairs of pixel and splat that were blended
     pixels_stopped: int  #: pixels that ended before their list
-    segments: int  #: of long lists, blended apart from each other
-    pixels_joined: int  #: pixels of those segments that were joined with what lies in front
-    longest_item: int  #: most intersections that one core, warp or block worked off alone
-    balanced_ms: float  #: the raster stage if its work were shared out evenly
     #: those of `intersections` at or behind an occluder in all pixels of their tile; nearly all if a depth buffer is
     #: taken for depths themselves, because `stored_depth` is missing
     intersections_hidden: int

@@ -68,9 +68,6 @@ Json json_of(const RowResult& r) {
   add_photo(json, r.photo);
   json["visible"] = r.visible, json["intersections"] = r.intersections;
   json["contributing_pairs"] = r.contributing_pairs;
-  json["segments"] = r.segments, json["pixels_joined"] = r.pixels_joined,
-  json["longest_item"] = r.longest_item;
-  json["counted_ms"] = json_of(r.counted_ms);
   json["bytes"] = {{"project", r.bytes.project}, {"sort", r.bytes.sort}, {"raster", r.bytes.raster}};
   json["device_bytes"] = r.device_bytes, json["host_bytes"] = r.host_bytes;
   json["image"] = named_or_null(r.image), json["error_image"] = named_or_null(r.error_image);

@@ -10,7 +10,6 @@
 
 #include <swiftgs/statistics.hpp>
 
-#include "measure/counted_times.hpp"
 #include "result_head.hpp"
 
 /// What `bench` measures, as docs/schemas/bench.schema.json describes it.
@@ -93,8 +92,6 @@ struct RowResult {
   std::optional<Errors> errors;
   std::optional<PhotoErrors> photo;
   std::uint64_t visible = 0, intersections = 0, contributing_pairs = 0;
-  std::uint64_t segments = 0, pixels_joined = 0, longest_item = 0;
-  CountedTimes counted_ms;
   StageMemory bytes;
   std::uint64_t device_bytes = 0, host_bytes = 0;
   std::string image, error_image;
@@ -103,8 +100,7 @@ struct RowResult {
   static auto members(auto& self) {
     return std::tie(self.place, self.threads, self.renderer, self.planes, self.harmonics, self.frames,
                     self.batch, self.ms, self.errors, self.photo, self.visible, self.intersections,
-                    self.contributing_pairs, self.segments, self.pixels_joined, self.longest_item,
-                    self.counted_ms, self.bytes, self.device_bytes, self.host_bytes, self.image,
+                    self.contributing_pairs, self.bytes, self.device_bytes, self.host_bytes, self.image,
                     self.error_image, self.plane_images);
   }
 };

@@ -70,10 +70,6 @@ RowResult row_of(const Json& json) {
   row.errors = errors_of(json), row.photo = photo_of(json);
   row.visible = json.at("visible"), row.intersections = json.at("intersections");
   row.contributing_pairs = json.at("contributing_pairs");
-  row.segments = json.at("segments"), row.pixels_joined = json.at("pixels_joined");
-  row.longest_item = json.at("longest_item");
-  row.counted_ms.raster = number(json.at("counted_ms").at("raster"));
-  row.counted_ms.balanced = number(json.at("counted_ms").at("balanced"));
   const Json& bytes = json.at("bytes");
   row.bytes = {bytes.at("project"), bytes.at("sort"), bytes.at("raster")};
   row.device_bytes = json.at("device_bytes"), row.host_bytes = json.at("host_bytes");

@@ -197,15 +197,12 @@ RowResult Runner::row_of(const Session& session, std::size_t view, const Subject
 
   const Camera& camera = session.views[view].camera;
   RenderSettings counting = session.settings;
-  counting.count = counting.time = true;
-  // The second frame is timed: the first has kernels loaded and warms caches.
-  for (int i = 0; i < 2; ++i) renderer.render_resident(camera, counting);
+  counting.count = true;
+  renderer.render_resident(camera, session.settings);  // the next frame has the tiles that this one teaches
+  renderer.render_resident(camera, counting);
   const Statistics counts = renderer.statistics();
   row.visible = counts.visible, row.intersections = counts.intersections;
   row.contributing_pairs = counts.raster.contributing_pairs;
-  row.segments = counts.raster.segments, row.pixels_joined = counts.raster.pixels_joined;
-  row.longest_item = counts.raster.longest_item;
-  row.counted_ms = {renderer.times(), counts};
 
   const bool judged = view < options_.judged, photographed = !session.photos.empty() && session.photos[view];
   if (!judged && !photographed) return row;

@@ -124,7 +124,7 @@ void render(RenderOptions options) {
   };
   // Counting costs time, so it has a frame of its own.
   const auto count = [&](const Camera& camera) {
-    RenderSettings counting = timed(settings);
+    RenderSettings counting = settings;
     counting.count = true;
     Frame counted;
     renderer->render(camera, counting, counted);
@@ -133,7 +133,6 @@ void render(RenderOptions options) {
   Progress progress(views.size());
   // The first frames allocate what later ones use again: they are rendered once more, so that no time has it.
   draw(0, settings);
-  if (options.stats) count(cameras[0]);
   StageTimes ms;
   for (std::size_t at = 0; at < views.size(); ++at) {
     if (!team.takes(at / batch)) continue;
@@ -159,12 +158,10 @@ void render(RenderOptions options) {
                         .batch = frames.size(),
                         .image = file.string(),
                         .ms = ms,
-                        .counts = std::nullopt,
-                        .counted_ms = {}};
+                        .counts = std::nullopt};
     if (options.stats) {
       count(view.camera);
       result.counts = renderer->statistics();
-      result.counted_ms = {renderer->times(), *result.counts};
     }
     progress.clear();
     if (!team.is_shared() && !video) print(result);

@@ -16,7 +16,6 @@ void print(const RenderResult& result) {
               ms.project, ms.sort, ms.raster);
   if (!result.counts) return;
   const Statistics& s = *result.counts;
-  const CountedTimes& times = result.counted_ms;
 
   const auto line = [](const char* label, std::uint64_t count) {
     std::printf("  %-33s %llu\n", label, static_cast<unsigned long long>(count));
@@ -27,10 +26,6 @@ void print(const RenderResult& result) {
   std::printf("  %-33s %.2f\n", "intersections a visible Gaussian", s.intersections_a_visible());
   line("contributing pairs", s.raster.contributing_pairs);
   line("pixels stopped early", s.raster.pixels_stopped);
-  line("segments of long lists", s.raster.segments);
-  line("longest item", s.raster.longest_item);
-  std::printf("  %-33s %.3f\n", "raster while counting, ms", times.raster);
-  std::printf("  %-33s %.3f\n", "balanced, ms", times.balanced);
 }
 
 }  // namespace swiftgs::cli

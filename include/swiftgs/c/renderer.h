@@ -298,16 +298,12 @@ typedef struct swiftgs_statistics {
   uint64_t rows_visited;           ///< rows of pixels on which an intersection was evaluated
   uint64_t contributing_pairs;     ///< pairs of pixel and splat that were blended
   uint64_t pixels_stopped;         ///< pixels that ended before their list
-  uint64_t segments;               ///< of long lists, blended apart from each other
-  uint64_t pixels_joined;          ///< pixels of those segments that were joined with what lies in front
-  uint64_t longest_item;           ///< most intersections that one core, warp or block worked off alone
-  double balanced_ms;  ///< the raster stage if its work were shared out evenly @units{milliseconds}
   /// Those of `intersections` whose means lie at or behind an occluder in all pixels of their tile. Where
   /// it is 99 % of them, `stored_depth` of the view is mostly missing.
   uint64_t intersections_hidden;
 } swiftgs_statistics;
 
-/// Fills `statistics`, whose size is set. Waits for counts where the frame measured them.
+/// Fills `statistics`, whose size is set.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_statistics(const swiftgs_renderer* renderer,
                                                          swiftgs_statistics* statistics);
 

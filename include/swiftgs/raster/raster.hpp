@@ -2,7 +2,6 @@
 #pragma once
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <concepts>
 #include <cstdint>
@@ -21,26 +20,16 @@
 
 namespace swiftgs {
 
-/// What rasterizing one raster block took. On devices, only `contributing_pairs` and `pixels_stopped` repeat
-/// from run to run, since any warp may take the rest of a long list. `balanced_ps` repeats on no
-/// backend.
+/// What rasterizing one raster block takes.
 struct RasterCounts {
   std::uint64_t intersections_visited = 0;  ///< of its tile's list, before all its pixels had stopped
   std::uint64_t rows_visited = 0;           ///< rows of pixels on which an intersection was evaluated
   std::uint64_t contributing_pairs = 0;     ///< (pixel, splat) pairs that were blended
   std::uint64_t pixels_stopped = 0;         ///< pixels that ended before their list
-  std::uint64_t segments = 0;               ///< of long lists, blended apart from each other
-  std::uint64_t pixels_joined = 0;  ///< pixels of those segments that were joined with what lies in front
-  std::uint64_t longest_item = 0;   ///< most intersections that one core, warp or block worked off alone
-  /// Time that all threads of the host, or all warps that the device runs at once, would be at work on the
-  /// raster block if its work were shared out evenly. @units{picoseconds}
-  std::uint64_t balanced_ps = 0;
 
   SWIFTGS_HD RasterCounts& operator+=(const RasterCounts& o) {
     intersections_visited += o.intersections_visited, rows_visited += o.rows_visited;
     contributing_pairs += o.contributing_pairs, pixels_stopped += o.pixels_stopped;
-    segments += o.segments, pixels_joined += o.pixels_joined, balanced_ps += o.balanced_ps;
-    if (longest_item < o.longest_item) longest_item = o.longest_item;
     return *this;
   }
 };
@@ -52,9 +41,9 @@ struct RasterJob {
   ColoursView colours;
   TileListsView lists;
   Views views;
-  RasterCounts* counts = nullptr;  ///< @shape{raster blocks} filled where not null
-  AttributesView attributes{};     ///< on devices without rows where there are `counts`
-  bool only_attributes = false;    ///< all other planes were drawn
+  RasterCounts* counts = nullptr;  ///< @shape{raster blocks} filled by hosts where not null
+  AttributesView attributes{};
+  bool only_attributes = false;  ///< all other planes were drawn
 
   /// Whether pixels of `view` have to remember splats.
   SWIFTGS_HD bool picks(const View& view) const { return !only_attributes && view.frame.picks(); }
@@ -252,7 +241,6 @@ struct BlendRasterBlock {
         store_pixel(job, view, x, y, pixels[row][column], sums[row][column]);
         if (pick) store_picks(job, view, x, y, picks[row][column]);
       }
-    counts.longest_item = counts.intersections_visited;
     if (job.counts) job.counts[block] = counts;
   }
 
@@ -262,49 +250,13 @@ struct BlendRasterBlock {
   }
 };
 
-/// Blends raster blocks of `job` on a host, by `blend(begin, end)`. Counted raster blocks are blended one at
-/// a time, to measure how long each takes.
-template <class Blend>
-struct BlendOnHost {
-  const RasterJob& job;
-  int threads;  ///< that run at once
-  Blend blend;
-
-  void operator()(std::size_t block) const { (*this)(block, block + 1); }
-  void operator()(std::size_t begin, std::size_t end) const {
-    if (!job.counts) {
-      blend(begin, end);
-      return;
-    }
-    for (std::size_t block = begin; block < end; ++block) {
-      const auto start = std::chrono::steady_clock::now();
-      blend(block, block + 1);
-      const std::chrono::nanoseconds busy = std::chrono::steady_clock::now() - start;
-      job.counts[block].balanced_ps = 1000 * std::uint64_t(busy.count()) / std::uint64_t(threads);
-    }
-  }
-};
-
-/// Threads of `b` that run at once: one, unless the backend says otherwise.
-template <class B>
-int threads_at_once(const B& b) {
-  if constexpr (requires { b.threads_at_once(); })
-    return b.threads_at_once();
-  else
-    return 1;
-}
-
 /// Renders every raster block of `job` with the arithmetic of `R::Kernel`, on hosts. Backends overload this
 /// for policies that they have kernels for; a device also for all others, since one thread per raster block
 /// would be slow. Throws as `raster_blocks_of`.
 template <BackendPolicy B, RasterPolicy R>
 requires(bool(B::reaches_host_memory)) void rasterize(B& b, R, const RasterJob& job) {
   const RasterBlocks blocks = raster_blocks_of(job);
-  const BlendRasterBlock<R> blend_block{job, blocks};
-  const auto blend = [&](std::size_t begin, std::size_t end) {
-    for (std::size_t block = begin; block < end; ++block) blend_block(block);
-  };
-  b.for_each(blocks.size(), BlendOnHost<decltype(blend)>{job, threads_at_once(b), blend});
+  b.for_each(blocks.size(), BlendRasterBlock<R>{job, blocks});
 }
 
 }  // namespace swiftgs

@@ -67,8 +67,6 @@ class SWIFTGS_API Cpu {
   static bool usable() { return true; }
   const MemoryHook& memory_hook() const { return memory_; }
   int threads() const;
-  /// How many of `threads` oneTBB lets run at the moment.
-  int threads_at_once() const;
   std::string device_name() const;
 
   /// Shares `scene` without a copy, or takes it over: then harmonics are kept in the fewest bytes that are

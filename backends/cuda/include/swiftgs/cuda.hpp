@@ -19,6 +19,7 @@
 #include <swiftgs/shade_stage.hpp>
 #include <swiftgs/sort/early.hpp>
 #include <swiftgs/sort/sort.hpp>
+#include <swiftgs/statistics.hpp>
 
 namespace swiftgs {
 
@@ -135,8 +136,16 @@ struct SplatAttributes;
 SWIFTGS_API void gather_attributes(Cuda& cuda, const SplatAttributes& from, const PlacedScenes& scenes,
                                    const Views& views, AttributeRow* to);
 
-/// One thread block per tile.
-SWIFTGS_API void count_hidden(Cuda& cuda, const RasterJob& job, std::uint32_t* to);
+/// Blends a raster block on the host, and counts what it takes.
+using CountRasterBlock = void (*)(const RasterJob& job, const RasterBlocks& blocks, std::size_t block);
+/// Downloads what `job` was rasterized from, and counts on all cores of the host. Waits.
+SWIFTGS_API FrameCounted count_frame(const Cuda& cuda, const RasterJob& job, CountRasterBlock count);
+template <RasterPolicy R>
+FrameCounted count_frame(const Cuda& cuda, R, const RasterJob& job) {
+  return count_frame(cuda, job, [](const RasterJob& on_host, const RasterBlocks& blocks, std::size_t block) {
+    BlendRasterBlock<R>{on_host, blocks}(block);
+  });
+}
 
 struct PickJob;
 /// One warp per pixel, eight pixels of a row in a thread block.

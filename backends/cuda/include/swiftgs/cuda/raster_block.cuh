@@ -28,9 +28,6 @@ struct RasterBlockIndex {
   /// In a word of `order_raster_blocks`.
   __device__ static RasterBlockIndex of(std::uint32_t word) { return {word & 0xffff, word >> 16}; }
   __device__ std::uint32_t word() const { return row << 16 | column; }
-
-  /// Counted by rows of so many raster blocks, as in `RasterJob::counts`.
-  __device__ std::uint32_t number(std::uint32_t columns) const { return row * columns + column; }
 };
 
 /// The raster blocks of a frame, roughly longest lists first: started last, a long one would delay the frame.
@@ -81,10 +78,6 @@ struct OwnRasterBlock {
     return input.order ? RasterBlockIndex::of(input.order[row * gridDim.x + blockIdx.x])
                        : RasterBlockIndex{blockIdx.x, row};
   }
-  template <class ViewSource>
-  __device__ static std::uint32_t number(const RasterInput<ViewSource>& input) {
-    return index(input).number(gridDim.x);
-  }
 
   /// Range of the raster block's list. It depends only on the thread block's index, so the compiler sees one
   /// range for all threads and generates no code for diverged warps, which would cost 3 % on a long list.
@@ -98,17 +91,17 @@ struct OwnRasterBlock {
 /// Outputs beside colour and alpha. Each value has kernels of its own.
 enum class Extras {
   none,
-  depth,          ///< and occluders
-  picks,          ///< and depth: splats that pixels remember
-  row,            ///< and depth: up to four attributes
-  row_and_picks,  ///< and depth
-  rows,           ///< and depth: up to sixteen attributes
-  all,            ///< and picks, with depths along the ray, and counts; no attributes
+  depth,            ///< and occluders
+  picks,            ///< and depth: splats that pixels remember
+  row,              ///< and depth: up to four attributes
+  row_and_picks,    ///< and depth
+  rows,             ///< and depth: up to sixteen attributes
+  picks_along_ray,  ///< and depth: occluders hide by depths along the ray; no attributes
 };
 
 /// Whether kernels remember splats.
 constexpr bool picks_of(Extras extras) {
-  return extras == Extras::picks || extras == Extras::row_and_picks || extras == Extras::all;
+  return extras == Extras::picks || extras == Extras::row_and_picks || extras == Extras::picks_along_ray;
 }
 
 /// Rows of attributes that kernels sum.
@@ -130,7 +123,7 @@ inline Extras extras_of(const RasterJob& job) {
   // The kernel of picks alone knows no depths along the ray.
   const bool hides_by_row =
       picks && job.attributes.rows == 0 && std::any_of(job.views.begin(), job.views.end(), hides_along_ray);
-  if (job.counts || hides_by_row) return Extras::all;
+  if (hides_by_row) return Extras::picks_along_ray;
   if (job.attributes.rows > 1) return Extras::rows;
   if (job.attributes.rows == 1) return picks ? Extras::row_and_picks : Extras::row;
   if (picks || (!job.views.stored && !keeps_digits(job.views[0].rules.log2_relative_min)))
@@ -143,7 +136,6 @@ inline Extras extras_of(const RasterJob& job) {
 template <class F>
 void with_unconverted(Cuda& cuda, const RasterJob& job, const F& f) {
   const RasterBlocks raster_blocks = raster_blocks_of(job);
-  if (job.counts) cuda.clear(job.counts, raster_blocks.size() * sizeof(RasterCounts));
   const std::uint32_t* const order = order_raster_blocks(cuda, job.lists, raster_blocks);
   with_views(job.views, [&]<class ViewSource>(const ViewSource& views) {
     const RasterInput<ViewSource> input{job, views, raster_blocks, order};
@@ -160,8 +152,8 @@ void with_unconverted(Cuda& cuda, const RasterJob& job, const F& f) {
         return f.template operator()<Extras::row_and_picks>(input);
       case Extras::rows:
         return f.template operator()<Extras::rows>(input);
-      case Extras::all:
-        return f.template operator()<Extras::all>(input);
+      case Extras::picks_along_ray:
+        return f.template operator()<Extras::picks_along_ray>(input);
     }
   });
 }
@@ -178,8 +170,7 @@ inline bool some_view_converts(const RasterJob& job) {
   });
 }
 
-/// Clears the counts of `job` and calls f.operator()<extras>(input), once or several times. Throws as
-/// `raster_blocks_of`.
+/// Calls f.operator()<extras>(input), once or several times. Throws as `raster_blocks_of`.
 template <class F>
 void with_raster_input(Cuda& cuda, const RasterJob& job, const F& f) {
   // The kernels of warps have no registers for picks and several rows.
@@ -197,66 +188,13 @@ void with_raster_input(Cuda& cuda, const RasterJob& job, const F& f) {
   convert_colours(cuda, job);
 }
 
-/// Warps of `kernel` that an otherwise idle device holds at once. 0 unless `job` is counted.
-template <class... Parameters>
-std::uint32_t warps_at_once(const Cuda& cuda, const RasterJob& job, void (*kernel)(Parameters...),
-                            const BlockShape& block) {
-  if (!job.counts) return 0;
-  int blocks = 0;
-  check_cuda(cudaOccupancyMaxActiveBlocksPerMultiprocessor(&blocks, kernel, int(block.threads), block.shared),
-             "cudaOccupancyMaxActiveBlocksPerMultiprocessor");
-  return std::uint32_t(blocks * cuda.multiprocessors()) * (block.threads / warp_size);
-}
-
 /// Starts the kernel `Kernel::of<extras, ViewSource>` of a rasterizer on all raster blocks of `job`.
 template <class Kernel>
 void launch_raster_blocks(Cuda& cuda, const char* name, const RasterJob& job) {
   with_raster_input(cuda, job, [&]<Extras extras, class ViewSource>(const RasterInput<ViewSource>& input) {
     const auto kernel = Kernel::template of<extras, ViewSource>;
-    launch(name, kernel, blocks_of(input.raster_blocks), Kernel::threads, cuda.stream(), input,
-           warps_at_once(cuda, job, kernel, Kernel::threads));
+    launch(name, kernel, blocks_of(input.raster_blocks), Kernel::threads, cuda.stream(), input);
   });
-}
-
-/// Measures how long a warp works, if it is counted.
-class WarpTimer {
- public:
-  /// `at_once`: warps of this kernel that the device runs at once.
-  __device__ WarpTimer(bool counted, std::uint32_t at_once) : at_once_(at_once) {
-    if (counted) begun_ = nanoseconds();
-  }
-
-  /// This warp's part of the balanced time.
-  __device__ std::uint64_t balanced_ps() const { return 1000 * (nanoseconds() - begun_) / at_once_; }
-
- private:
-  __device__ static std::uint64_t nanoseconds() {
-    std::uint64_t now;
-    asm volatile("mov.u64 %0, %%globaltimer;" : "=l"(now)::"memory");
-    return now;
-  }
-
-  std::uint64_t begun_ = 0;
-  std::uint32_t at_once_;
-};
-
-/// Adds the counts of a warp to its raster block, whose visited intersections are those of its furthest warp.
-/// Call it on a whole warp, with the same counts on all lanes.
-__device__ inline void add_counts(RasterCounts& raster_block, const RasterCounts& of_warp) {
-  using Word = unsigned long long;
-  const auto field = [&](std::uint64_t RasterCounts::*member) {
-    return reinterpret_cast<Word*>(&(raster_block.*member));
-  };
-  if (lane_index() != 0) return;
-  atomicMax(field(&RasterCounts::intersections_visited), Word(of_warp.intersections_visited));
-  atomicMax(field(&RasterCounts::longest_item), Word(of_warp.longest_item));
-  atomicAdd(field(&RasterCounts::rows_visited), Word(of_warp.rows_visited));
-  atomicAdd(field(&RasterCounts::contributing_pairs), Word(of_warp.contributing_pairs));
-  atomicAdd(field(&RasterCounts::pixels_stopped), Word(of_warp.pixels_stopped));
-  atomicAdd(field(&RasterCounts::balanced_ps), Word(of_warp.balanced_ps));
-  if (of_warp.segments == 0) return;
-  atomicAdd(field(&RasterCounts::segments), Word(of_warp.segments));
-  atomicAdd(field(&RasterCounts::pixels_joined), Word(of_warp.pixels_joined));
 }
 
 }  // namespace swiftgs::kernels

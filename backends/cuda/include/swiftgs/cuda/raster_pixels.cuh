@@ -14,16 +14,14 @@
 namespace swiftgs::kernels {
 
 inline constexpr unsigned raster_pixels_threads = raster_block_side * raster_block_side;
-static_assert(warp_size == 2 * raster_block_side, "a warp counts two rows");
 
-/// `BlendRasterBlock` on a device, with its decisions and its counts: one thread block per raster block, one
+/// `BlendRasterBlock` on a device, with its decisions: one thread block per raster block, one
 /// thread per pixel. A warp traverses the list by itself until its pixels have stopped. Without `planes`
 /// there are neither picks nor attributes.
 template <RasterPolicy R, bool planes, class ViewSource>
 __global__ void __launch_bounds__(raster_pixels_threads)
-    raster_pixels(const __grid_constant__ RasterInput<ViewSource> input, std::uint32_t warps_at_once) {
+    raster_pixels(const __grid_constant__ RasterInput<ViewSource> input) {
   const RasterJob& job = input.job;
-  const WarpTimer timer(job.counts, warps_at_once);
   const OwnRasterBlock raster_block(input);
   if (raster_block.outside(input)) return;
   const View& view = input.views[raster_block.view];
@@ -40,7 +38,6 @@ __global__ void __launch_bounds__(raster_pixels_threads)
   float sums[AttributesView::most]{};
   const bool along_ray = planes && hides_along_ray(view);
   bool live = inside;
-  std::uint32_t pairs = 0, visited = 0, rows = 0;
 
   const vec2 first_centre(float(view.left() + x0) + 0.5f, float(view.top() + y0) + 0.5f);
   const float centre_y = first_centre.y + float(row);
@@ -51,10 +48,7 @@ __global__ void __launch_bounds__(raster_pixels_threads)
     const SplatColour colour = job.colours.each[id];
     if (is_hidden(colour)) continue;
     const SplatShape shape = job.splats.shapes[id];
-    const bool visits = live && row_touched(shape, first_centre.x, centre_y);
-    const unsigned visiting = __ballot_sync(whole_warp, visits);
-    ++visited, rows += unsigned((visiting & 0xffff) != 0) + unsigned(visiting >> 16 != 0);
-    if (!visits) continue;
+    if (!live || !row_touched(shape, first_centre.x, centre_y)) continue;
     typename R::Kernel kernel(shape, first_centre, view.rules);
     kernel.start_row(centre_y);
     const float alpha = kernel.alpha(column);
@@ -76,7 +70,6 @@ __global__ void __launch_bounds__(raster_pixels_threads)
       job.attributes.add(sums, id, weight);
       picks.offer(id, weight, next, view.rules.first_below);
     }
-    ++pairs;
   }
 
   if (inside) {
@@ -84,10 +77,6 @@ __global__ void __launch_bounds__(raster_pixels_threads)
     if constexpr (planes)
       if (job.picks(view)) store_picks(job, view, std::size_t(x), std::size_t(y), picks);
   }
-  if (job.counts)
-    add_counts(
-        job.counts[OwnRasterBlock::number(input)],
-        {visited, rows, warp_sum(pairs), warp_sum(inside && !live), 0, 0, visited, timer.balanced_ps()});
 }
 
 template <RasterPolicy R>
