@@ -187,8 +187,8 @@ NAMED = [
     *defects("exchange", In("backends/mpi/include/swiftgs/mpi/renderer.hpp", test=EXCHANGE),
         ("a rank's own splats count as sent", "mine.sent = shares_.begins.back()[- - shares_.count_for(own)-];")),
     # Frames.
-    *defects("hidden", In(I + "hidden_stage.hpp", test=HIDDEN),
-        ("a splat at the occluder's depth is not counted", "job.splats.depths[job.lists.ids[middle]] >[-=-] depth")),
+    *defects("hidden", In(I + "hidden_intersections.hpp", test=HIDDEN),
+        ("a splat at the occluder's depth is not counted", "job.splats.depths[id] <{+=+} depth")),
     *defects("conversion", In(I + "store_pixel.hpp", test=CONVERSION),
         ("the image below is taken as it is",
          "frame.over ? [-load_below-]{+load_colour+}(frame, x, y) : vec4(background, 0)"),

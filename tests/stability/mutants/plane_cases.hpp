@@ -43,7 +43,6 @@ struct PlaneTrial {
     }
     const auto uploaded = renderer.backend().upload(scene);
     renderer.render_into(uploaded.view(), camera, settings, view);
-    if (counted) CHECK(renderer.statistics().raster.segments > 0);
     for_each_plane([&](std::size_t, const auto& plane,
                        auto& values) { renderer.backend().download(plane.span(), values.data()); },
                    planes, frame);
