@@ -103,7 +103,7 @@ bench() {
   cp "$out/whole/$file" "$out/$file"
   leave_folders_out "$out/$file"
   sed -Ei -e 's/,"[a-z_]+":null//g; s/"planes":"",//g; s/"batch":1,//g' \
-    -e 's/"pixels_joined":[0-9]+,//g; s/,"p10":[^,}]+,"p90":[^,}]+//g' "$out/$file"
+    -e 's/,"p10":[^,}]+,"p90":[^,}]+//g' "$out/$file"
 }
 
 part_matrix() {
