@@ -53,7 +53,7 @@ FrameCounted count_by(B& b, const RasterJob& job) {
     const std::size_t blocks = raster_blocks_of(job).size();
     for (std::size_t block = 0; block < blocks; ++block) counted.raster += job.counts[block];
     return counted;
-  } else if constexpr (RasterPolicy<R>) {
+  } else if constexpr (requires { count_frame(b, R{}, job); }) {
     return count_frame(b, R{}, job);
   } else {
     return {};

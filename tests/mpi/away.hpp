@@ -78,10 +78,6 @@ inline void gather_attributes(Away& away, const SplatAttributes& from, const Pla
   });
 }
 
-inline void count_hidden(Away& away, const RasterJob& job, std::uint32_t* to) {
-  away.for_each(job.views.tiles.size(), CountHidden{job, to});
-}
-
 inline void copy_from_host(Away&, const void* from, void* to, std::size_t bytes) {
   if (bytes != 0) std::memcpy(to, from, bytes);
 }
