@@ -3,7 +3,7 @@
 /// @file
 /// Searches for a scene that a renderer draws worse than float can. `ratio_case.hpp` says what the bytes of
 /// an input mean. The fuzzer keeps inputs that reach a new size of the normalised error, and so climbs
-/// towards large ones. Set SWIFTGS_FUZZ_PRINT to print the scene of an input that is run again.
+/// towards large ones. It prints the scene that fails.
 
 #include <algorithm>
 #include <cmath>
@@ -49,16 +49,18 @@ void count(int row, double normalised_error) {
   reached[row][std::size_t(std::clamp(bucket, 0.0, buckets - 1.0))] = 1;
 }
 
-[[noreturn]] void fail(std::string_view renderer, const char* what, double value, std::size_t pixel) {
+[[noreturn]] void fail(const StressCase& drawn, std::string_view renderer, const char* what, double value,
+                       std::size_t pixel) {
+  fuzz::print(drawn);
   std::fprintf(stderr, "%.*s: %s is %g (pixel %zu)\n", int(renderer.size()), renderer.data(), what, value,
                pixel);
   std::abort();
 }
 
-void require_finite(std::string_view renderer, const char* plane, const std::vector<float>& values,
-                    std::size_t channels) {
+void require_finite(const StressCase& drawn, std::string_view renderer, const char* plane,
+                    const std::vector<float>& values, std::size_t channels) {
   for (std::size_t i = 0; i < values.size(); ++i)
-    if (!std::isfinite(values[i])) fail(renderer, plane, double(values[i]), i / channels);
+    if (!std::isfinite(values[i])) fail(drawn, renderer, plane, double(values[i]), i / channels);
 }
 
 template <class Raster>
@@ -70,25 +72,25 @@ void draw_and_judge(const StressCase& drawn, const ConditionedFrame& reference, 
   settings.background = drawn.background;
   settings.outputs = {.alpha = true, .depth = true};
   const Frame frame = renderer.render(renderer.backend().upload(drawn.scene), drawn.camera, settings);
-  require_finite(Drawn::name, "colour", frame.colour, 3);
-  require_finite(Drawn::name, "alpha", frame.alpha, 1);
-  require_finite(Drawn::name, "depth", frame.depth, 1);
+  require_finite(drawn, Drawn::name, "colour", frame.colour, 3);
+  require_finite(drawn, Drawn::name, "alpha", frame.alpha, 1);
+  require_finite(drawn, Drawn::name, "depth", frame.depth, 1);
 
   const StressVerdict verdict = judge(reference, frame, exponent_representation_named(Raster::name));
   count(2 * index, verdict.normalised_error), count(2 * index + 1, verdict.normalised_depth_error);
   largest.normalised_error = std::max(largest.normalised_error, verdict.normalised_error);
   largest.normalised_depth_error = std::max(largest.normalised_depth_error, verdict.normalised_depth_error);
   if (!(verdict.normalised_error <= gate))
-    fail(Drawn::name, "normalised error", verdict.normalised_error, verdict.worst_pixel);
+    fail(drawn, Drawn::name, "normalised error", verdict.normalised_error, verdict.worst_pixel);
   if (!(verdict.normalised_depth_error <= gate))
-    fail(Drawn::name, "normalised error of depth", verdict.normalised_depth_error, verdict.worst_pixel);
+    fail(drawn, Drawn::name, "normalised error of depth", verdict.normalised_depth_error,
+         verdict.worst_pixel);
 }
 
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const StressCase drawn = fuzz::ratio_case(data, size);
-  if (std::getenv("SWIFTGS_FUZZ_PRINT")) fuzz::print(drawn);
   const ConditionedFrame reference = render_conditioned(drawn, 1, 1);
   draw_and_judge<AxisSharedThreshold<FloatCholesky>>(drawn, reference, 0);
   draw_and_judge<AxisShared<FloatSplit>>(drawn, reference, 1);
