@@ -64,13 +64,11 @@ void test_recorded(void) {
   swiftgs_renderer* const renderer = d.renderer;
   float* const recorded = make_floats(floats);
   swiftgs_report report = {0};
-  CHECK_INVALID(swiftgs_renderer_record(renderer, &report), "reserve");
-
   CHECK_OK(swiftgs_renderer_reserve(renderer, &d.frame, NULL));
   CHECK_INVALID(swiftgs_renderer_record(renderer, NULL), "memory for the report");
   CHECK_INVALID(swiftgs_renderer_record(NULL, &report), "renderer is NULL");
 
-  /* Another camera, other memory, the bits of a frame of its own. */
+  /* Another camera and other memory. */
   d.camera.translation[0] += 0.1;
   CHECK_OK(swiftgs_renderer_render_into(renderer, &d.frame));
   d.view.colour.data = recorded;
@@ -80,11 +78,6 @@ void test_recorded(void) {
   CHECK(report.visible > 0 && report.intersections >= report.visible && report.overflowed == 0);
   CHECK(same_floats(d.colour, recorded, floats));
 
-  const swiftgs_view two[2] = {d.view, d.view};
-  const swiftgs_frame more = make_frame(two, 2);
-  CHECK_INVALID(swiftgs_renderer_set_views(renderer, &more), "the number of views is 2");
-
-  /* Without enough capacity the report says how much was needed. */
   swiftgs_capacity capacity = {.size = sizeof(capacity), .splats = 1, .intersections = 1};
   CHECK_OK(swiftgs_renderer_reserve(renderer, &d.frame, &capacity));
   swiftgs_report overflowed = {0};
@@ -92,34 +85,22 @@ void test_recorded(void) {
   CHECK(overflowed.overflowed == 1 && overflowed.visible == report.visible);
   capacity.reserved = 1;
   CHECK_INVALID(swiftgs_renderer_reserve(renderer, &d.frame, &capacity), "reserved is 1");
-
   CHECK_INVALID(swiftgs_renderer_wait(NULL), "renderer is NULL");
   swiftgs_renderer_free(renderer);
 }
 
+/* What it finds, same_bits_test compares with the C++ interface. */
 void test_pick(void) {
   struct drawing d;
   set_up(&d, small_renderer);
-  swiftgs_renderer* const renderer = d.renderer;
-  swiftgs_picked middle = {0};
-  const int32_t x = small_width / 2, y = small_height / 2;
-  CHECK_ERROR(swiftgs_renderer_pick(renderer, 0, x, y, 1, 1, &middle), SWIFTGS_LOGIC_ERROR,
+  swiftgs_picked picked = {0};
+  CHECK_ERROR(swiftgs_renderer_pick(d.renderer, 0, 0, 0, 1, 1, &picked), SWIFTGS_LOGIC_ERROR,
               "pick: expected a frame before");
-
-  /* What it finds, same_bits_test compares with the C++ interface. */
-  CHECK_OK(swiftgs_renderer_render(renderer, &d.frame));
-  CHECK_OK(swiftgs_renderer_pick(renderer, 0, x, y, 1, 1, &middle));
-  CHECK(middle.gaussian < small_count && middle.weight > 0);
-
-  CHECK_INVALID(swiftgs_renderer_pick(renderer, 1, x, y, 1, 1, &middle), "pick: the view is number 1");
-  CHECK_INVALID(swiftgs_renderer_pick(renderer, 0, small_width, y, 1, 1, &middle), "pixels 64 to 64 along x");
-  CHECK_INVALID(swiftgs_renderer_pick(renderer, 0, x, INT32_MIN, 1, 1, &middle), "along y");
-  CHECK_INVALID(swiftgs_renderer_pick(renderer, 0, 0, 0, 65, 1, &middle),
-                "65 pixels along x, expected 1 to 64");
-  CHECK_INVALID(swiftgs_renderer_pick(renderer, 0, 0, 0, 1, 0, &middle), "0 pixels along y");
-  CHECK_INVALID(swiftgs_renderer_pick(NULL, 0, x, y, 1, 1, &middle), "renderer is NULL");
-  CHECK_INVALID(swiftgs_renderer_pick(renderer, 0, x, y, 1, 1, NULL), "picked is NULL");
-  swiftgs_renderer_free(renderer);
+  CHECK_OK(swiftgs_renderer_render(d.renderer, &d.frame));
+  CHECK_INVALID(swiftgs_renderer_pick(d.renderer, 0, 0, INT32_MIN, 1, 1, &picked), "along y");
+  CHECK_INVALID(swiftgs_renderer_pick(NULL, 0, 0, 0, 1, 1, &picked), "renderer is NULL");
+  CHECK_INVALID(swiftgs_renderer_pick(d.renderer, 0, 0, 0, 1, 1, NULL), "picked is NULL");
+  swiftgs_renderer_free(d.renderer);
 }
 
 void test_measures(void) {
@@ -144,8 +125,7 @@ void test_measures(void) {
   d.frame.measure = SWIFTGS_MEASURE_COUNTS | SWIFTGS_MEASURE_TIMES;
   CHECK_OK(swiftgs_renderer_render_into(renderer, &d.frame));
   CHECK_OK(swiftgs_renderer_times(renderer, &times));
-  CHECK(times.project > 0 && times.sort > 0 && times.raster > 0);
-  CHECK(fabs(times.project + times.sort + times.raster - times.total) < 1e-6 * times.total);
+  CHECK(times.project > 0 && times.sort > 0 && times.raster > 0 && times.total > times.raster);
   CHECK_OK(swiftgs_renderer_statistics(renderer, &statistics));
   CHECK(statistics.contributing_pairs > 0 && statistics.intersections_visited > 0 &&
         statistics.rows_visited > 0);
@@ -194,16 +174,11 @@ void test_gaussians(void) {
   swiftgs_renderer* const renderer = d.renderer;
   swiftgs_scene* const scene = make_scene();
   swiftgs_gaussians arrays = arrays_of(scene);
-  swiftgs_renderer* const others[] = {renderer, make_renderer("serial/standard/per-pixel/ellipse")};
-  const float* expected[2] = {NULL, NULL};
-  for (int i = 0; i < 2; ++i) {
-    d.renderer = others[i];
-    expected[i] = draw_plain(d.renderer, &d.camera);
-    CHECK_OK(swiftgs_renderer_set_gaussians(d.renderer, &arrays));
-    CHECK(draws(&d, expected[i]));
-    CHECK_OK(swiftgs_renderer_borrow_gaussians(d.renderer, &arrays));
-    CHECK(draws(&d, expected[i]));
-  }
+  const float* const expected = draw_plain(renderer, &d.camera);
+  CHECK_OK(swiftgs_renderer_set_gaussians(renderer, &arrays));
+  CHECK(draws(&d, expected));
+  CHECK_OK(swiftgs_renderer_borrow_gaussians(renderer, &arrays));
+  CHECK(draws(&d, expected));
 
   /* What is refused leaves the scene that was there. */
   CHECK_NULLS(swiftgs_renderer_set_gaussians, renderer, "renderer", &arrays, "swiftgs_gaussians");
@@ -212,12 +187,9 @@ void test_gaussians(void) {
   CHECK_INVALID(swiftgs_renderer_update_scene(renderer, 0, 0, &moved),
                 "update: the scene's arrays are the caller's, expected a scene that was uploaded");
   arrays.means.stride = 4;
-  CHECK_INVALID(swiftgs_renderer_set_gaussians(renderer, &arrays),
-                "scene: means: stride is 4 bytes, expected 0 or a multiple of 4 from 12");
-  d.renderer = renderer;
-  CHECK(draws(&d, expected[0]));
-  swiftgs_scene_free(scene);
-  swiftgs_renderer_free(others[0]), swiftgs_renderer_free(others[1]);
+  CHECK_INVALID(swiftgs_renderer_set_gaussians(renderer, &arrays), "scene: means: stride is 4 bytes");
+  CHECK(draws(&d, expected));
+  swiftgs_scene_free(scene), swiftgs_renderer_free(renderer);
 }
 
 /* Memory of a caller, which may run out. */

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <iterator>
 #include <memory>
 #include <new>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <string>
@@ -66,43 +68,98 @@ swiftgs_camera camera_of_c() {
   return camera;
 }
 
+/// Where a list writes a matrix that C++ has in columns.
+void copy_rows(const dmat3& from, double* to) {
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) to[3 * row + column] = from[column][row];
+}
+
+Scene with_features(Scene scene) {
+  scene.feature_channels = 4;
+  for (std::size_t i = 0; i < 4 * scene.size(); ++i) scene.features.push_back(float(i % 7) - 3);
+  return scene;
+}
+
+/// Before `plain_camera`: one that is smaller than a pixel at a depth of exactly 2 on the axis, a nearer one,
+/// two whose order by depth is not that by distance, and one that reaches into the image from the side.
+Scene scene_of_conventions() {
+  Scene scene = make_builtin_scene(5);
+  scene.means = {vec3(0, 0, 2), vec3(0.5f, 0.4f, 1.5f), vec3(-1.2f, 0.5f, 4), vec3(-0.2f, 0.1f, 4.1f),
+                 vec3(4, 0, 2.5f)};
+  scene.scales = {vec3(0.001f), vec3(0.1f), vec3(0.6f, 0.5f, 0.4f), vec3(0.6f, 0.5f, 0.4f), vec3(1.5f)};
+  scene.opacities = {0.5f, 0.9f, 0.9f, 0.8f, 0.9f};
+  return with_features(std::move(scene));
+}
+
+Camera plain_camera() {
+  Camera camera = builtin_camera(width, height);
+  camera.rotation = dmat3(1), camera.translation = {0, 0, 0};
+  camera.cx = width / 2 + 0.5, camera.cy = height / 2 + 0.5;
+  return camera;
+}
+
+swiftgs_camera in_c(const Camera& camera) {
+  swiftgs_camera to = camera_of_c();
+  to.fx = camera.fx, to.fy = camera.fy, to.cx = camera.cx, to.cy = camera.cy,
+  to.lens = int(camera.lens.model);
+  copy_rows(camera.rotation, to.rotation);
+  for (int axis = 0; axis < 3; ++axis) to.translation[axis] = camera.translation[axis];
+  std::copy_n(camera.lens.distortion.radial, 4, to.radial);
+  std::copy_n(camera.lens.distortion.rational, 3, to.rational);
+  std::copy_n(camera.lens.distortion.tangential, 2, to.tangential);
+  std::copy_n(camera.lens.distortion.prism, 2, to.prism);
+  return to;
+}
+
+swiftgs_gaussians in_c(const Scene& scene) {
+  auto arrays = sized<swiftgs_gaussians>();
+  arrays.count = scene.size(), arrays.sh_degree = scene.sh_degree;
+  arrays.feature_channels = scene.feature_channels;
+  arrays.means.data = &scene.means[0].x, arrays.scales.data = &scene.scales[0].x;
+  arrays.rotations.data = &scene.rotations[0].w, arrays.opacities.data = scene.opacities.data();
+  arrays.sh0.data = &scene.sh0[0].x, arrays.sh_rest.data = scene.sh_rest.data();
+  arrays.features.data = scene.features.data();
+  return arrays;
+}
+
 /// The same renderer of C++ and of C, with the same scene.
 struct Both {
-  explicit Both(const RendererEntry& entry) : cpp(entry.make()) {
-    Scene scene = make_builtin_scene(count);
-    scene.feature_channels = 4;
-    for (std::size_t i = 0; i < 4 * count; ++i) scene.features.push_back(float(i % 7) - 3);
-    const auto without = make_scene();
-    auto arrays = sized<swiftgs_gaussians>();
-    REQUIRE(swiftgs_scene_get_arrays(without.get(), &arrays) == SWIFTGS_OK);
-    arrays.features.data = scene.features.data(), arrays.feature_channels = scene.feature_channels;
+  explicit Both(const std::string& name, const Scene& scene = with_features(make_builtin_scene(count)))
+      : cpp(find_renderer(name).make()) {
+    const swiftgs_gaussians arrays = in_c(scene);
     swiftgs_renderer* made = nullptr;
-    REQUIRE(swiftgs_renderer_create(std::string(entry.name).c_str(), nullptr, &made) == SWIFTGS_OK);
+    REQUIRE(swiftgs_renderer_create(std::string(cpp->name()).c_str(), nullptr, &made) == SWIFTGS_OK);
     c.reset(made);
     REQUIRE(swiftgs_renderer_set_gaussians(made, &arrays) == SWIFTGS_OK);
-    cpp->set_scene(std::make_shared<const Scene>(std::move(scene)));
+    cpp->set_scene(std::make_shared<const Scene>(scene));
   }
 
-  /// Draws with both, checks that the planes have the same bits, and returns the frame of C++.
-  Frame compare(const Camera& camera, RenderSettings settings, const swiftgs_camera& given,
-                const swiftgs_conventions& conventions) {
+  /// Draws with both, checks that all planes have the same bits, and returns the frame of C++.
+  Frame compare(const Camera& camera, const Conventions& conventions, const swiftgs_conventions& given,
+                ShownScenes shows = {}) {
+    Outputs outputs;
     for_each_plane(
         [](std::size_t, auto& wanted) {
           if constexpr (!std::is_const_v<std::remove_reference_t<decltype(wanted)>>) wanted = true;
         },
-        settings.outputs);
-    settings.outputs.features = 3;
+        outputs);
+    outputs.features = 3;
     Frame expected, found;
-    cpp->render(camera, settings, expected);
+    View drawn =
+        make_view(camera, conventions, prepare(expected, width, height, outputs), vec3(0.1f, 0.2f, 0.3f));
+    drawn.shows = shows;
+    cpp->render_into({&drawn, 1});
     auto view = sized<swiftgs_view>();
-    view.camera = &given, view.conventions = &conventions;
-    view.feature_channels = settings.outputs.features;
+    const swiftgs_camera from = in_c(camera);
+    view.camera = &from, view.conventions = &given;
+    view.feature_channels = outputs.features;
+    view.first_shown = shows.first, view.shown_count = shows.count == ShownScenes{}.count ? 0 : shows.count;
     for_each_plane(
-        [](std::size_t, const auto& from, swiftgs_plane& to) {
-          to = {from.data, from.pitch};
+        [](std::size_t, const auto& of_view, swiftgs_plane& to) {
+          to = {of_view.data, of_view.pitch};
         },
-        prepare(found, width, height, settings.outputs), view);
-    for (int k = 0; k < 3; ++k) view.background[k] = settings.background[k];
+        prepare(found, width, height, outputs), view);
+    for (int k = 0; k < 3; ++k) view.background[k] = drawn.background[k];
     auto frame = sized<swiftgs_frame>();
     frame.views = &view, frame.count = 1;
     REQUIRE(swiftgs_renderer_render(c.get(), &frame) == SWIFTGS_OK);
@@ -115,6 +172,10 @@ struct Both {
         found, expected, plane_names);
     check_picks({.x = width / 2 - 5, .y = height / 2 - 3, .width = 9, .height = 7});
     return expected;
+  }
+
+  Frame compare(const Camera& camera, ShownScenes shows = {}) {
+    return compare(camera, {}, conventions_named("gsplat"), shows);
   }
 
   /// The last frames of both show the same Gaussians.
@@ -133,16 +194,37 @@ struct Both {
   std::unique_ptr<swiftgs_renderer, Free> c{};
 };
 
+/// Conventions of C++ and of C that are changed alike.
+struct Conventional {
+  Conventions cpp{};
+  swiftgs_conventions c = conventions_named("gsplat");
+};
+
+template <class T>
+void set(T& member, double value) {
+  member = static_cast<T>(value);
+}
+template <class T>
+void set(std::optional<T>& member, double value) {
+  member = static_cast<T>(value);
+}
+
+bool same_planes_of(const Frame& a, const Frame& b) {
+  bool same = true;
+  for_each_plane([&](std::size_t, const auto& of_a, const auto& of_b) { same = same && of_a == of_b; }, a, b);
+  return same;
+}
+
 }  // namespace
 
 TEST_CASE("c: frames have the bits of the C++ interface on every backend of the host") {
-  RenderSettings settings;
-  settings.background = vec3(0.1f, 0.2f, 0.3f);
-  settings.conventions = Conventions::inria();
+  std::set<std::string> backends;
   for (const RendererEntry& entry : renderers()) {
-    if (!entry.usable || entry.name.starts_with("cuda/") || !entry.name.ends_with("/ellipse")) continue;
-    CAPTURE(entry.name);
-    Both(entry).compare(builtin_camera(width, height), settings, camera_of_c(), conventions_named("inria"));
+    if (!entry.usable || entry.on_device) continue;
+    const std::string backend(entry.name.substr(0, entry.name.find('/')));
+    if (!backends.insert(backend).second) continue;
+    CAPTURE(backend);
+    Both(backend).compare(builtin_camera(width, height), Conventions::inria(), conventions_named("inria"));
   }
 }
 
@@ -157,72 +239,84 @@ TEST_CASE("c: every lens and measure of depth has the bits of the C++ interface"
                          {LensModel::fisheye, distortion},
                          {LensModel::orthographic, {}},
                          {LensModel::equirectangular, {}}};
-  constexpr Conventions::Depth depths[] = {Conventions::Depth::of_lens, Conventions::Depth::z,
-                                           Conventions::Depth::distance};
-  Both both(find_renderer("serial"));
+  Both both("serial");
   std::vector<Frame> all;
-  for (const Lens& lens : lenses)
-    for (const Conventions::Depth depth : depths) {
-      CAPTURE(name_of(lens.model));
-      CAPTURE(lens.is_distorted());
-      CAPTURE(int(depth));
-      Camera camera = builtin_camera(width, height);
-      camera.lens = lens;
-      if (lens.model == LensModel::orthographic) camera.fx = camera.fy = 15;
-      if (lens.model == LensModel::equirectangular) camera.fx = camera.fy = 20;
-      RenderSettings settings;
-      settings.conventions.depth = depth;
-      settings.conventions.depth_at = Conventions::DepthAt(all.size() % 2);
-      swiftgs_camera given = camera_of_c();
-      given.fx = camera.fx, given.fy = camera.fy, given.lens = int(lens.model);
-      std::copy_n(lens.distortion.radial, 4, given.radial);
-      std::copy_n(lens.distortion.rational, 3, given.rational);
-      std::copy_n(lens.distortion.tangential, 2, given.tangential);
-      std::copy_n(lens.distortion.prism, 2, given.prism);
-      swiftgs_conventions conventions = conventions_named("gsplat");
-      conventions.depth = int(depth), conventions.depth_at = int(settings.conventions.depth_at);
-      all.push_back(both.compare(camera, settings, given, conventions));
-    }
-  // The lenses show different images, and the measures different depths.
-  for (std::size_t i = 3; i < all.size(); i += 3) CHECK(all[i].colour != all[i - 3].colour);
-  for (std::size_t i = 0; i < all.size(); i += 3) CHECK(all[i + 1].depth != all[i + 2].depth);
+  for (const Lens& lens : lenses) {
+    CAPTURE(name_of(lens.model));
+    CAPTURE(lens.is_distorted());
+    Camera camera = builtin_camera(width, height);
+    camera.lens = lens;
+    if (lens.model == LensModel::orthographic) camera.fx = camera.fy = 15;
+    if (lens.model == LensModel::equirectangular) camera.fx = camera.fy = 20;
+    all.push_back(both.compare(camera));
+  }
+  for (std::size_t i = 1; i < all.size(); ++i) CHECK(all[i].colour != all[i - 1].colour);
+}
+
+TEST_CASE("c: each number of the conventions has the bits of the C++ interface") {
+  Both both("serial", scene_of_conventions());
+  Conventional changed;
+  Frame before = both.compare(plain_camera());
+  const Frame usual = before;
+  const auto compare = [&](const std::string& member) {
+    CAPTURE(member);
+    const Frame frame = both.compare(plain_camera(), changed.cpp, changed.c);
+    CHECK_FALSE(same_planes_of(frame, before));
+    before = frame;
+  };
+#define ALSO(member, value) set(changed.cpp.member, value), set(changed.c.member, value), compare(#member);
+#define CONVENTION(member, value) \
+  changed = {}, before = usual;   \
+  ALSO(member, value)
+#include "support/conventions.inc"
+#undef ALSO
+#undef CONVENTION
 }
 
 TEST_CASE("c: views into images of every format have the bits of the C++ interface") {
-  Both both(find_renderer("serial"));
+  Both both("serial");
   const Camera camera = builtin_camera(width, height);
-  const swiftgs_camera given = camera_of_c();
-  std::vector<float> occluder(width * height);
+  const swiftgs_camera given = camera_of_c(), other = in_c(plain_camera());
+  constexpr int part_width = 64, part_height = 40, left = 16, top = 16;
+  std::vector<float> occluder(part_width * part_height);
   for (std::size_t i = 0; i < occluder.size(); ++i) occluder[i] = i % 3 ? 1 : 0.98f;
   std::set<std::vector<std::byte>> all;
-  // Bottom row first, with gaps between rows. Half of the frames lie over an image and behind surfaces.
+  // A part of an image, bottom row first, with gaps between rows. Half of the frames lie over an image and
+  // behind surfaces. Beside it the frame has another camera's image.
   const auto draw = [&](int format, int conversion, bool over) {
-    const std::size_t row = width * bytes_per_pixel(PixelFormat(format)), pitch = row + 16;
-    std::vector<std::byte> expected(height * pitch, std::byte(60)), found = expected;
-    const auto last_row = [&](std::vector<std::byte>& image) { return &image[(height - 1) * pitch]; };
-    FrameView frame{.width = width,
-                    .height = height,
+    const std::size_t row = part_width * bytes_per_pixel(PixelFormat(format)), pitch = row + 16;
+    std::vector<std::byte> expected(part_height * pitch, std::byte(60)), found = expected;
+    const auto last_row = [&](std::vector<std::byte>& image) { return &image[(part_height - 1) * pitch]; };
+    FrameView frame{.width = part_width,
+                    .height = part_height,
                     .colour = {last_row(expected), -std::ptrdiff_t(pitch)},
                     .format = PixelFormat(format),
                     .over = over,
                     .conversion = Conversion(conversion)};
-    auto view = sized<swiftgs_view>();
+    swiftgs_view views[] = {sized<swiftgs_view>(), sized<swiftgs_view>()};
+    swiftgs_view& view = views[0];
     view.camera = &given, view.format = format, view.conversion = conversion, view.over = over;
+    view.width = part_width, view.height = part_height, view.left = left, view.top = top;
     view.colour = {last_row(found), -std::int64_t(pitch)};
     for (int k = 0; k < 3; ++k) view.background[k] = 0.25f * float(k);
     if (over) {
-      frame.occluder = {occluder.data(), sizeof(float) * width};
+      frame.occluder = {occluder.data(), sizeof(float) * part_width};
       frame.stored_depth = StoredDepth::perspective(0.1, 100);
-      view.occluder = {occluder.data(), sizeof(float) * width};
+      view.occluder = {occluder.data(), sizeof(float) * part_width};
       view.stored_depth = swiftgs_stored_perspective(0.1, 100);
     }
-    const View drawn = make_view(camera, Conventions::gsplat(), frame, vec3(0, 0.25f, 0.5f));
-    both.cpp->render_into({&drawn, 1});
+    Frame whole;
+    std::vector<float> whole_of_c(3 * width * height);
+    views[1].camera = &other, views[1].colour = {whole_of_c.data(), 3 * sizeof(float) * width};
+    const View drawn[] = {make_view(camera, Conventions::gsplat(), frame, vec3(0, 0.25f, 0.5f), {left, top}),
+                          make_view(plain_camera(), {}, prepare(whole, width, height, {}))};
+    both.cpp->render_into({drawn, 2});
     auto frame_of_c = sized<swiftgs_frame>();
-    frame_of_c.views = &view, frame_of_c.count = 1;
+    frame_of_c.views = views, frame_of_c.count = 2;
     REQUIRE(swiftgs_renderer_render(both.c.get(), &frame_of_c) == SWIFTGS_OK);
     CHECK(found == expected);
-    for (std::size_t y = 0; y < height; ++y)
+    CHECK(whole_of_c == whole.colour);
+    for (std::size_t y = 0; y < part_height; ++y)
       CHECK(std::all_of(&found[y * pitch + row], &found[y * pitch + row] + 16,
                         [](std::byte byte) { return byte == std::byte(60); }));
     all.insert(found);
@@ -265,19 +359,20 @@ TEST_CASE("c: where a scene lies and how a camera moves around it are those of t
   orbit.turn = 1, orbit.rise = 0.2, orbit.distance = 2;
   REQUIRE(swiftgs_camera_orbit(&camera, &orbit) == SWIFTGS_OK);
   const Camera moved = swiftgs::orbit(view, 1, 0.2, 2);
-  CHECK(camera.fx == moved.fx);
-  CHECK(numbers(camera.translation) == of(moved.translation));
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column)
-      CHECK(camera.rotation[3 * row + column] == moved.rotation[column][row]);
+  const swiftgs_camera wanted = in_c(moved);
+  CHECK(std::memcmp(&camera, &wanted, sizeof(camera)) == 0);
 }
 
-TEST_CASE("c: placed scenes have the bits of the C++ interface") {
-  Both both(find_renderer("serial"));
-  const auto scene = make_scene();
+TEST_CASE("c: scenes that are placed and updated have the bits of the C++ interface") {
+  Both both("serial");
+  const Scene added = with_features(make_builtin_scene(count));
+  const swiftgs_gaussians given_arrays = in_c(added);
+  swiftgs_scene* scene = nullptr;
+  REQUIRE(swiftgs_scene_from_arrays(&given_arrays, &scene) == SWIFTGS_OK);
   std::uint64_t number = 0;
-  REQUIRE(swiftgs_renderer_add_scene(both.c.get(), scene.get(), &number) == SWIFTGS_OK);
-  CHECK(number == both.cpp->add_scene(std::make_shared<const Scene>(make_builtin_scene(count))));
+  CHECK(swiftgs_renderer_add_scene(both.c.get(), scene, &number) == SWIFTGS_OK);
+  swiftgs_scene_free(scene);
+  CHECK(number == both.cpp->add_scene(std::make_shared<const Scene>(added)));
 
   const dmat3 turn = matrix_of(unit(DQuaternion{0.8, 0.3, -0.4, 0.2}));
   Placement placements[] = {{}, {.scene = 0, .world_from_scene = {turn, 1.25, dvec3(0.5, -0.5, 0.25)}}};
@@ -290,9 +385,7 @@ TEST_CASE("c: placed scenes have the bits of the C++ interface") {
 
   swiftgs_placement given[] = {sized<swiftgs_placement>(), sized<swiftgs_placement>()};
   const Placement& p = placements[1];
-  for (int row = 0; row < 3; ++row)
-    for (int column = 0; column < 3; ++column)
-      given[1].rotation[3 * row + column] = p.world_from_scene.rotation[column][row];
+  copy_rows(p.world_from_scene.rotation, given[1].rotation);
   given[1].scale = p.world_from_scene.scale, given[1].transparency = 1 - double(p.opacity);
   given[1].half_space_count = p.clip.half_space_count, given[1].radius = p.clip.radius;
   for (int k = 0; k < 3; ++k)
@@ -301,10 +394,30 @@ TEST_CASE("c: placed scenes have the bits of the C++ interface") {
   given[1].first = p.first, given[1].count = p.count, given[1].tint_amount = p.tint.amount;
   for (int k = 0; k < 3; ++k) given[1].tint[k] = p.tint.colour[k];
   REQUIRE(swiftgs_renderer_place(both.c.get(), given, 2) == SWIFTGS_OK);
-  const Frame frame =
-      both.compare(builtin_camera(width, height), {}, camera_of_c(), conventions_named("gsplat"));
+  const Camera camera = builtin_camera(width, height);
+  const Frame frame = both.compare(camera);
   const auto of_second = [](std::uint32_t id) { return id != no_gaussian && id >= count; };
   CHECK(std::count_if(frame.id.begin(), frame.id.end(), of_second) > 100);
+  CHECK(both.compare(camera, {0, 1}).colour != both.compare(camera, {1, 1}).colour);
+
+  // Each array of a range.
+  SceneArrays arrays{.count = 500};
+  arrays.means = {&added.means[1000].x}, arrays.scales = {&added.scales[900].x};
+  arrays.rotations = {&added.rotations[800].w}, arrays.opacities = {&added.opacities[700]};
+  arrays.sh0 = {&added.sh0[600].x}, arrays.sh_rest = {&added.sh_rest[45 * 500]}, arrays.sh_degree = 3;
+  auto update = sized<swiftgs_gaussians>();
+  update.count = arrays.count, update.sh_degree = 3;
+  const FloatArray* const from[] = {&arrays.means,     &arrays.scales, &arrays.rotations,
+                                    &arrays.opacities, &arrays.sh0,    &arrays.sh_rest};
+  swiftgs_array* const to[] = {&update.means,     &update.scales, &update.rotations,
+                               &update.opacities, &update.sh0,    &update.sh_rest};
+  for (int k = 0; k < 6; ++k) to[k]->data = from[k]->data;
+  both.cpp->update_scene(number, 200, arrays);
+  REQUIRE(swiftgs_renderer_update_scene(both.c.get(), number, 200, &update) == SWIFTGS_OK);
+  given[1].scene = number, placements[1].scene = number;
+  both.cpp->place({placements, 2});
+  REQUIRE(swiftgs_renderer_place(both.c.get(), given, 2) == SWIFTGS_OK);
+  CHECK(both.compare(camera).colour != frame.colour);
 }
 
 TEST_CASE("c: the table has the renderers of the C++ interface in their order") {
