@@ -5,6 +5,7 @@ A run whose tests were all skipped ends with 77 and a line 'skipped: REASON', wh
 """
 import os
 import pathlib
+import re
 import subprocess
 import sys
 import threading
@@ -69,6 +70,18 @@ def fox():
 def arrays_of(scene, chosen=slice(None)):
     """Arrays of some of a scene's Gaussians."""
     return {name: getattr(scene, name)[chosen] for name in ARRAYS}
+
+
+def listed(kind, columns):
+    """Lines of a list in tests/support, which all interfaces read: its words, and numbers where they are numbers."""
+    def number(word):
+        try:
+            return int(word)
+        except ValueError:
+            return float(word) if re.fullmatch(r"[-\d.e]+|NAN|INFINITY", word) else word
+
+    lines = re.findall(r"^(\w+)\((.*)\)$", (ROOT / "tests/support" / kind).read_text(), re.MULTILINE)
+    return [(macro, *(number(word.strip(' "')) for word in words.split(",", columns - 1))) for macro, words in lines]
 
 
 def seen_from(*eye):

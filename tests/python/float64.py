@@ -44,50 +44,11 @@ def basis(d):
         -0.5900435899266435 * x * (xx - 3 * yy)], axis=-1)
 
 
-def plane(at, model="perspective", radial=(), rational=(), tangential=(), prism=()):
-    """[N, 2] where a lens shows points [N, 3] of camera space, before focal lengths: as OpenCV has it."""
-    x, y, z = at.T
-    across = np.hypot(x, y)
-    factor = {"perspective": 1 / np.where(z == 0, 1, z), "orthographic": np.ones_like(z),
-              "fisheye": np.where(across > 0, np.arctan2(across, z) / np.where(across > 0, across, 1), 1 / z)}[model]
-    u, v = x * factor, y * factor
-    k, q = np.zeros(4), np.zeros(3)
-    k[:len(radial)], q[:len(rational)] = radial, rational
-    (p0, p1), (s0, s1) = tangential or (0, 0), prism or (0, 0)
-    rr = u * u + v * v
-    grown = (1 + k[0] * rr + k[1] * rr ** 2 + k[2] * rr ** 3 + k[3] * rr ** 4) / (
-        1 + q[0] * rr + q[1] * rr ** 2 + q[2] * rr ** 3)
-    return np.stack([u * grown + 2 * p0 * u * v + p1 * (rr + 2 * u * u) + s0 * rr,
-                     v * grown + p0 * (rr + 2 * v * v) + 2 * p1 * u * v + s1 * rr], axis=-1)
-
-
-def derivatives(at, lens):
-    """[N, 2, 3] of `plane` by the point of camera space."""
-    step = 1e-6 * np.linalg.norm(at, axis=1)[:, None]
-    return np.stack([(plane(at + step * axis, **lens) - plane(at - step * axis, **lens)) / (2 * step)
-                     for axis in np.eye(3)], axis=-1)
-
-
-def shown_tangents(K, width, height, lens):
-    """Least and largest tangents along both axes that the border of the image shows, for mild distortion."""
-    t = np.linspace(0, 1, 65)
-    border = np.concatenate([np.stack(side, axis=-1) for side in (
-        (t, 0 * t), (t, 0 * t + 1), (0 * t, t), (0 * t + 1, t))]) * (width, height)
-    wanted = (border - (K[0, 2], K[1, 2])) / (K[0, 0], K[1, 1])
-    found = wanted.copy()
-    for _ in range(200):
-        found += 0.5 * (wanted - plane(np.column_stack([found, np.ones(len(found))]), **lens))
-    assert np.abs(wanted - plane(np.column_stack([found, np.ones(len(found))]), **lens)).max() < 1e-12
-    return found.min(axis=0), found.max(axis=0)
-
-
-def seen_by(scene, turn, move, lens):
+def seen_by(scene, turn, move):
     """What a camera sees: positions [N, 3] and half axes [N, 3, 3] in camera space, opacities and colours."""
     means, quats, scales, opacities, sh = (np.asarray(a, np.float64) for a in scene)
     at = means @ turn.T + move
     seen = (at[:, 2] >= NEAR) & (opacities >= ALPHA_MIN)
-    if lens and lens.get("model", "perspective") == "perspective":
-        seen[seen] = np.linalg.det(derivatives(at[seen], lens)[:, :, :2]) > 0  # the rest lies beyond the fold-over
     quats, scales, opacities, sh, at = (a[seen] for a in (quats, scales, opacities, sh, at))
 
     w, x, y, z = (quats / np.linalg.norm(quats, axis=1, keepdims=True)).T
@@ -101,11 +62,10 @@ def seen_by(scene, turn, move, lens):
     return at, turn @ (rotation * scales[:, None, :]), opacities, colour
 
 
-def render(means, quats, scales, opacities, sh, viewmat, K, width, height, lens=None, rules=(GSPLAT,)):
-    """[height, width, 3] in float64, on black, or one such image for each of several rules. `lens` are arguments of
-    `plane`."""
+def render(means, quats, scales, opacities, sh, viewmat, K, width, height, rules=(GSPLAT,)):
+    """[height, width, 3] in float64, on black, or one such image for each of several rules."""
     viewmat, K = (np.asarray(a, np.float64) for a in (viewmat, K))
-    at, axes, opacities, colour = seen_by((means, quats, scales, opacities, sh), viewmat[:3, :3], viewmat[:3, 3], lens)
+    at, axes, opacities, colour = seen_by((means, quats, scales, opacities, sh), viewmat[:3, :3], viewmat[:3, 3])
 
     # Covariances in the image: J A A' J' of half axes A, with x/z and y/z cut where they lie far beside the image.
     fx, fy, cx, cy = K[0, 0], K[1, 1], K[0, 2], K[1, 2]
@@ -117,20 +77,10 @@ def render(means, quats, scales, opacities, sh, viewmat, K, width, height, lens=
     zero = np.zeros_like(depth)
     jacobian = np.stack([fx / depth, zero, -fx * cut[0] / depth, zero, fy / depth, -fy * cut[1] / depth],
                         axis=-1).reshape(-1, 2, 3)
-    if lens:
-        where = at
-        if lens.get("model", "perspective") == "perspective":
-            least, most = shown_tangents(K, width, height, lens)
-            beyond = MARGIN * 0.5 * (most - least)
-            tangents = np.clip(at[:, :2] / depth[:, None], least - beyond, most + beyond)
-            where = np.column_stack([tangents, np.ones(len(at))]) * depth[:, None]
-        jacobian = derivatives(where, lens) * np.array([fx, fy])[:, None]
     half = jacobian @ axes
     a, b, c = (half[:, 0] ** 2).sum(1) + BLUR, (half[:, 0] * half[:, 1]).sum(1), (half[:, 1] ** 2).sum(1) + BLUR
     determinant = a * c - b * b
     centre = np.stack([fx * at[:, 0] / depth + cx, fy * at[:, 1] / depth + cy], axis=-1)
-    if lens:
-        centre = plane(at, **lens) * (fx, fy) + (cx, cy)
 
     order = np.argsort(depth.astype(np.float32), kind="stable")
     a, b, c, determinant, opacities, colour, centre = (

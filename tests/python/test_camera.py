@@ -1,15 +1,17 @@
 # SPDX-License-Identifier: Apache-2.0
 """Cameras and conventions."""
 import copy
+import ctypes
 import dataclasses
 import json
 import pickle
-import re
 
 import numpy as np
 import pytest
 
 import swiftgs
+from conftest import listed
+from swiftgs import _c
 
 
 def test_a_camera_has_what_it_was_made_of():
@@ -69,11 +71,10 @@ def test_a_camera_comes_from_matrices_and_gives_them():
     assert isinstance(stored, swiftgs.StoredDepth) and np.allclose(stored, swiftgs.StoredDepth.perspective(1, 3))
     for found, wanted in zip(camera.matrices(1, 3, "opengl"), opengl()):
         assert np.allclose(found, wanted)
-    for clip_space in ("opengl", "vulkan", "direct3d"):
-        for depths in ((0.1, np.inf), (1e4, 0.1)):
-            back, stored = swiftgs.Camera.from_projection(*camera.matrices(*depths, clip_space), 200, 100, clip_space)
-            assert np.allclose(back.viewmat, camera.viewmat) and np.allclose(back.K, camera.K)
-            assert np.allclose(stored, swiftgs.StoredDepth.perspective(*depths), rtol=1e-9)
+    for clip_space in ("vulkan", "direct3d"):
+        back, stored = swiftgs.Camera.from_projection(*camera.matrices(1e4, 0.1, clip_space), 200, 100, clip_space)
+        assert np.allclose(back.viewmat, camera.viewmat) and np.allclose(back.K, camera.K)
+        assert np.allclose(stored, swiftgs.StoredDepth.perspective(1e4, 0.1), rtol=1e-9)
 
 
 def test_a_camera_moves_around_a_point():
@@ -82,30 +83,6 @@ def test_a_camera_moves_around_a_point():
     assert np.allclose(view.orbit(np.pi / 2).position, [4, 0, 0])
     assert np.allclose(view.orbit(0, np.pi / 4, 0.5).position, [0, -2**0.5, -2**0.5])
     assert np.allclose(swiftgs.OrbitView(camera, [0, 0, 1], [0, 3, 0]).orbit(np.pi / 2).position, [-5, 0, 1])
-
-
-@pytest.mark.parametrize("make, text", [
-    (lambda: swiftgs.Camera.from_projection(np.eye(3), np.eye(4), 4, 4, "opengl"), "view has the shape (3, 3)"),
-    (lambda: swiftgs.Camera.from_projection(*opengl(), 4, 4, "metal"),
-     "clip_space is 'metal', expected one of opengl, vulkan, direct3d"),
-    (lambda: swiftgs.Camera.from_projection(opengl()[0].T, opengl()[1], 4, 4, "opengl"),
-     "view: row 3 is (0, 0, -4, 1), expected (0, 0, 0, 1)"),
-    (lambda: swiftgs.Camera(4, 4, 1).matrices(1, 1, "vulkan"), "expected two numbers above 0 that differ"),
-    (lambda: swiftgs.OrbitView(swiftgs.Camera(4, 4, 1), (0, 0, 1), (0, 0, 0)).orbit(1), "up is (0.0, 0.0, 0.0)"),
-    (lambda: swiftgs.OrbitView(swiftgs.Camera(4, 4, 1), (0, 0, 1)).orbit(np.nan), "finite angles"),
-    (lambda: swiftgs.Camera(0, 4, 1), "expected a width and a height above 0"),
-    (lambda: swiftgs.Camera(4, 4, 1, rotation=np.eye(2)), "rotation has the shape (2, 2), expected (3, 3)"),
-    (lambda: swiftgs.Camera(4, 4, 1, translation=(0, 0)), "translation has the shape (2,), expected (3,)"),
-    (lambda: swiftgs.Camera(4, 4, 1, model="pinhole"), "model is 'pinhole', expected one of perspective, fisheye"),
-    (lambda: swiftgs.Camera(4, 4, 1, radial=(1, 2, 3, 4, 5)), "radial has the shape (5,), expected at most 4 numbers"),
-    (lambda: swiftgs.Camera(4, 4, 1, prism=1), "prism has the shape (), expected at most 2 numbers"),
-    (lambda: swiftgs.Camera.from_matrices(np.eye(3), np.eye(3), 4, 4), "viewmat has the shape (3, 3), expected (4, 4)"),
-    (lambda: swiftgs.Camera.look_at((0, 0, 0), (0, 0, 1), width=4, height=4, vertical_fov=4), "vertical_fov is 4"),
-    (lambda: swiftgs.Camera(4, 4, 1).scaled(0), "a finite scale above 0"),
-    (lambda: swiftgs.load_cameras("/"), "/")])
-def test_what_is_no_camera_is_refused(make, text):
-    with pytest.raises(ValueError, match=re.escape(text)):
-        make()
 
 
 def test_cameras_of_a_file(tmp_path):
@@ -140,12 +117,12 @@ def test_conventions_are_those_of_the_library():
     assert inria.near_plane == pytest.approx(0.2) and inria.clamp == "around-centre" and inria.cull_at_near
     with pytest.raises(swiftgs.InvalidArgument, match="nobody"):
         swiftgs.Conventions.named("nobody")
-    frame = swiftgs.Frame.empty(4, 4, conventions=dataclasses.replace(inria, blur=0.5))
-    assert frame._conventions.blur == 0.5 and frame._conventions.clamp == 1
-    for index, depth in enumerate(("of-lens", "z", "distance")):
-        frame = swiftgs.Frame.empty(4, 4, conventions=dataclasses.replace(inria, depth=depth))
-        assert frame._conventions.depth == index
-    for bad, kind in ((3, TypeError), (dataclasses.replace(inria, clamp="no"), ValueError),
-                      (dataclasses.replace(inria, depth="y"), ValueError)):
-        with pytest.raises(kind):
-            swiftgs.Frame.empty(4, 4, conventions=bad)
+
+
+def test_each_number_of_the_conventions_reaches_the_library():
+    words, given = {"clamp": _c.CLAMPS, "depth": _c.DEPTHS, "depth_at": _c.DEPTHS_AT, "order": _c.ORDERS,
+                    "colours": _c.COLOURS, "antialiased": (False, True)}, {}
+    for macro, member, value in listed("conventions.inc", 2):
+        given = {**(given if macro == "ALSO" else {}), member: words[member][value] if member in words else value}
+        struct = swiftgs.Frame.empty(4, 4, conventions=swiftgs.Conventions(**given))._conventions
+        assert getattr(struct, member) == value and struct.size == ctypes.sizeof(struct)

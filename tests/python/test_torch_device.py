@@ -103,7 +103,7 @@ def test_a_graph_draws_the_poses_that_torch_writes(scene, camera):
     frame = swiftgs.Frame(colour)
     torch.cuda.synchronize()
     renderer.reserve(camera, frame, splats=4000, intersections=400_000)
-    translations, opacities = (torch.as_tensor(array, device="cuda") for array in renderer.recorded_scenes[2:])
+    translations, opacities = (torch.as_tensor(array, device="cuda") for array in renderer.recorded_scenes[2:4])
     assert translations.shape == (2, 3) and translations.dtype == torch.float64 and opacities.tolist() == [1, 1]
     graph = torch.cuda.CUDAGraph()
     step = torch.tensor([0.125, 0, 0], dtype=torch.float64, device="cuda")
