@@ -9,6 +9,7 @@
 #include <doctest/doctest.h>
 
 #include "read/distinct_files.hpp"
+#include "read/placed_input.hpp"
 #include "result_file.hpp"
 #include "shell_word.hpp"
 
@@ -52,6 +53,35 @@ TEST_CASE("distinct files: an output that is an input or an output before is nam
                        "--json ./c: expected another file than that of SCENE, c", std::invalid_argument);
   CHECK_THROWS_WITH_AS(require_distinct({{"--out", "a"}, {"--json", "a"}}, {{"SCENE", "c"}}),
                        "--json a: expected another file than that of --out", std::invalid_argument);
+}
+
+TEST_CASE("cli placed: what a list says is placed relative to the origins of the scene and of the world") {
+  using swiftgs::dvec3;
+  const swiftgs::dmat3 turn{dvec3(0, 0, -1), dvec3(0, 1, 0), dvec3(1, 0, 0)};
+  const swiftgs::ListedScene listed{.file = "a.ply",
+                                    .world_from_scene = {turn, 2, dvec3(1, 2, 3)},
+                                    .opacity = 0.5f,
+                                    .tint = {swiftgs::vec3(1, 2, 3), 0.25f},
+                                    .half_spaces = {{dvec3(0, 2, 0), 5}, {dvec3(1, 0, 0), -1}},
+                                    .sphere = swiftgs::Sphere{dvec3(101, 2, 3), 4},
+                                    .first = 6,
+                                    .count = 7};
+  const swiftgs::Placement p = placement_of(listed, 3, dvec3(100, 10, 0), dvec3(0, 20, 0));
+  CHECK(p.scene == 3);
+  CHECK(p.world_from_scene.rotation == turn);
+  CHECK(p.world_from_scene.scale == 2);
+  CHECK(p.world_from_scene.translation == dvec3(1, 2, -197));  // of the origin, less the world's
+  CHECK(p.opacity == 0.5f);
+  CHECK(p.tint.colour == swiftgs::vec3(1, 2, 3));
+  CHECK(p.tint.amount == 0.25f);
+  CHECK(p.clip.half_space_count == 2);
+  CHECK(p.clip.half_spaces[0] == swiftgs::vec4(0, 2, 0, 15));
+  CHECK(p.clip.half_spaces[1] == swiftgs::vec4(1, 0, 0, 101));
+  CHECK(p.clip.centre == swiftgs::vec3(1, -8, 3));
+  CHECK(p.clip.radius == 4);
+  CHECK(p.first == 6);
+  CHECK(p.count == 7);
+  CHECK(placement_of({.file = "a.ply", .visible = false}, 0, dvec3(0), dvec3(0)).count == 0);
 }
 
 TEST_CASE("shell word: a plain word stays, an empty one is quoted, and a shell gives back every character") {

@@ -115,10 +115,7 @@ TEST_CASE("cli layouts: millimetre splats ten thousand kilometres from zero are 
   CHECK(std::count(near.pixels.begin(), near.pixels.end(), 0.0f) < std::ptrdiff_t(near.pixels.size()));
   CHECK(near.pixels == read_image(place / "renders/far.pfm").pixels);
 
-  // Views that are found, and what is judged by cameras.
-  run(place, "render near.ply --format pfm --scale 0.25 --out a");
-  run_noting(place, "render far.ply --format pfm --scale 0.25 --out b");
-  CHECK(read_image(place / "a/view.pfm").pixels == read_image(place / "b/view.pfm").pixels);
+  // What is judged by cameras.
   run_noting(place, "prune far.ply --out far-pruned.ply --cameras far.json --views 0 --keep 0.5");
   run(place, "prune near.ply --out near-pruned.ply --cameras near.json --views 0 --keep 0.5");
   CHECK(load_scene(place / "far-pruned.ply").means == load_scene(place / "near-pruned.ply").means);
@@ -140,10 +137,4 @@ TEST_CASE("cli layouts: convert moves scenes to places that float cannot hold an
   run_noting(place, "convert far.ply back.ply --transform move:-10000000,6378137,-4000000");
   CHECK(load_scene(place / "back.ply").origin == dvec3(0));
   CHECK(load_scene(place / "back.ply").means == near.means);
-  run_noting(place, "convert far.ply there.ply both.ply --crop box:0,-1e9,0,10000000,1e9,1e9");
-  const swiftgs::Scene both = load_scene(place / "both.ply");
-  CHECK(both.size() > 100);
-  CHECK(both.size() < 700);
-  CHECK(std::all_of(both.means.begin(), both.means.end(),
-                    [&](const vec3& mean) { return both.origin.x + double(mean.x) <= far.x; }));
 }

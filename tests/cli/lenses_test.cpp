@@ -72,19 +72,14 @@ TEST_CASE("cli lenses: an orthographic view shows the middle of the scene at its
     CHECK(orthographic[i] == doctest::Approx(perspective[i]).epsilon(1e-4));
 }
 
-TEST_CASE("cli lenses: a panorama is twice as wide as high and shows what is behind the camera") {
+TEST_CASE("cli lenses: a panorama is twice as wide as high and has depths by distance") {
   const TemporaryFolder place;
   const Image panorama = front(place, "--scale 0.1 --panorama --json all.json");
   CHECK(panorama.width == 128);
   CHECK(panorama.height == 64);
   CHECK(json_in(place / "all.json")["rows"][0]["lens"] == "equirectangular");
-  CHECK(front(place, "--scale 0.1 --panorama --lens equirectangular").pixels == panorama.pixels);
   CHECK(front(place, "--scale 0.1 --panorama --depth-by distance").pixels == panorama.pixels);
-  // The built-in scene lies in front of the camera, with ground all around.
-  const Image by_z = front(place, "--scale 0.1 --panorama --depth-by z");
-  CHECK(covered(by_z) > 0.02);
-  CHECK(covered(by_z) <= covered(panorama));
-  CHECK(by_z.pixels != panorama.pixels);
+  CHECK(front(place, "--scale 0.1 --panorama --depth-by z").pixels != panorama.pixels);
 }
 
 TEST_CASE("cli lenses: unknown names are refused with what is expected") {

@@ -84,24 +84,6 @@ TEST_CASE("cli prune: views that are left out are compared with their photograph
         doctest::Approx(result["after"]["unpruned_psnr_db"].get<double>()).epsilon(0.01));
 }
 
-TEST_CASE("cli prune: a scene of one Gaussian and a scene of none stay what they are") {
-  const TemporaryFolder place;
-  write_scene(place / "none.ply", swiftgs::Scene());
-  run(place, "prune none.ply --keep 0.5 --score opacity-volume --out small.ply");
-  CHECK(swiftgs::load_scene(place / "small.ply").size() == 0);
-  run(place, "prune builtin:1 --keep 0.1 --score opacity-volume --out small.ply" + small_views);
-  CHECK(swiftgs::load_scene(place / "small.ply").size() == 1);
-}
-
-TEST_CASE("cli prune: a scene that was trained with anti-aliasing stays one") {
-  const TemporaryFolder place;
-  swiftgs::Scene scene = swiftgs::make_builtin_scene(50);
-  scene.model.antialiased = true;
-  write_scene(place / "scene.ply", scene);
-  run(place, "prune scene.ply --keep 0.5 --score opacity-volume --out small.ply");
-  CHECK(swiftgs::load_scene(place / "small.ply").model.antialiased);
-}
-
 TEST_CASE("cli prune: nothing is written in the place of what is read or of another result") {
   const TemporaryFolder place;
   write_scene(place / "scene.ply", swiftgs::make_builtin_scene(100));
