@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -41,81 +42,95 @@ TEST_CASE("mpi frames: each policy draws the bits of one process") {
   compare_every_policy(scene, part_of(scene, own_part()), some_cameras());
 }
 
-TEST_CASE("mpi frames: depths that are equal are drawn in the order of the whole scene") {
-  // Layers of different colours at one depth; neighbours lie on different ranks.
+namespace {
+
+/// Layers of different colours at one depth; neighbours lie on different ranks.
+Scene equal_depths() {
   Scene scene;
-  constexpr std::size_t layers = 24;
-  for (std::size_t i = 0; i < layers; ++i) {
+  for (std::size_t i = 0; i < 24; ++i) {
     scene.means.push_back(vec3(0.01f * float(i % 3), 0.02f * float(i % 5), 4));
     scene.scales.push_back(vec3(0.5f));
     scene.rotations.push_back({});
     scene.opacities.push_back(0.4f);
     scene.sh0.push_back(vec3(i % 2 ? 1.5f : -1.5f, float(i % 7) - 3, float(i % 5) - 2));
   }
-  Camera camera = look_at(dvec3(0), dvec3(0, 0, 1), dvec3(0, -1, 0), 0.8, 100, 90);
-  compare<Cpu, EarlySort, PerPixel, Ellipse>(scene, {camera}, 2);
-  compare<Cpu, StandardSort, PerPixel, OpacityBox>(scene, {camera}, 2);
+  return scene;
 }
 
-TEST_CASE("mpi frames: panoramas and other lenses beside them are the same") {
-  const Camera panorama = builtin_panorama();
-  Camera fisheye = builtin_camera(96, 96);
-  fisheye.lens.model = LensModel::fisheye, fisheye.fx = fisheye.fy = 30;
-  const Scene scene = make_builtin_scene(3'000);
-  compare<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, {panorama, fisheye, panorama},
-                                                                       2);
-  compare<Serial, StandardSort, PerPixel, Obb>(scene, {fisheye, panorama}, 2);
+/// Takes from a splat what a float may hold of its colour, which hides it.
+void hide(Scene& scene, std::size_t i) {
+  scene.sh0[i] = vec3(3e38f), std::fill_n(scene.sh_rest.begin() + std::ptrdiff_t(45 * i), 45, 3e38f);
 }
 
-TEST_CASE("mpi frames: scenes are drawn as they were trained") {
-  Scene scene = with_features(make_builtin_scene(2'000));
-  scene.model = {
-      .blur = 0.1f, .antialiased = true, .order = SplatOrder::distance, .colours = ColourSpace::linear};
-  Camera wide = builtin_camera(120, 80);
-  wide.fx *= 0.4, wide.fy *= 0.4;
-  compare<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, part_of(scene, own_part()),
-                                                                       {wide}, 2, all_planes());
-}
-
-TEST_CASE("mpi frames: all planes are the same") {
-  const Scene scene = with_features(make_builtin_scene(3'000)), own = part_of(scene, own_part());
-  compare<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, own, some_cameras(), 2,
-                                                                       all_planes());
-}
-
-TEST_CASE("mpi frames: parts may be empty and hold other bands of harmonics than the whole") {
-  Scene scene = make_builtin_scene(900);
-  // All but the last third lose their harmonics: the ranks' parts have unlike degrees.
-  std::fill(scene.sh_rest.begin(), scene.sh_rest.begin() + 45 * 600, 0.0f);
-  compare<Cpu, EarlySort, PerPixel, Ellipse>(scene, {builtin_camera(120, 80)}, 2);
-  compare<Cpu, EarlySort, PerPixel, Ellipse>(part_of(scene, {0, 300}), {builtin_camera(120, 80)}, 2);
-  compare<Cpu, EarlySort, PerPixel, Ellipse>(Scene{}, {builtin_camera(120, 80)}, 2);
-  // Fewer rows of tiles than ranks.
-  compare<Cpu, EarlySort, PerPixel, Ellipse>(scene, {builtin_camera(200, 17)}, 2);
-}
-
-TEST_CASE("mpi frames: splats that are hidden or as wide as the image are the same") {
+/// Splats as wide as the image, and hidden ones.
+Scene wide_and_hidden() {
   Scene scene = make_builtin_scene(500);
   for (std::size_t i = 0; i < scene.size(); i += 25) scene.scales[i] *= 300.0f;
-  for (std::size_t i = 3; i < scene.size(); i += 10)
-    scene.sh0[i] = vec3(3e38f), scene.sh_rest[45 * i + 3] = 3e38f, scene.sh_rest[45 * i] = -3e38f;
-  compare<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, {builtin_camera(400, 300)}, 2);
-  compare<Serial, StandardSort, PerPixel, Obb>(scene, {builtin_camera(400, 300)}, 2);
+  for (std::size_t i = 3; i < scene.size(); i += 10) hide(scene, i);
+  return scene;
 }
 
-TEST_CASE("mpi frames: a splat that is hidden is so in every strip whichever rank projects it") {
-  const Camera camera = look_at(dvec3(0), dvec3(0, 0, 1), dvec3(0, -1, 0), 0.8, 100, 90);
-  const auto ranks = std::size_t(ranks_here().size());
-  for (std::size_t rank = 0; rank < ranks; ++rank) {
-    Scene scene = make_builtin_scene(300);
-    for (std::size_t i = 0; i < scene.size(); ++i) scene.means[i].z = 5;
-    const std::size_t hidden = ScenePart{rank, ranks}.range(scene.size()).begin;
-    scene.means[hidden] = vec3(0, 0, 4), scene.scales[hidden] = vec3(3), scene.opacities[hidden] = 0.9f;
-    // No float holds its colour.
-    scene.sh0[hidden] = vec3(3e38f);
-    std::fill_n(scene.sh_rest.begin() + std::ptrdiff_t(45 * hidden), 45, 3e38f);
-    compare<Cpu, EarlySort, PerPixel, Ellipse>(scene, {camera}, 1);
+/// Before all others one that is hidden, the first of the part of `rank`.
+Scene hidden_on(std::size_t rank) {
+  Scene scene = make_builtin_scene(300);
+  for (std::size_t i = 0; i < scene.size(); ++i) scene.means[i].z = 5;
+  const std::size_t i = ScenePart{rank, std::size_t(ranks_here().size())}.range(scene.size()).begin;
+  scene.means[i] = vec3(0, 0, 4), scene.scales[i] = vec3(3), scene.opacities[i] = 0.9f;
+  hide(scene, i);
+  return scene;
+}
+
+Scene as_trained() {
+  Scene scene = make_builtin_scene(2'000);
+  scene.model = {
+      .blur = 0.1f, .antialiased = true, .order = SplatOrder::distance, .colours = ColourSpace::linear};
+  return scene;
+}
+
+/// All but the last third lose their harmonics: the ranks' parts have unlike degrees.
+Scene unlike_degrees() {
+  Scene scene = make_builtin_scene(900);
+  std::fill(scene.sh_rest.begin(), scene.sh_rest.begin() + 45 * 600, 0.0f);
+  return scene;
+}
+
+}  // namespace
+
+TEST_CASE("mpi frames: all planes of every kind of scene and view have the bits of one process") {
+  struct Case {
+    const char* name;
+    Scene scene;
+    std::vector<Camera> cameras;
+  };
+  const Camera ahead = look_at(dvec3(0), dvec3(0, 0, 1), dvec3(0, -1, 0), 0.8, 100, 90);
+  Camera fisheye = builtin_camera(96, 96), wide = builtin_camera(120, 80);
+  fisheye.lens.model = LensModel::fisheye, fisheye.fx = fisheye.fy = 30;
+  wide.fx *= 0.4, wide.fy *= 0.4;
+  std::vector<Case> cases{
+      {"views of unlike sizes", make_builtin_scene(3'000), some_cameras()},
+      {"lenses", make_builtin_scene(3'000), {builtin_panorama(), fisheye, builtin_panorama()}},
+      {"a model of its own", as_trained(), {wide}},
+      {"equal depths", equal_depths(), {ahead}},
+      {"splats that are wide or hidden", wide_and_hidden(), {builtin_camera(200, 150)}},
+      {"unlike degrees", unlike_degrees(), {builtin_camera(120, 80)}},
+      {"fewer rows of tiles than ranks", unlike_degrees(), {builtin_camera(200, 17)}},
+      {"no Gaussians", {}, {builtin_camera(120, 80)}},
+  };
+  for (int rank = 0; rank < ranks_here().size(); ++rank)
+    cases.push_back({"one that is hidden on any rank", hidden_on(std::size_t(rank)), {ahead}});
+  for (const Case& each : cases) {
+    const std::string name = each.name;
+    CAPTURE(name);
+    const Scene scene = with_features(each.scene), own = part_of(scene, own_part());
+    compare<Cpu, EarlySort, PerPixel, Ellipse>(scene, own, each.cameras, 2, all_planes());
+    compare<Serial, StandardSort, AxisSharedThreshold<FloatSplit>, Obb>(scene, own, each.cameras, 1,
+                                                                        all_planes());
   }
+  // One rank has all.
+  const Scene scene = with_features(make_builtin_scene(900)), none = part_of(scene, {0, 65535});
+  for (int holder = 0; holder < ranks_here().size(); ++holder)
+    compare<Cpu, EarlySort, PerPixel, Ellipse>(scene, ranks_here().rank() == holder ? scene : none,
+                                               {builtin_camera(120, 80)}, 2, all_planes());
 }
 
 TEST_CASE("mpi frames: messages that are cut bring the same bits") {

@@ -44,18 +44,6 @@ struct ViewInto {
 
 }  // namespace
 
-TEST_CASE("mpi planes: each plane of several views has the bits of one process") {
-  Scene scene = with_features(make_builtin_scene(2'000));
-  // No float holds the colours of some, which hides them.
-  for (std::size_t i = 0; i < scene.size(); i += 40)
-    scene.sh0[i] = vec3(3e38f), std::fill_n(scene.sh_rest.begin() + std::ptrdiff_t(45 * i), 45, 3e38f);
-  const Scene own = part_of(scene, own_part());
-  std::vector<Camera> cameras = some_cameras();
-  cameras.push_back(builtin_panorama());
-  compare<Serial, EarlySort, PerPixel, Ellipse>(scene, own, cameras, 3, all_planes());
-  compare<Serial, StandardSort, AxisSharedThreshold<FloatSplit>, Obb>(scene, own, cameras, 2, all_planes());
-}
-
 TEST_CASE("mpi planes: they go by way of other memory and by a link") {
   const Scene scene = with_features(make_builtin_scene(2'000)), own = part_of(scene, own_part());
   for (const bool direct : {false, true}) {
@@ -163,16 +151,6 @@ TEST_CASE("mpi planes: of equal weights the nearest Gaussian has the pixel whate
   const std::uint32_t median = ranks > 2 ? 1 : no_gaussian;
   CHECK(frame.id == std::vector<std::uint32_t>(frame.pixels(), std::uint32_t(count - 1)));
   CHECK(frame.median_id == std::vector<std::uint32_t>(frame.pixels(), median));
-}
-
-TEST_CASE("mpi planes: parts may be empty") {
-  const Scene scene = with_features(make_builtin_scene(900)), none = part_of(scene, {0, 65535});
-  REQUIRE(none.size() == 0);
-  const std::vector<Camera> cameras{builtin_camera(120, 80), builtin_camera(200, 17)};
-  for (int holder = 0; holder < ranks_here().size(); ++holder)
-    compare<Serial, EarlySort, PerPixel, Ellipse>(scene, ranks_here().rank() == holder ? scene : none,
-                                                  cameras, 2, all_planes());
-  compare<Serial, EarlySort, PerPixel, Ellipse>(none, none, cameras, 1, all_planes());
 }
 
 TEST_CASE("mpi planes: a part with too few features is told to all and they can go on") {

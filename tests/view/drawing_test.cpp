@@ -115,17 +115,12 @@ TEST_CASE("view drawing: another renderer draws the same scenes") {
   change(drawing, 0, hide);
   drawing.draw(camera(), false);
   const std::vector<float> before = drawing.picture().colour;
-  for (const RendererEntry& entry : renderers()) {
-    if (!entry.usable || entry.on_device) continue;
-    CAPTURE(entry.name);
-    drawing.use(entry.name);
-    CHECK(drawing.renderer().name() == entry.name);
-    drawing.draw(camera(), false);
-    CHECK(psnr(drawing.picture().colour, before) > 40);
-  }
-  const std::string last(drawing.renderer().name());
+  drawing.use(rough);
+  CHECK(drawing.renderer().name() == rough);
+  drawing.draw(camera(), false);
+  CHECK(psnr(drawing.picture().colour, before) > 40);
   CHECK_THROWS_AS(drawing.use("serial/none"), std::invalid_argument);
-  CHECK(drawing.renderer().name() == last);
+  CHECK(drawing.renderer().name() == rough);
 }
 
 TEST_CASE("view drawing: a plane shows in place of colour") {
