@@ -26,9 +26,9 @@ struct DrawOnDevice {
     return frame;
   }
 
- private:
   template <class R>
-  static Frame draw(R& renderer, const StressCase& drawn, const ArraysOn<Cuda>& arrays, bool with_depth) {
+  static Frame draw(R& renderer, const StressCase& drawn, const ArraysOn<Cuda>& arrays, bool with_depth,
+                    bool count = false) {
     Frame frame;
     FrameView view = prepare(frame, drawn.camera.width, drawn.camera.height, {true, with_depth});
     FramePlanes<Cuda> planes;
@@ -40,7 +40,9 @@ struct DrawOnDevice {
       view.occluder = {occluder.data(), std::ptrdiff_t(sizeof(float)) * frame.width};
     }
     const PlacedScene placed{arrays.view(), drawn.world_from_scene, 1, drawn.clip};
-    renderer.render_into(Span<const PlacedScene>{&placed, 1}, drawn.camera, settings_of(drawn), view);
+    RenderSettings settings = settings_of(drawn);
+    settings.count = count;
+    renderer.render_into(Span<const PlacedScene>{&placed, 1}, drawn.camera, settings, view);
     for_each_plane([&](std::size_t, const auto& plane,
                        auto& values) { renderer.backend().download(plane.span(), values.data()); },
                    planes, frame);
