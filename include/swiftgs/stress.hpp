@@ -2,10 +2,108 @@
 #pragma once
 
 /// @file
-/// Frames that are hard for float arithmetic, and a judge of renderers on them. To test your own backends and
-/// policies, draw each case of `stress_families()`, and `judge` the frame by `render_conditioned`.
-/// `StressSearch` looks for worse frames.
+/// A judge of renderers on frames that are hard for float arithmetic. To test a renderer of your own, draw a
+/// scene with it, and `judge` its frame by `render_conditioned` of the same scene.
 
-#include <swiftgs/stress/families.hpp>
-#include <swiftgs/stress/judge.hpp>
-#include <swiftgs/stress/search.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include <swiftgs/frame.hpp>
+#include <swiftgs/metrics.hpp>
+#include <swiftgs/reference/conditioning.hpp>
+
+namespace swiftgs {
+
+/// How far a frame is from the reference, measured by what float can do.
+///
+/// The **strict normalised error** of a value is its error over (its largest move in the trials + what
+/// rounding it once costs, 2^-23 max(|value|, peak / 16)). Up to 10 a renderer is about as good as float can
+/// be; from 100 on digits were thrown away. Where decisions are ambiguous, what they may change is taken off
+/// the error first.
+struct StressVerdict {
+  double strict_normalised_error = 0;  ///< largest, of colour and transmittance
+  double normalised_error = 0;         ///< the same beyond what the exponent representation is allowed to err
+  double normalised_depth_error = 0;   ///< `normalised_error` of depth
+  double psnr_db = 0;                  ///< of colour, for a peak of 1, or the reference's where that is more
+  double max_abs = 0;                  ///< of colour
+  double ambiguity = 0;                ///< largest weight that the representation leaves open in a pixel
+  double allowed = 0;           ///< largest part of that which is due to the representation's error alone
+  double judged = 1;            ///< share of pixels of which it leaves less than the whole weight open
+  std::uint64_t flips = 0;      ///< pixels where an ambiguous decision fell out the other way
+  std::size_t worst_pixel = 0;  ///< of `strict_normalised_error`
+};
+
+namespace detail {
+
+/// Normalised errors of one plane.
+struct PlaneJudge {
+  double peak, span;  ///< largest magnitude of its values, largest difference of two colours in it
+
+  /// Normalised error of a value that should be `expected`, of which the part `ambiguous` may change hands.
+  double normalised(double value, double expected, double move, double ambiguous) const {
+    const double error = std::abs(value - expected);
+    if (!(error <= std::numeric_limits<double>::max())) return std::numeric_limits<double>::infinity();
+    const double rounding = std::ldexp(std::max(std::abs(expected), peak / 16), -23);
+    const double beyond = error - ambiguous * span;
+    return beyond > 0 ? beyond / (move + rounding) : 0;
+  }
+};
+
+}  // namespace detail
+
+/// Judges `frame`, of the reference's size; its alpha and depth too where it has them. Its renderer works out
+/// exponents in `representation`.
+inline StressVerdict judge(const ConditionedFrame& reference, const Frame& frame,
+                           ExponentRepresentation representation) {
+  const detail::PlaneJudge colour{reference.peak, reference.colour_span}, transmittance{1, 1};
+  const std::vector<double>& decisions = reference.ambiguous[std::size_t(ExponentRepresentation::factor)];
+  const std::vector<double>& allowed = reference.ambiguous[std::size_t(representation)];
+  StressVerdict out;
+  const std::size_t pixels = reference.frame.alpha.size();
+  const auto open =
+      std::count_if(allowed.begin(), allowed.end(), [](double weight) { return !(weight < 1); });
+  if (pixels > 0) out.judged = 1 - double(open) / double(pixels);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    const double covered = reference.frame.alpha[i];
+    // Worst strict normalised error of the pixel's values, beyond a weight that may change hands.
+    const auto error = [&](double ambiguous) {
+      double worst = 0;
+      for (std::size_t v = 3 * i; v < 3 * i + 3; ++v)
+        worst = std::max(worst, colour.normalised(double(frame.colour[v]), reference.frame.colour[v],
+                                                  reference.colour_move[v], ambiguous));
+      // Alpha is 1 - transmittance, and transmittance is what floats hold.
+      if (!frame.alpha.empty())
+        worst = std::max(worst, transmittance.normalised(1 - double(frame.alpha[i]), 1 - covered,
+                                                         reference.alpha_move[i], ambiguous));
+      return worst;
+    };
+    const double of_pixel = error(decisions[i]);
+    if (of_pixel > out.strict_normalised_error) out.strict_normalised_error = of_pixel, out.worst_pixel = i;
+    out.normalised_error = std::max(out.normalised_error, error(allowed[i]));
+    out.flips += decisions[i] > 0 && of_pixel <= 10 && error(0) > 10;
+    out.ambiguity = std::max(out.ambiguity, allowed[i]);
+    out.allowed = std::max(out.allowed, std::min(1.0, allowed[i]) - std::min(1.0, decisions[i]));
+    if (frame.depth.empty() || covered == 0) continue;
+    // Depth is divided by alpha: where little is covered, the rounding of transmittance is much of both.
+    const double z = reference.frame.depth[i], ambiguous = allowed[i] / std::max(covered - allowed[i], 1e-9);
+    const detail::PlaneJudge depth{16 * z / covered, reference.depth_span};
+    out.normalised_depth_error =
+        std::max(out.normalised_depth_error,
+                 depth.normalised(double(frame.depth[i]), z, reference.depth_move[i], ambiguous));
+  }
+  const double peak = std::max(1.0, reference.peak);
+  const auto relative = [&](const auto& values) {
+    std::vector<double> scaled(values.begin(), values.end());
+    for (double& value : scaled) value /= peak;
+    return scaled;
+  };
+  out.psnr_db = psnr(relative(frame.colour), relative(reference.frame.colour));
+  out.max_abs = max_abs_difference(frame.colour, reference.frame.colour);
+  return out;
+}
+
+}  // namespace swiftgs

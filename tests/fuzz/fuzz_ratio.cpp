@@ -19,7 +19,7 @@
 #include <swiftgs/renderer.hpp>
 #include <swiftgs/serial.hpp>
 #include <swiftgs/sort/early.hpp>
-#include <swiftgs/stress/judge.hpp>
+#include <swiftgs/stress.hpp>
 
 #include "ratio_case.hpp"
 

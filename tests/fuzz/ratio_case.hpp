@@ -18,7 +18,7 @@
 #include <cstdint>
 #include <cstdio>
 
-#include <swiftgs/stress/case.hpp>
+#include "hard_frames/case.hpp"
 
 namespace swiftgs::fuzz {
 

@@ -4,7 +4,7 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/reference/conditioning.hpp>
-#include <swiftgs/stress/judge.hpp>
+#include <swiftgs/stress.hpp>
 
 #include "reference/gaussians.hpp"
 #include "rendering.hpp"

@@ -12,8 +12,9 @@
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/stress/families.hpp>
 #include <swiftgs/view_constants.hpp>
+
+#include "hard_frames/families.hpp"
 
 namespace swiftgs::test {
 

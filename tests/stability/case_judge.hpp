@@ -8,8 +8,9 @@
 #include <string_view>
 
 #include <swiftgs/frame.hpp>
-#include <swiftgs/stress/case.hpp>
-#include <swiftgs/stress/judge.hpp>
+#include <swiftgs/stress.hpp>
+
+#include "hard_frames/case.hpp"
 
 namespace swiftgs::test {
 

@@ -12,8 +12,7 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/stress/search.hpp>
-
+#include "hard_frames/search.hpp"
 #include "stability/sweep.hpp"
 
 namespace swiftgs::test {

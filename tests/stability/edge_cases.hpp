@@ -11,8 +11,7 @@
 #include <string_view>
 #include <vector>
 
-#include <swiftgs/stress/thresholds.hpp>
-
+#include "hard_frames/thresholds.hpp"
 #include "stability/sweep.hpp"
 
 namespace swiftgs::test {

@@ -20,8 +20,8 @@
 #include <swiftgs/renderer.hpp>
 #include <swiftgs/sort/early.hpp>
 #include <swiftgs/sort/standard.hpp>
-#include <swiftgs/stress/families.hpp>
 
+#include "hard_frames/families.hpp"
 #include "stability/case_judge.hpp"
 
 namespace swiftgs::test {

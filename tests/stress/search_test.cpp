@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "hard_frames/search.hpp"
+
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -16,11 +18,10 @@
 
 #include <swiftgs/math.hpp>
 #include <swiftgs/serial.hpp>
-#include <swiftgs/stress/families.hpp>
-#include <swiftgs/stress/lone.hpp>
-#include <swiftgs/stress/search.hpp>
 #include <swiftgs/swiftgs.hpp>
 
+#include "hard_frames/families.hpp"
+#include "hard_frames/lone.hpp"
 #include "stability/climb_cases.hpp"
 #include "stress/search_results.hpp"
 

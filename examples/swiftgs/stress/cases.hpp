@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include <swiftgs/stress/families.hpp>
+#include "hard_frames/families.hpp"
 
 namespace swiftgs::cli {
 

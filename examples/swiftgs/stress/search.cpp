@@ -11,10 +11,9 @@
 #include <string>
 #include <utility>
 
-#include <swiftgs/stress/search.hpp>
-
 #include "bench/threads.hpp"
 #include "draw/team.hpp"
+#include "hard_frames/search.hpp"
 #include "number_text.hpp"
 #include "progress.hpp"
 #include "result_file.hpp"

@@ -6,8 +6,7 @@
 #include <tuple>
 #include <vector>
 
-#include <swiftgs/stress/case.hpp>
-
+#include "hard_frames/case.hpp"
 #include "result_head.hpp"
 
 /// What `stress --search` finds, as docs/schemas/stress-search.schema.json describes it.

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <limits>
 
-#include <swiftgs/stress/case.hpp>
+#include "hard_frames/case.hpp"
 
 /// @file
 /// Families that stand on a threshold. Severity: how many of float's last places they lie off it.

@@ -17,9 +17,10 @@
 #include <vector>
 
 #include <swiftgs/edit/select.hpp>
-#include <swiftgs/stress/families.hpp>
-#include <swiftgs/stress/judge.hpp>
-#include <swiftgs/stress/mutation.hpp>
+#include <swiftgs/stress.hpp>
+
+#include "hard_frames/families.hpp"
+#include "hard_frames/mutation.hpp"
 
 /// @file
 /// A search for frames that a renderer draws worse than float can.

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include <swiftgs/stress/case.hpp>
+#include "hard_frames/case.hpp"
 
 /// @file
 /// Families of many layers, of extreme values, and of everything at once.

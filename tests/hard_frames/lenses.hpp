@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include <swiftgs/stress/case.hpp>
+#include "hard_frames/case.hpp"
 
 /// @file
 /// Families of lenses that are no pinholes.

@@ -4,12 +4,12 @@
 #include <limits>
 #include <vector>
 
-#include <swiftgs/stress/cameras.hpp>
-#include <swiftgs/stress/lenses.hpp>
-#include <swiftgs/stress/placed.hpp>
-#include <swiftgs/stress/shapes.hpp>
-#include <swiftgs/stress/thresholds.hpp>
-#include <swiftgs/stress/values.hpp>
+#include "hard_frames/cameras.hpp"
+#include "hard_frames/lenses.hpp"
+#include "hard_frames/placed.hpp"
+#include "hard_frames/shapes.hpp"
+#include "hard_frames/thresholds.hpp"
+#include "hard_frames/values.hpp"
 
 namespace swiftgs {
 

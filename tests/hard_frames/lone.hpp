@@ -7,7 +7,8 @@
 #include <vector>
 
 #include <swiftgs/rotation.hpp>
-#include <swiftgs/stress/case.hpp>
+
+#include "hard_frames/case.hpp"
 
 /// @file
 /// Lone Gaussians for a search to start from, under cameras and conventions of every kind. Severity: the

@@ -7,8 +7,9 @@
 #include <stdexcept>
 
 #include <swiftgs/edit/select.hpp>
-#include <swiftgs/stress/lone.hpp>
-#include <swiftgs/stress/thresholds.hpp>
+
+#include "hard_frames/lone.hpp"
+#include "hard_frames/thresholds.hpp"
 
 /// @file
 /// Small changes of a frame, for a search.

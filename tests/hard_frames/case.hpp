@@ -9,6 +9,7 @@
 #include <swiftgs/camera.hpp>
 #include <swiftgs/clip.hpp>
 #include <swiftgs/conventions.hpp>
+#include <swiftgs/reference/conditioning.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/similarity.hpp>
 #include <swiftgs/split_mix.hpp>
@@ -25,6 +26,13 @@ struct StressCase {
   Similarity world_from_scene{};  ///< where the scene is placed
   Clip clip{};                    ///< what of it shows
 };
+
+/// What frames of `drawn` are judged by.
+inline ConditionedFrame render_conditioned(const StressCase& drawn, std::uint64_t seed = 1, int threads = 0) {
+  const ReferenceScene placed{drawn.scene, drawn.world_from_scene, 1, drawn.clip};
+  return render_conditioned({&placed, 1}, drawn.camera, drawn.conventions, dvec3(drawn.background), seed,
+                            threads, {drawn.occluder.data(), drawn.occluder.size()});
+}
 
 /// Size of an image. @units{pixels}
 struct ImageSize {

@@ -9,9 +9,10 @@
 #include <swiftgs/clip.hpp>
 #include <swiftgs/edit/transform.hpp>
 #include <swiftgs/similarity.hpp>
-#include <swiftgs/stress/case.hpp>
-#include <swiftgs/stress/shapes.hpp>
-#include <swiftgs/stress/thresholds.hpp>
+
+#include "hard_frames/case.hpp"
+#include "hard_frames/shapes.hpp"
+#include "hard_frames/thresholds.hpp"
 
 /// @file
 /// Families of placed scenes.
