@@ -8,9 +8,7 @@
 #include <cstdint>
 #include <exception>
 #include <functional>
-#include <iterator>
 #include <limits>
-#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -19,6 +17,7 @@
 #include <swiftgs/edit/select.hpp>
 #include <swiftgs/stress.hpp>
 
+#include "hard_frames/climb.hpp"
 #include "hard_frames/families.hpp"
 #include "hard_frames/mutation.hpp"
 
@@ -117,8 +116,8 @@ class StressSearch {
       : subjects_(std::move(subjects)),
         families_(std::move(families)),
         random_(SplitMix64::scrambled(seed)),
-        known_(subjects_.size() * planes),
-        worst_(known_.size() * families_.size()) {
+        climb_(subjects_.size() * planes, true),
+        worst_(climb_.objectives() * families_.size()) {
     for (std::size_t i = 0; i < subjects_.size(); ++i) {
       twins_.push_back(0);
       while (stress::without_sort(subjects_[twins_[i]].name) != stress::without_sort(subjects_[i].name))
@@ -128,13 +127,11 @@ class StressSearch {
 
   /// Draws one frame with every renderer.
   void try_one() {
-    const Niches& niches = known_[tries_++ % known_.size()];
-    if (niches.empty() || random_.below(8) == 0) {
-      const auto family = std::size_t(random_.below(int(families_.size())));
-      return judge_all(start(families_[family]), family);
-    }
-    const Known& parent = any_of(niches);
-    judge_all(stress::mutated(random_, parent.drawn), parent.family);
+    const std::size_t objective = tries_++ % climb_.objectives();
+    judge_all(climb_.next(
+        random_, objective, climb_.knows(objective) && random_.below(8) == 0,
+        [this](stress::Random&) { return start(); },
+        [](stress::Random& random, Started& frame) { frame.drawn = stress::mutated(random, frame.drawn); }));
   }
   void run(std::uint64_t tries) {
     for (std::uint64_t i = 0; i < tries; ++i) try_one();
@@ -150,41 +147,33 @@ class StressSearch {
   }
 
  private:
-  struct Known {
-    double normalised_error = 0;
+  /// A frame, and the family of the one that it began as.
+  struct Started {
     StressCase drawn;
     std::size_t family = 0;
   };
-  using Niches = std::map<stress::Niche, Known>;
 
   std::size_t index_of(std::size_t subject, Plane plane, std::size_t family) const {
     return (subject * planes + plane) * families_.size() + family;
   }
 
   /// A frame of some of the Gaussians of a family, mostly of one.
-  StressCase start(const StressFamily& family) {
+  Started start() {
+    const auto number = std::size_t(random_.below(int(families_.size())));
+    const StressFamily& family = families_[number];
     const double severity = family.severities[std::size_t(random_.below(int(family.severities.size())))];
     const ImageSize size = random_.below(8) ? one_tile : several_tiles;
     StressCase made = family.make(severity, std::uint64_t(random_.below(1 << 30)), size);
     const int most = 1 + random_.below(most_gaussians), count = 1 + random_.below(most);
-    if (made.scene.size() <= std::size_t(count)) return made;
+    if (made.scene.size() <= std::size_t(count)) return {std::move(made), number};
     std::vector<std::uint32_t> kept;
     for (int i = 0; i < count; ++i) kept.push_back(std::uint32_t(random_.below(int(made.scene.size()))));
     made.scene = subset(made.scene, kept);
-    return made;
+    return {std::move(made), number};
   }
 
-  /// The worst of one to four.
-  const Known& any_of(const Niches& niches) {
-    const Known* worst = nullptr;
-    for (int i = 1 + random_.below(4); i > 0; --i) {
-      const Known& known = std::next(niches.begin(), random_.below(int(niches.size())))->second;
-      if (!worst || known.normalised_error > worst->normalised_error) worst = &known;
-    }
-    return *worst;
-  }
-
-  void judge_all(const StressCase& drawn, std::size_t family) {
+  void judge_all(const Started& started) {
+    const auto& [drawn, family] = started;
     // Some frames of families, and some neighbours, lie beyond a limit.
     if (!stress::is_valid(drawn)) return;
     stress::References references(drawn);
@@ -202,7 +191,7 @@ class StressSearch {
         error = thrown.what();
       }
       if (error.empty()) {
-        climb(i, drawn, family, references, frames[i]);
+        climb(i, started, references, frames[i]);
       } else if (StressFind& worst = worst_[index_of(i, colour, family)]; worst.error.empty()) {
         worst = {std::numeric_limits<double>::infinity(), drawn, error};
       }
@@ -211,18 +200,16 @@ class StressSearch {
 
   /// Keeps the frame where it is the worst of its niche or family. The least normalised error of several
   /// references counts: a climb would else lead to where the trials of one happen to move little.
-  void climb(std::size_t subject, const StressCase& drawn, std::size_t family, stress::References& references,
+  void climb(std::size_t subject, const Started& started, stress::References& references,
              const Frame& frame) {
+    const auto& [drawn, family] = started;
     const stress::Niche niche = stress::niche_of(drawn);
     const ExponentRepresentation representation = exponent_representation_named(subjects_[subject].name);
     std::array<double, planes> least{},
         normalised_error{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity()};
-    for (const Plane plane : {colour, depth}) {
-      const Niches& niches = known_[subject * planes + plane];
-      const auto known = niches.find(niche);
-      least[plane] = std::min(known == niches.end() ? 0 : known->second.normalised_error,
+    for (const Plane plane : {colour, depth})
+      least[plane] = std::min(std::max(0.0, climb_.value(subject * planes + plane, niche)),
                               worst(subject, plane, family).normalised_error);
-    }
     const auto is_worse = [&] {
       return normalised_error[colour] > least[colour] || normalised_error[depth] > least[depth];
     };
@@ -233,8 +220,7 @@ class StressSearch {
       normalised_error[depth] = std::min(normalised_error[depth], verdict.normalised_depth_error);
     }
     for (const Plane plane : {colour, depth}) {
-      Known& known = known_[subject * planes + plane][niche];
-      if (normalised_error[plane] >= known.normalised_error) known = {normalised_error[plane], drawn, family};
+      climb_.offer(subject * planes + plane, niche, started, normalised_error[plane]);
       StressFind& worst = worst_[index_of(subject, plane, family)];
       if (normalised_error[plane] > worst.normalised_error) worst = {normalised_error[plane], drawn, ""};
     }
@@ -244,7 +230,7 @@ class StressSearch {
   std::vector<std::size_t> twins_;  ///< the first subject that differs from each in the sort alone
   std::vector<StressFamily> families_;
   stress::Random random_;
-  std::vector<Niches> known_;
+  stress::Climb<Started, stress::Niche> climb_;
   std::vector<StressFind> worst_;
   std::uint64_t tries_ = 0;
 };

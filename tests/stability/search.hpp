@@ -13,6 +13,7 @@
 
 #include <swiftgs/activation.hpp>
 
+#include "hard_frames/climb.hpp"
 #include "policies/random_splats.hpp"
 
 namespace swiftgs::test {
@@ -31,45 +32,37 @@ class Search {
   Search(std::size_t objectives, int generations, int effort, std::uint64_t seed)
       : seed_(seed), generations_(generations), effort_(effort), now_(objectives), best_(objectives) {}
 
-  /// draw(random) makes a candidate, mutate(random, candidate) moves one; judge(candidates, offer) measures a
+  /// draw(random) makes a candidate, move(random, candidate) changes one; judge(candidates, offer) measures a
   /// generation and calls offer(objective, candidate, value).
-  template <class Draw, class Mutate, class Judge>
-  void run(std::size_t size, const Draw& draw, const Mutate& mutate, const Judge& judge) {
+  template <class Draw, class Move, class Judge>
+  void run(std::size_t size, const Draw& draw, const Move& move, const Judge& judge) {
     for (int repeat = 0; repeat < effort_; ++repeat) {
-      climb(Random(seed_ + 7919 * std::uint64_t(repeat)), size, draw, mutate, judge);
-      for (std::size_t i = 0; i < best_.size(); ++i) {
-        if (now_[i].value > best_[i].value) best_[i] = now_[i];
-        now_[i] = {};
+      now_ = stress::Climb<Candidate>(best_.size());
+      Random random(seed_ + 7919 * std::uint64_t(repeat));
+      std::vector<Candidate> generation(size);
+      for (int g = 0; g < generations_; ++g) {
+        for (std::size_t i = 0; i < size; ++i)
+          generation[i] = now_.next(random, (i + std::size_t(g)) % best_.size(),
+                                    4 * g < generations_ || i % 8 == 0, draw, move);
+        judge(generation, [&](std::size_t objective, const Candidate& candidate, double value) {
+          now_.offer(objective, {}, candidate, value);
+        });
       }
+      for (std::size_t i = 0; i < best_.size(); ++i)
+        if (now_.value(i) > best_[i].value) best_[i] = {now_.candidate(i), now_.value(i)};
     }
   }
 
   /// What an objective has reached in the present repetition: less need not be judged exactly.
-  double reached(std::size_t objective) const { return now_[objective].value; }
+  double reached(std::size_t objective) const { return now_.value(objective); }
   const std::vector<Best>& best() const { return best_; }
   double value(std::size_t objective) const { return best_[objective].value; }
 
  private:
-  template <class Draw, class Mutate, class Judge>
-  void climb(Random random, std::size_t size, const Draw& draw, const Mutate& mutate, const Judge& judge) {
-    std::vector<Candidate> generation(size);
-    for (int g = 0; g < generations_; ++g) {
-      for (std::size_t i = 0; i < size; ++i) {
-        const Best& parent = now_[(i + std::size_t(g)) % now_.size()];
-        if (4 * g < generations_ || i % 8 == 0 || parent.value < 0)
-          generation[i] = draw(random);
-        else
-          generation[i] = parent.candidate, mutate(random, generation[i]);
-      }
-      judge(generation, [&](std::size_t objective, const Candidate& candidate, double value) {
-        if (value > now_[objective].value) now_[objective] = {candidate, value};
-      });
-    }
-  }
-
   std::uint64_t seed_;
   int generations_, effort_;
-  std::vector<Best> now_, best_;
+  stress::Climb<Candidate> now_;
+  std::vector<Best> best_;
 };
 
 /// Moves `value` by a few floats, by a small part of itself, or not at all.
