@@ -82,21 +82,19 @@ std::string message_of(const cli::StressOptions& options, const std::vector<Rend
 }  // namespace
 
 TEST_CASE("stress: rows hold the worst of what judge says of each seed") {
-  using Row = cli::StressRow;
   const struct {
     std::string name;  // in the file
-    double StressVerdict::*of_seed;
-    double Row::*of_row;
+    double StressVerdict::*number;
     bool least_is_worst = false;
   } numbers[] = {
-      {"strict_normalised_error", &StressVerdict::strict_normalised_error, &Row::strict_normalised_error},
-      {"normalised_error", &StressVerdict::normalised_error, &Row::normalised_error},
-      {"normalised_depth_error", &StressVerdict::normalised_depth_error, &Row::normalised_depth_error},
-      {"psnr_db", &StressVerdict::psnr_db, &Row::psnr_db, true},
-      {"max_abs", &StressVerdict::max_abs, &Row::max_abs},
-      {"ambiguity", &StressVerdict::ambiguity, &Row::ambiguity},
-      {"allowed", &StressVerdict::allowed, &Row::allowed},
-      {"judged", &StressVerdict::judged, &Row::judged, true},
+      {"strict_normalised_error", &StressVerdict::strict_normalised_error},
+      {"normalised_error", &StressVerdict::normalised_error},
+      {"normalised_depth_error", &StressVerdict::normalised_depth_error},
+      {"psnr_db", &StressVerdict::psnr_db, true},
+      {"max_abs", &StressVerdict::max_abs},
+      {"ambiguity", &StressVerdict::ambiguity},
+      {"allowed", &StressVerdict::allowed},
+      {"judged", &StressVerdict::judged, true},
   };
   const ImageSize size{32, 24};
   const std::vector<RendererEntry> table = entries<PerPixel, AxisShared<HalfSplit>, AxisShared<FloatSplit>>();
@@ -111,35 +109,26 @@ TEST_CASE("stress: rows hold the worst of what judge says of each seed") {
     std::uint64_t flips = 0, worst_seed = 1;
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       const StressCase made = family.make(50, seed, size);
-      Frame frame;
-      renderer->set_scene(std::make_shared<const Scene>(made.scene));
-      renderer->render(
-          made.camera,
-          {.conventions = made.conventions, .background = made.background, .outputs = {true, true}}, frame);
-      verdicts.push_back(
-          judge(render_conditioned(made, seed), frame, exponent_representation_named(table[i].name)));
+      verdicts.push_back(judge(render_conditioned(made, seed), cli::draw(*renderer, made),
+                               exponent_representation_named(table[i].name)));
       flips += verdicts.back().flips;
       if (verdicts.back().strict_normalised_error > verdicts[worst_seed - 1].strict_normalised_error)
         worst_seed = seed;
     }
-    cli::StressResults results;
-    results.rows = {rows[i]};
-    const auto json = nlohmann::json::parse(to_json(results)).at("rows").at(0);
-    for (const auto& number : numbers) {
-      CAPTURE(number.name);
-      double worst = verdicts[0].*number.of_seed;
-      for (const StressVerdict& verdict : verdicts) {
-        const double value = verdict.*number.of_seed;
-        worst = number.least_is_worst ? std::min(worst, value) : std::max(worst, value);
-      }
-      CHECK(rows[i].*number.of_row == worst);
-      CHECK(json.at(number.name) == worst);  // to the last digit
+    const auto json = nlohmann::json::parse(cli::to_json({}, {rows[i]})).at("rows").at(0);
+    for (const auto& [name, number, least_is_worst] : numbers) {
+      CAPTURE(name);
+      double worst = verdicts[0].*number;
+      for (const StressVerdict& verdict : verdicts)
+        worst = least_is_worst ? std::min(worst, verdict.*number) : std::max(worst, verdict.*number);
+      CHECK(rows[i].worst.*number == worst);
+      CHECK(json.at(name) == worst);  // to the last digit
     }
     CHECK(rows[i].renderer == table[i].name);
-    CHECK(rows[i].flips == flips);
+    CHECK(rows[i].worst.flips == flips);
     CHECK(rows[i].worst_seed == worst_seed);
-    CHECK(rows[i].worst_pixel == verdicts[worst_seed - 1].worst_pixel);
-    CHECK(rows[i].max_abs > 0);
+    CHECK(rows[i].worst.worst_pixel == verdicts[worst_seed - 1].worst_pixel);
+    CHECK(rows[i].worst.max_abs > 0);
   }
 }
 
@@ -176,9 +165,9 @@ TEST_CASE("stress: a frame with a value that is no number has an infinite normal
   CHECK(message.find("2 of 3 rows are above, the worst inf of serial/early/no-number/ellipse") !=
         message.npos);
   cli::Progress progress(1);
-  cli::StressResults results;
-  results.rows = cli::Sweep(entries<NoNumber>(), 2, 1).run({&stress_families().front(), 1e4, {}}, progress);
-  const auto row = nlohmann::json::parse(to_json(results)).at("rows").at(0);
+  const auto rows =
+      cli::Sweep(entries<NoNumber>(), 2, 1).run({&stress_families().front(), 1e4, {}}, progress);
+  const auto row = nlohmann::json::parse(cli::to_json({}, rows)).at("rows").at(0);
   CHECK(row.at("strict_normalised_error").is_null());
   CHECK(row.at("max_abs").is_null());
   CHECK(row.at("failed") == 0);

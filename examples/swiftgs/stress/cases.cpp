@@ -2,30 +2,49 @@
 #include "stress/cases.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cstdio>
 #include <stdexcept>
+#include <string_view>
 
 #include <swiftgs/camera.hpp>
 
 #include "bench/lists.hpp"
+#include "number_text.hpp"
 
 namespace swiftgs::cli {
 namespace {
 
 ImageSize size_named(const std::string& text) {
-  ImageSize size;
-  const char *at = text.data(), *const end = at + text.size();
-  const auto read = [&](int& side) {
-    const auto [next, error] = std::from_chars(at, end, side);
-    at = next;
-    return error == std::errc() && side >= 1 && side <= max_image_side;
-  };
-  const bool good = read(size.width) && at != end && *at++ == 'x' && read(size.height) && at == end;
-  if (!good)
+  const std::vector<std::string_view> sides = split(text, 'x');
+  const auto side = [&](std::size_t i) { return i < sides.size() ? parse<int>(sides[i]).value_or(0) : 0; };
+  const ImageSize size{side(0), side(1)};
+  const auto fits = [](int pixels) { return pixels >= 1 && pixels <= max_image_side; };
+  if (sides.size() != 2 || !fits(size.width) || !fits(size.height))
     throw std::invalid_argument("--size '" + text + "': expected WIDTHxHEIGHT such as 64x48, each 1 to " +
                                 std::to_string(max_image_side));
   return size;
+}
+
+/// The severities of `family` that `text` asks for: `max`, `all`, or numbers. Throws for a number outside of
+/// the family's own range: a scene of any size could follow from it.
+std::vector<double> severities_named(const std::string& text, const StressFamily& family) {
+  if (text == "all") return family.severities;
+  const double least = family.severities.front(), most = family.severities.back();
+  if (text == "max") return {most};
+  std::vector<double> severities;
+  try {
+    severities = numbers_of("--severity", text);
+  } catch (const std::invalid_argument&) {
+    throw std::invalid_argument("--severity '" + text +
+                                "': expected max, all, or numbers separated by commas, each once");
+  }
+  for (const double severity : severities)
+    if (!(severity >= least && severity <= most))
+      throw std::invalid_argument("--severity '" + text + "': expected " + severity_text(least) + " to " +
+                                  severity_text(most) + " for " + std::string(family.name) + " (" +
+                                  std::string(family.severity) + ")");
+  std::sort(severities.begin(), severities.end());
+  return severities;
 }
 
 }  // namespace
@@ -50,39 +69,13 @@ std::vector<const StressFamily*> families_named(const std::string& names,
   return chosen;
 }
 
-std::vector<double> severities_named(const std::string& text, const StressFamily& family) {
-  if (text == "all") return family.severities;
-  const double least = family.severities.front(), most = family.severities.back();
-  if (text == "max") return {most};
-  std::vector<double> severities;
-  try {
-    severities = numbers_of("--severity", text);
-  } catch (const std::invalid_argument&) {
-    throw std::invalid_argument("--severity '" + text +
-                                "': expected max, all, or numbers separated by commas, each once");
-  }
-  for (const double severity : severities)
-    if (!(severity >= least && severity <= most))
-      throw std::invalid_argument("--severity '" + text + "': expected " + severity_text(least) + " to " +
-                                  severity_text(most) + " for " + std::string(family.name) + " (" +
-                                  std::string(family.severity) + ")");
-  std::sort(severities.begin(), severities.end());
-  return severities;
-}
-
-std::vector<ImageSize> sizes_named(const std::string& text) {
-  std::vector<ImageSize> sizes;
-  for (const std::string& size : list_of("--size", text)) sizes.push_back(size_named(size));
-  return sizes;
-}
-
 std::vector<StressPoint> points_of(const std::string& families, const std::string& severities,
                                    const std::string& sizes) {
   std::vector<StressPoint> points;
-  for (const ImageSize size : sizes_named(sizes))
+  for (const std::string& size : list_of("--size", sizes))
     for (const StressFamily* family : families_named(families, stress_families()))
       for (const double severity : severities_named(severities, *family))
-        points.push_back({family, severity, size});
+        points.push_back({family, severity, size_named(size)});
   return points;
 }
 

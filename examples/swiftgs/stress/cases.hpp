@@ -20,14 +20,8 @@ struct StressPoint {
 std::vector<const StressFamily*> families_named(const std::string& names,
                                                 const std::vector<StressFamily>& families);
 
-/// The severities of `family` that `text` asks for: `max`, `all`, or numbers. Throws `std::invalid_argument`
-/// for a number outside of the family's own range: a scene of any size could follow from it.
-std::vector<double> severities_named(const std::string& text, const StressFamily& family);
-
-/// Sizes such as `64x48,960x540`. Throws `std::invalid_argument`.
-std::vector<ImageSize> sizes_named(const std::string& text);
-
-/// Every combination, size by size and family by family.
+/// Every combination, size by size such as `64x48,960x540`, and family by family. `severities` is `max`,
+/// `all` or numbers. Throws `std::invalid_argument`.
 std::vector<StressPoint> points_of(const std::string& families, const std::string& severities,
                                    const std::string& sizes);
 

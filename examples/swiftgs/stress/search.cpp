@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "stress/search.hpp"
+#include "hard_frames/search.hpp"
 
 #include <algorithm>
 #include <chrono>
@@ -13,12 +13,12 @@
 
 #include "bench/threads.hpp"
 #include "draw/team.hpp"
-#include "hard_frames/search.hpp"
 #include "number_text.hpp"
 #include "progress.hpp"
 #include "result_file.hpp"
 #include "stress/cases.hpp"
 #include "stress/search_results.hpp"
+#include "stress/stress.hpp"
 #include "stress/table.hpp"
 
 namespace swiftgs::cli {
@@ -40,14 +40,7 @@ StressSubject subject_of(const RendererEntry& entry) {
   return {entry.name, [entry, renderer](const StressCase& drawn) {
             std::unique_ptr<AnyRenderer> made = std::move(*renderer);
             if (!made) made = entry.make();
-            made->set_scene(std::make_shared<const Scene>(drawn.scene));
-            const Placement placement{.world_from_scene = drawn.world_from_scene, .clip = drawn.clip};
-            made->place({&placement, 1});
-            Frame frame;
-            made->render(
-                drawn.camera,
-                {.conventions = drawn.conventions, .background = drawn.background, .outputs = {true, true}},
-                frame);
+            Frame frame = draw(*made, drawn);
             *renderer = std::move(made);
             return frame;
           }};

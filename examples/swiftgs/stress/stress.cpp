@@ -9,15 +9,14 @@
 #include <CLI/CLI.hpp>
 
 #include "bench/threads.hpp"
-#include "draw/choice.hpp"
 #include "commands.hpp"
+#include "draw/choice.hpp"
+#include "draw/team.hpp"
 #include "options.hpp"
 #include "progress.hpp"
 #include "result_file.hpp"
-#include "stress/search.hpp"
 #include "stress/sweep.hpp"
 #include "stress/table.hpp"
-#include "draw/team.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -40,8 +39,7 @@ A pixel is not judged if they decide all of it; 'judged' is the share of pixels 
 point at the camera, and keeps what is drawn worse. Where sorts differ alone, frames must be equal.
 --json writes the worst frames with all digits. The frames follow from --seed; how many there are
 depends on the time.
---severity is all, max, or numbers in the units of each family. The columns are rasterizers;
-docs/results.md describes the JSON.
+--severity is all, max, or numbers in the units of each family. docs/results.md describes the JSON.
 Exit code 0: every normalised error is 10 or less. Exit code 1: a normalised error is above 10, a
 renderer failed, or an option is wrong; the last line on standard error says which. Bounds that cut
 splats, as three-sigma-square does, do not pass.
@@ -58,9 +56,9 @@ void require_promises(const std::vector<StressRow>& rows) {
   const StressRow *worst = nullptr, *failure = nullptr;
   for (const StressRow& row : rows) {
     if (row.failed > 0) ++failed, failure = failure ? failure : &row;
-    if (row.failed == row.seeds || row.normalised_error <= stress_gate) continue;
+    if (row.failed == row.seeds || row.worst.normalised_error <= stress_gate) continue;
     ++above;
-    if (!worst || !(row.normalised_error <= worst->normalised_error)) worst = &row;
+    if (!worst || !(row.worst.normalised_error <= worst->worst.normalised_error)) worst = &row;
   }
   const auto case_of = [](const StressRow& row) {
     return row.renderer + " on " + row.family + " at " + severity_text(row.severity);
@@ -71,7 +69,7 @@ void require_promises(const std::vector<StressRow>& rows) {
                              case_of(*failure) + ", " + failure->error);
   if (worst)
     throw std::runtime_error("stress: expected a normalised error up to 10; " + std::to_string(above) +
-                             of_rows + " are above, the worst " + error_text(worst->normalised_error) +
+                             of_rows + " are above, the worst " + error_text(worst->worst.normalised_error) +
                              " of " + case_of(*worst));
 }
 
@@ -85,8 +83,8 @@ void stress(const StressOptions& options, const std::vector<RendererEntry>& entr
                                 std::to_string(most_seeds));
   const ThreadLimit limit(options.threads);
   ResultFile file(options.json);
-  StressResults results;
-  results.head = head_of("swiftgs-stress");
+  const ResultHead head = head_of("swiftgs-stress");
+  std::vector<StressRow> rows;
   Sweep sweep(entries, options.seeds, limit.threads());
   {
     const Team& team = Team::here();
@@ -96,22 +94,22 @@ void stress(const StressOptions& options, const std::vector<RendererEntry>& entr
       if (!team.takes(i)) continue;
       for (StressRow& row : sweep.run(points[i], progress)) {
         if (team.is_shared()) shared.emplace_back(i, row);
-        results.rows.push_back(std::move(row));
+        rows.push_back(std::move(row));
       }
-      if (!team.is_shared()) file.write(to_json(results));
+      if (!team.is_shared()) file.write(to_json(head, rows));
     }
     progress.await_others();
     team.join(shared);
     if (!team.leads()) return;
     if (team.is_shared()) {
-      results.rows = rows_of(std::move(shared));
-      file.write(to_json(results));
+      rows = rows_of(std::move(shared));
+      file.write(to_json(head, rows));
     }
   }
-  print_stress(results.rows);
+  print_stress(rows);
   std::fflush(stdout);
   file.finish();
-  require_promises(results.rows);
+  require_promises(rows);
 }
 
 void add_stress(CLI::App& app) {

@@ -27,4 +27,8 @@ struct StressOptions {
 /// normalised error is above `stress_gate` or a renderer threw.
 void stress(const StressOptions& options, const std::vector<RendererEntry>& entries);
 
+/// `stress --search`: climbs until the time is over, then prints tables and writes the file. Throws as
+/// `stress`.
+void search(const StressOptions& options, const std::vector<RendererEntry>& entries);
+
 }  // namespace swiftgs::cli

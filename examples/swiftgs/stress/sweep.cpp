@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "stress/sweep.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <exception>
 #include <limits>
-#include <string>
+#include <string_view>
 
-#include <swiftgs/stress.hpp>
+#include "draw/renderer_words.hpp"
+#include "json_text.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -16,20 +16,19 @@ namespace {
 bool is_worse(double value, double known) { return !std::isnan(known) && !(value <= known); }
 
 void add(StressRow& row, const StressVerdict& verdict, std::uint64_t seed) {
+  using Verdict = StressVerdict;
+  Verdict& worst = row.worst;
   const bool first = row.seeds - row.failed == 1;
-  if (first || is_worse(verdict.strict_normalised_error, row.strict_normalised_error))
-    row.strict_normalised_error = verdict.strict_normalised_error, row.worst_seed = seed,
-    row.worst_pixel = verdict.worst_pixel;
-  if (is_worse(verdict.normalised_error, row.normalised_error))
-    row.normalised_error = verdict.normalised_error;
-  if (is_worse(verdict.normalised_depth_error, row.normalised_depth_error))
-    row.normalised_depth_error = verdict.normalised_depth_error;
-  if (is_worse(-verdict.psnr_db, -row.psnr_db)) row.psnr_db = verdict.psnr_db;
-  if (is_worse(verdict.max_abs, row.max_abs)) row.max_abs = verdict.max_abs;
-  row.ambiguity = std::max(row.ambiguity, verdict.ambiguity),
-  row.allowed = std::max(row.allowed, verdict.allowed);
-  row.judged = std::min(row.judged, verdict.judged);
-  row.flips += verdict.flips;
+  if (first || is_worse(verdict.strict_normalised_error, worst.strict_normalised_error)) {
+    worst.strict_normalised_error = verdict.strict_normalised_error;
+    worst.worst_pixel = verdict.worst_pixel, row.worst_seed = seed;
+  }
+  for (const auto most : {&Verdict::normalised_error, &Verdict::normalised_depth_error, &Verdict::max_abs,
+                          &Verdict::ambiguity, &Verdict::allowed})
+    if (is_worse(verdict.*most, worst.*most)) worst.*most = verdict.*most;
+  for (const auto least : {&Verdict::psnr_db, &Verdict::judged})
+    if (is_worse(-(verdict.*least), -(worst.*least))) worst.*least = verdict.*least;
+  worst.flips += verdict.flips;
 }
 
 StressRow row_of(const StressPoint& point, std::string_view renderer) {
@@ -38,11 +37,58 @@ StressRow row_of(const StressPoint& point, std::string_view renderer) {
   row.severity = point.severity;
   row.width = point.size.width, row.height = point.size.height;
   row.renderer = renderer;
-  row.psnr_db = std::numeric_limits<double>::infinity();
+  row.worst.psnr_db = std::numeric_limits<double>::infinity();
   return row;
 }
 
+Json json_of(const StressRow& r) {
+  const RendererWords words(r.renderer);
+  Json json{{"family", r.family},
+            {"severity", r.severity},
+            {"severity_label", r.severity_label},
+            {"width", r.width},
+            {"height", r.height},
+            {"renderer", r.renderer},
+            {"backend", words.backend},
+            {"sort", words.sort},
+            {"raster", words.raster},
+            {"bounds", words.bounds},
+            {"seeds", r.seeds},
+            {"failed", r.failed},
+            {"error", r.error.empty() ? Json() : Json(r.error)},
+            {"strict_normalised_error", r.worst.strict_normalised_error},
+            {"normalised_error", r.worst.normalised_error},
+            {"normalised_depth_error", r.worst.normalised_depth_error},
+            {"psnr_db", r.worst.psnr_db},
+            {"max_abs", r.worst.max_abs},
+            {"flips", r.worst.flips},
+            {"ambiguity", r.worst.ambiguity},
+            {"allowed", r.worst.allowed},
+            {"judged", r.worst.judged},
+            {"worst_seed", r.worst_seed},
+            {"worst_pixel", r.worst.worst_pixel}};
+  if (r.failed == r.seeds)  // nothing was drawn
+    for (auto member = json.find("strict_normalised_error"); member != json.end(); ++member) *member = Json();
+  return json;
+}
+
 }  // namespace
+
+std::string to_json(const ResultHead& head, const std::vector<StressRow>& rows) {
+  return document_of(head,
+                     {{"rows", array_of(rows, [](const StressRow& row) { return text_of(json_of(row)); })}});
+}
+
+Frame draw(AnyRenderer& renderer, const StressCase& made) {
+  renderer.set_scene(std::make_shared<const Scene>(made.scene));
+  const Placement placement{.world_from_scene = made.world_from_scene, .clip = made.clip};
+  renderer.place({&placement, 1});
+  Frame frame;
+  renderer.render(made.camera,
+                  {.conventions = made.conventions, .background = made.background, .outputs = {true, true}},
+                  frame);
+  return frame;
+}
 
 Sweep::Sweep(std::vector<RendererEntry> entries, int seeds, int threads) : seeds_(seeds), threads_(threads) {
   for (const RendererEntry& entry : entries) subjects_.push_back({entry, nullptr});
@@ -58,23 +104,17 @@ std::vector<StressRow> Sweep::run(const StressPoint& point, Progress& progress) 
 void Sweep::draw_seed(const StressPoint& point, std::uint64_t seed, std::vector<StressRow>& rows,
                       Progress& progress) {
   const StressCase made = point.family->make(point.severity, seed, point.size);
-  const auto scene = std::make_shared<const Scene>(made.scene);
-  const RenderSettings settings{
-      .conventions = made.conventions, .background = made.background, .outputs = {true, true}};
-  const Placement placement{.world_from_scene = made.world_from_scene, .clip = made.clip};
   const ConditionedFrame reference = render_conditioned(made, seed, threads_);
   for (std::size_t i = 0; i < subjects_.size(); ++i) {
     Subject& subject = subjects_[i];
     progress.start(std::string(point.family->name) + " " + severity_text(point.severity) + ": " +
                    subject.entry.name);
     ++rows[i].seeds;
-    Frame frame;
     try {
       if (!subject.renderer) subject.renderer = subject.entry.make();
-      subject.renderer->set_scene(scene);
-      subject.renderer->place({&placement, 1});
-      subject.renderer->render(made.camera, settings, frame);
-      add(rows[i], judge(reference, frame, exponent_representation_named(subject.entry.name)), seed);
+      add(rows[i],
+          judge(reference, draw(*subject.renderer, made), exponent_representation_named(subject.entry.name)),
+          seed);
     } catch (const std::exception& error) {
       if (rows[i].failed++ == 0) rows[i].error = "seed " + std::to_string(seed) + ": " + error.what();
       subject.renderer.reset();

@@ -4,17 +4,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <string_view>
+#include <utility>
 
-#include "draw/renderer_words.hpp"
 #include "stress/cases.hpp"
 
 namespace swiftgs::cli {
 namespace {
 
 using Rows = std::vector<const StressRow*>;
-
-constexpr int first_width = 36, width = 16;
 
 /// `rows` in groups with the same key, groups and rows in the order in which they come.
 template <class Key>
@@ -31,89 +28,39 @@ std::vector<Rows> grouped(const Rows& rows, Key key) {
   return groups;
 }
 
-/// A number of a row, or "failed" where no seed was drawn.
-std::string number(const StressRow& row, const char* format, double value) {
-  if (row.failed == row.seeds) return "failed";
-  char text[32];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
-
-/// The largest severity up to which a renderer is exact, of its rows in ascending order; "-" for none.
-std::string exact_up_to(const Rows& rows) {
-  std::string severity = "-";
-  for (const StressRow* row : rows) {
-    if (!row->is_exact() || row->judged == 0) break;
-    severity = severity_text(row->severity);
-  }
-  return severity;
-}
-
-/// How much of a pixel is open or, where that is all of some, how much of the image is judged.
-std::string openness(const StressRow& row) {
-  if (row.judged < 1) return number(row, "judged %.1f%%", std::floor(1000 * row.judged) / 10);
-  return number(row, "ambiguity %.2g", row.ambiguity);
-}
-
-/// The three lines of a cell: rows of one renderer on one family.
-std::vector<std::string> cell_of(const Rows& rows) {
-  const StressRow& last = *rows.back();
-  const std::string error = last.failed == last.seeds ? "failed"
-                            : last.judged > 0         ? error_text(last.strict_normalised_error)
-                                                      : "not judged";
-  return {exact_up_to(rows) + "  " + error,
-          number(last, "%.1e", last.max_abs) + " " + number(last, "%.0f dB", last.psnr_db), openness(last)};
-}
-
-/// The lines of a column's heading: a rasterizer's name in parts that fit.
-std::vector<std::string> heading_of(std::string_view raster) {
-  std::vector<std::string> lines;
-  for (const std::string_view prefix : {"axis-shared-", "threshold-"})
-    if (raster.starts_with(prefix)) {
-      lines.emplace_back(prefix);
-      raster.remove_prefix(prefix.size());
-    }
-  lines.emplace_back(raster);
-  lines.resize(std::max<std::size_t>(3, lines.size()));
-  return lines;
-}
-
-/// Prints columns of `count` lines side by side.
-void print_lines(const std::vector<std::string>& first,
-                 const std::vector<std::vector<std::string>>& columns) {
-  for (std::size_t line = 0; line < first.size(); ++line) {
-    std::string text = first[line];
-    std::size_t end = first_width;
-    for (const std::vector<std::string>& column : columns) {
-      text.resize(std::max(end, text.size() + 1), ' ');
-      text += column[line];
-      end += width;
-    }
-    text.resize(text.find_last_not_of(' ') + 1);
-    std::printf("%s\n", text.c_str());
-  }
-}
-
 std::string renderer_of(const StressRow& row) { return row.renderer; }
+std::string family_of(const StressRow& row) { return row.family; }
 
-/// One block: renderers that differ in the rasterizer alone, on images of one size.
-void print_block(const Rows& rows) {
-  const StressRow& any = *rows.front();
-  const RendererWords words(any.renderer);
-  std::printf("\n%s/%s/*/%s: %dx%d, %d %s\n\n", words.backend.c_str(), words.sort.c_str(),
-              words.bounds.c_str(), any.width, any.height, any.seeds, any.seeds == 1 ? "seed" : "seeds");
-  std::vector<std::vector<std::string>> headings;
-  for (const Rows& column : grouped(rows, renderer_of))
-    headings.push_back(heading_of(RendererWords(column.front()->renderer).raster));
-  print_lines({"family", "  what its severity is", "  the greatest severity"}, headings);
-  for (const Rows& family : grouped(rows, [](const StressRow& row) { return row.family; })) {
-    std::vector<std::vector<std::string>> cells;
-    for (const Rows& column : grouped(family, renderer_of)) cells.push_back(cell_of(column));
-    const StressRow& last = *family.back();
-    print_lines(
-        {last.family, "  " + last.severity_label, std::string("  at ").append(severity_text(last.severity))},
-        cells);
+/// One renderer on a family: rows of ascending severity.
+void print_line(const Rows& rows) {
+  const StressRow& last = *rows.back();
+  std::string exact = "-";
+  for (const StressRow* row : rows) {
+    if (!row->is_exact() || row->worst.judged == 0) break;
+    exact = severity_text(row->severity);
   }
+  const StressVerdict& worst = last.worst;
+  std::printf("  %-62s %8s ", last.renderer.c_str(), exact.c_str());
+  if (last.failed == last.seeds) {
+    std::printf("  failed\n");
+    return;
+  }
+  // What is not judged has no error that says anything.
+  std::printf("%9s %8.1e %5.0f dB %9.2g %7.1f%%\n",
+              worst.judged > 0 ? error_text(worst.strict_normalised_error).c_str() : "-", worst.max_abs,
+              worst.psnr_db, worst.ambiguity, std::floor(1000 * worst.judged) / 10);
+}
+
+/// All renderers on a family, on images of one size.
+void print_family(const Rows& rows) {
+  const StressRow& last = *rows.back();
+  std::printf("\n%-64s %8s %9s %8s %8s %9s %8s\n",
+              (last.family + ", " + last.severity_label + " up to " + severity_text(last.severity) + ": " +
+               std::to_string(last.width) + "x" + std::to_string(last.height) + ", " +
+               std::to_string(last.seeds) + (last.seeds == 1 ? " seed" : " seeds"))
+                  .c_str(),
+              "exact to", "error", "largest", "PSNR", "ambiguity", "judged");
+  for (const Rows& renderer : grouped(rows, renderer_of)) print_line(renderer);
 }
 
 /// From where on one renderer loses digits, in a line.
@@ -121,7 +68,7 @@ void print_verdict(const Rows& rows) {
   const StressRow *worst = nullptr, *most_ambiguous = nullptr;
   std::string stops;
   std::size_t families = 0;
-  for (const Rows& family : grouped(rows, [](const StressRow& row) { return row.family; })) {
+  for (const Rows& family : grouped(rows, family_of)) {
     ++families;
     const auto bad =
         std::find_if(family.begin(), family.end(), [](const StressRow* row) { return !row->is_exact(); });
@@ -131,17 +78,17 @@ void print_verdict(const Rows& rows) {
   }
   for (const StressRow* row : rows) {
     if (row->failed == row->seeds) continue;
-    if (!worst || !(row->strict_normalised_error <= worst->strict_normalised_error)) worst = row;
-    if (!most_ambiguous || row->ambiguity > most_ambiguous->ambiguity) most_ambiguous = row;
+    if (!worst || !(row->worst.strict_normalised_error <= worst->worst.strict_normalised_error)) worst = row;
+    if (!most_ambiguous || row->worst.ambiguity > most_ambiguous->worst.ambiguity) most_ambiguous = row;
   }
   if (stops.empty())
     stops = "exact in " + std::to_string(families) + (families == 1 ? " family" : " families");
   std::printf("%s: %s", rows.front()->renderer.c_str(), stops.c_str());
   if (worst)
     std::printf("; worst strict normalised error %s (%s %s, seed %llu); ambiguity up to %.2g (%s %s)",
-                error_text(worst->strict_normalised_error).c_str(), worst->family.c_str(),
+                error_text(worst->worst.strict_normalised_error).c_str(), worst->family.c_str(),
                 severity_text(worst->severity).c_str(), static_cast<unsigned long long>(worst->worst_seed),
-                most_ambiguous->ambiguity, most_ambiguous->family.c_str(),
+                most_ambiguous->worst.ambiguity, most_ambiguous->family.c_str(),
                 severity_text(most_ambiguous->severity).c_str());
   std::printf("\n");
 }
@@ -149,12 +96,12 @@ void print_verdict(const Rows& rows) {
 /// From where on the exponent representation of one renderer is allowed errors that show, in a line.
 void print_warning(const Rows& rows) {
   std::string shown;
-  for (const Rows& family : grouped(rows, [](const StressRow& row) { return row.family; })) {
+  for (const Rows& family : grouped(rows, family_of)) {
     const auto first =
         std::find_if(family.begin(), family.end(), [](const StressRow* row) { return row->may_show(); });
     if (first == family.end()) continue;
     char weight[32];
-    std::snprintf(weight, sizeof weight, " (%.2g)", (*first)->allowed);
+    std::snprintf(weight, sizeof weight, " (%.2g)", (*first)->worst.allowed);
     shown +=
         (shown.empty() ? "" : ", ") + (*first)->family + " " + severity_text((*first)->severity) + weight;
   }
@@ -166,10 +113,10 @@ void print_warning(const Rows& rows) {
 }
 
 constexpr const char* legend = R"(
-A cell: the largest severity up to which the strict normalised error stays at or below 10 ('-': none) and, at
-the greatest severity, the worst one; the largest absolute error and the least PSNR; 'ambiguity', the largest
-weight that the exponent representation leaves open, of 1 in a pixel. Where ties and thresholds leave all of
-a pixel open, the pixel is not judged; 'judged' is the share of the others in the worst frame.
+'exact to' is the largest severity up to which the strict normalised error stays at or below 10 ('-': none).
+The rest is of the greatest severity: the worst strict normalised error, the largest absolute error, the
+least PSNR, the largest weight that the exponent representation leaves open, of 1 in a pixel, and the least
+share of pixels of which it leaves less than all open: the others are not judged.
 )";
 
 }  // namespace
@@ -185,13 +132,9 @@ std::string error_text(double error) {
 void print_stress(const std::vector<StressRow>& rows) {
   Rows all;
   for (const StressRow& row : rows) all.push_back(&row);
-  const auto block = [](const StressRow& row) {
-    const RendererWords words(row.renderer);
-    return words.backend + "/" + words.sort + "/" + words.bounds + "/" + std::to_string(row.width) + "x" +
-           std::to_string(row.height);
-  };
-  for (const Rows& one : grouped(all, block)) {
-    print_block(one);
+  const auto size_of = [](const StressRow& row) { return std::pair(row.width, row.height); };
+  for (const Rows& one : grouped(all, size_of)) {
+    for (const Rows& family : grouped(one, family_of)) print_family(family);
     std::printf("\n");
     for (const Rows& renderer : grouped(one, renderer_of)) print_verdict(renderer);
     for (const Rows& renderer : grouped(one, renderer_of)) print_warning(renderer);
