@@ -17,12 +17,7 @@ bool unavailable() { return without_device(); }
 }  // namespace swiftgs::test
 
 #define SWIFTGS_STABILITY "cuda stability"
-#include "stability/corner_cases.hpp"
-#include "stability/edge_cases.hpp"
-#include "stability/number_cases.hpp"
 #include "stability/sweep_cases.hpp"
-// Uses what the cases of the sweep define.
-#include "stability/found_cases.hpp"
 
 namespace swiftgs::test {
 

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
-#include <type_traits>
 #include <vector>
 
 #include "policies/rasterizers.hpp"
@@ -75,14 +74,13 @@ class Drawer {
   explicit Drawer(B& backend) : backend_(backend) {}
   template <class Raster>
   void draw(Raster raster, const SplatShape& shape) {
-    const std::vector<SplatShape> one{shape};
-    const Reachable reached(one);
-    const SplatsView splats{reached.span(), {}, {}};  // rasterizers read no more of them
+    const auto one = to_backend(backend_, std::vector{shape});
+    const SplatsView splats{one.span(), {}, {}};  // rasterizers read no more of them
     const TileListsView lists{id_.span(), ranges_.span()};
     rasterize(backend_, raster, RasterJob{splats, {white_.span()}, lists, {&view_, 1}});
-    colours_ = &frame_.colours(backend_);
+    colours_ = frame_.colours(backend_);
   }
-  float alpha(int x, int y) const { return (*colours_)[3 * std::size_t(y * width + x)]; }
+  float alpha(int x, int y) const { return colours_[3 * std::size_t(y * width + x)]; }
 
  private:
   /// The last tile lists the only splat.
@@ -92,15 +90,15 @@ class Drawer {
     return ranges;
   }
 
+  template <class T>
+  using Buffer = typename B::template Buffer<T>;
+
   B& backend_;
-  std::vector<TileRange> host_ranges_ = last_tile(TileGrid::covering(width, height));
-  std::vector<SplatColour> host_white_{{vec3(1), 1}};
-  std::vector<std::uint32_t> host_id_{0};
-  Reachable<TileRange> ranges_{host_ranges_};
-  Reachable<SplatColour> white_{host_white_};
-  Reachable<std::uint32_t> id_{host_id_};
-  ReachableFrame frame_{width, height};
-  const std::vector<float>* colours_ = nullptr;
+  Buffer<TileRange> ranges_ = to_backend(backend_, last_tile(TileGrid::covering(width, height)));
+  Buffer<SplatColour> white_ = to_backend(backend_, std::vector<SplatColour>{{vec3(1), 1}});
+  Buffer<std::uint32_t> id_ = to_backend(backend_, std::vector<std::uint32_t>{0});
+  FrameOn<B> frame_{width, height};
+  std::vector<float> colours_;
   View view_{.rules = BlendRules::from(Conventions()),
              .grid = TileGrid::covering(width, height),
              .frame = frame_.view()};

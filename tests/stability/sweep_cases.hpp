@@ -2,9 +2,9 @@
 #pragma once
 
 /// @file
-/// Test cases of whatever backends the including file has. It defines SWIFTGS_STABILITY, what the names of
-/// the cases begin with, and in `swiftgs::test` a function `unavailable` that skips the case where the
-/// backends cannot run, and a class `Backends` with the members of `Sweep`.
+/// All stability tests of whatever backends the including file has. It defines SWIFTGS_STABILITY, what the
+/// names of the cases begin with, and in `swiftgs::test` a function `unavailable` that skips the case where
+/// the backends cannot run, and a class `Backends` with the members of `Sweep`.
 
 #include <algorithm>
 #include <cmath>
@@ -16,8 +16,9 @@
 #include <utility>
 #include <vector>
 
+#include "stability/edge_cases.hpp"
+#include "stability/found_cases.hpp"
 #include "stability/number_cases.hpp"
-#include "stability/sweep.hpp"
 
 namespace swiftgs::stress {
 

@@ -9,7 +9,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #if defined(SWIFTGS_SEARCH_ON_DEVICE)
@@ -19,6 +18,7 @@
 
 #include "policies/backends.hpp"
 #include "policies/only_targets.hpp"
+#include "policies/tile_lists.hpp"
 #endif
 
 namespace swiftgs::test {
@@ -36,41 +36,6 @@ class Targets {
 
  private:
   Cuda cuda_;
-};
-
-/// An array of the host where kernels reach it.
-template <class T>
-class Reachable {
- public:
-  explicit Reachable(const std::vector<T>& host) : device_(to_device(host)) {}
-  Span<const T> span() const { return device_.span(); }
-
- private:
-  DeviceBuffer<T> device_;
-};
-
-/// The colours of a frame where kernels write them.
-class ReachableFrame {
- public:
-  ReachableFrame(int width, int height) : width_(width), height_(height) {
-    colours_.resize(3 * std::size_t(width) * std::size_t(height));
-    device_.reset(colours_.size());
-  }
-  FrameView view() {
-    return {.width = width_,
-            .height = height_,
-            .colour = {device_.data(), std::ptrdiff_t(3 * sizeof(float)) * width_}};
-  }
-  /// What was drawn, on the host.
-  const std::vector<float>& colours(const Cuda& cuda) {
-    cuda.download(Span<const float>(device_.span()), colours_.data());
-    return colours_;
-  }
-
- private:
-  int width_, height_;
-  std::vector<float> colours_;
-  DeviceBuffer<float> device_;
 };
 
 #else
@@ -101,31 +66,29 @@ class Targets {
   std::vector<std::int64_t> vector_;
 };
 
-template <class T>
-class Reachable {
- public:
-  explicit Reachable(const std::vector<T>& host) : host_(host) {}
-  Span<const T> span() const { return {host_.data(), host_.size()}; }
+#endif
 
- private:
-  const std::vector<T>& host_;
-};
-
-class ReachableFrame {
+/// The colours of a frame, where a backend writes them.
+template <class B>
+class FrameOn {
  public:
-  ReachableFrame(int width, int height) : view_(prepare(frame_, width, height, {false, false})) {}
-  FrameView view() { return view_; }
-  template <class B>
-  const std::vector<float>& colours(const B&) const {
-    return frame_.colour;
+  FrameOn(int width, int height) : width_(width), height_(height) {
+    colours_.reset(3 * std::size_t(width) * std::size_t(height));
+  }
+  FrameView view() {
+    return {.width = width_,
+            .height = height_,
+            .colour = {colours_.data(), std::ptrdiff_t(3 * sizeof(float)) * width_}};
+  }
+  /// What was drawn, on the host.
+  std::vector<float> colours(const B& backend) const {
+    return to_host(backend, Span<const float>(colours_.span()));
   }
 
  private:
-  Frame frame_;
-  FrameView view_;
+  int width_, height_;
+  typename B::template Buffer<float> colours_;
 };
-
-#endif
 
 /// Splats of a scene and their colours, on the host.
 struct Projected {
@@ -147,14 +110,9 @@ Projected project_to_host(B& backend, const View& view, const Scene& scene) {
   project(backend, plan, Ellipse(), scratch, splats, footprints);
   Shading<B> shading = shade(backend, plan, splats, colours);
   bin(backend, plan, Ellipse(), splats, footprints);
-  const auto to_host = [&]<class T>(Span<const T> from) {
-    std::vector<T> to(from.size);
-    backend.download(from, to.data());
-    return to;
-  };
   const SplatsView found = splats.view();
-  return {to_host(found.shapes), to_host(found.depths), to_host(found.gaussians),
-          to_host(shading.finish().each)};
+  return {to_host(backend, found.shapes), to_host(backend, found.depths), to_host(backend, found.gaussians),
+          to_host(backend, shading.finish().each)};
 }
 
 }  // namespace swiftgs::test

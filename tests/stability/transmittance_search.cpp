@@ -35,19 +35,19 @@ std::vector<float> transmittances(B& backend, const std::vector<Candidate>& cand
     for (int k = 0; k < layers; ++k) ids.push_back(first + std::uint32_t(k % c.period));
     ranges.push_back({begin, std::uint32_t(ids.size())});
   }
-  ReachableFrame frame(width, 1);
-  const Reachable reached_shapes(shapes);
-  const Reachable reached_colours(colours);
-  const Reachable reached_ids(ids);
-  const Reachable reached_ranges(ranges);
-  const SplatsView splats{reached_shapes.span(), {}, {}};  // rasterizers read no more of them
-  const TileListsView lists{reached_ids.span(), reached_ranges.span()};
+  FrameOn<B> frame(width, 1);
+  const auto shapes_on = to_backend(backend, shapes);
+  const auto colours_on = to_backend(backend, colours);
+  const auto ids_on = to_backend(backend, ids);
+  const auto ranges_on = to_backend(backend, ranges);
+  const SplatsView splats{shapes_on.span(), {}, {}};  // rasterizers read no more of them
+  const TileListsView lists{ids_on.span(), ranges_on.span()};
   const View view{.rules = {1e-6f, 0.99f, 0},
                   .background = vec3(1),
                   .grid = TileGrid::covering(width, 1),
                   .frame = frame.view()};
-  rasterize(backend, PerPixel(), RasterJob{splats, {reached_colours.span()}, lists, {&view, 1}});
-  const std::vector<float>& drawn = frame.colours(backend);
+  rasterize(backend, PerPixel(), RasterJob{splats, {colours_on.span()}, lists, {&view, 1}});
+  const std::vector<float> drawn = frame.colours(backend);
   std::vector<float> found;
   for (std::size_t i = 0; i < candidates.size(); ++i) found.push_back(drawn[3 * raster_block_side * i]);
   return found;

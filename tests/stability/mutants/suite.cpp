@@ -25,9 +25,4 @@ bool unavailable() { return false; }
 }  // namespace swiftgs::test
 
 #define SWIFTGS_STABILITY "mutant"
-#include "stability/corner_cases.hpp"
-#include "stability/edge_cases.hpp"
-#include "stability/number_cases.hpp"
 #include "stability/sweep_cases.hpp"
-// Uses functions of the sweep's cases.
-#include "stability/found_cases.hpp"
