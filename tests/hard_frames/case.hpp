@@ -14,6 +14,9 @@
 #include <swiftgs/similarity.hpp>
 #include <swiftgs/split_mix.hpp>
 
+/// @file
+/// Frames that are hard for float arithmetic: tests and `swiftgs stress` draw them.
+
 namespace swiftgs {
 
 /// A frame that is hard on arithmetic.

@@ -15,7 +15,7 @@ namespace swiftgs::cli {
 namespace {
 
 ImageSize size_named(const std::string& text) {
-  const std::vector<std::string_view> sides = split(text, 'x');
+  const std::vector<std::string_view> sides = cli::split(text, 'x');
   const auto side = [&](std::size_t i) { return i < sides.size() ? parse<int>(sides[i]).value_or(0) : 0; };
   const ImageSize size{side(0), side(1)};
   const auto fits = [](int pixels) { return pixels >= 1 && pixels <= max_image_side; };

@@ -9,7 +9,7 @@
 #include "hard_frames/case.hpp"
 #include "result_head.hpp"
 
-/// What `stress --search` finds, as docs/schemas/stress-search.schema.json describes it.
+/// What `stress --search` finds.
 namespace swiftgs::cli {
 
 /// The worst frame of one renderer, of colours or of depth, that a search found from one family.

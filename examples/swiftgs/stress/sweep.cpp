@@ -16,17 +16,16 @@ namespace {
 bool is_worse(double value, double known) { return !std::isnan(known) && !(value <= known); }
 
 void add(StressRow& row, const StressVerdict& verdict, std::uint64_t seed) {
-  using Verdict = StressVerdict;
-  Verdict& worst = row.worst;
+  StressVerdict& worst = row.worst;
   const bool first = row.seeds - row.failed == 1;
   if (first || is_worse(verdict.strict_normalised_error, worst.strict_normalised_error)) {
     worst.strict_normalised_error = verdict.strict_normalised_error;
     worst.worst_pixel = verdict.worst_pixel, row.worst_seed = seed;
   }
-  for (const auto most : {&Verdict::normalised_error, &Verdict::normalised_depth_error, &Verdict::max_abs,
-                          &Verdict::ambiguity, &Verdict::allowed})
+  for (const auto most : {&StressVerdict::normalised_error, &StressVerdict::normalised_depth_error,
+                          &StressVerdict::max_abs, &StressVerdict::ambiguity, &StressVerdict::allowed})
     if (is_worse(verdict.*most, worst.*most)) worst.*most = verdict.*most;
-  for (const auto least : {&Verdict::psnr_db, &Verdict::judged})
+  for (const auto least : {&StressVerdict::psnr_db, &StressVerdict::judged})
     if (is_worse(-(verdict.*least), -(worst.*least))) worst.*least = verdict.*least;
   worst.flips += verdict.flips;
 }

@@ -20,7 +20,7 @@ namespace swiftgs::cli {
 /// exponent representation if its normalised error is.
 inline constexpr double stress_gate = 10;
 
-/// One renderer on a family at one severity and image size, as docs/schemas/stress.schema.json describes it.
+/// One renderer on a family at one severity and image size.
 struct StressRow {
   std::string family, severity_label;
   double severity = 0;
