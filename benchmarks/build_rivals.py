@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Builds what `beside_gsplat.py` and `rivals.py` compare with: 3 minutes on 16 cores.
+"""Builds what `rivals.py` compares with: 3 minutes on 16 cores.
 
     SWIFTGS_GSPLAT=FOLDER SWIFTGS_FASTER_GS=FOLDER python3 benchmarks/build_rivals.py
 

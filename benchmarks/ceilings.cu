@@ -9,10 +9,9 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
-#include <fstream>
 #include <iostream>
 #include <random>
-#include <string_view>
+#include <stdexcept>
 #include <vector>
 
 #include <cub/device/device_radix_sort.cuh>
@@ -128,7 +127,7 @@ double rounded(double value) {
 
 /// Of random keys with values of 32 bits, by the lowest `bits` of the keys.
 template <class Key>
-ordered_json sort_times(int bits) {
+void print_sorts(int bits) {
   std::vector<Key> random(pairs.back());
   std::mt19937_64 next(1);
   for (Key& key : random) key = Key(next());
@@ -138,7 +137,6 @@ ordered_json sort_times(int bits) {
   check_cuda(cudaMemcpy(keys.data(), random.data(), random.size() * sizeof(Key), cudaMemcpyHostToDevice),
              "cudaMemcpy");
   check_cuda(cudaMemset(values.data(), 0, random.size() * sizeof(std::uint32_t)), "cudaMemset");
-  ordered_json us = ordered_json::array();
   for (const int number : pairs) {
     std::size_t bytes = 0;
     const auto sort = [&](void* room) {
@@ -148,51 +146,33 @@ ordered_json sort_times(int bits) {
     };
     sort(nullptr);  // asks for `bytes`
     DeviceBuffer<std::byte> room = on_device<std::byte>(bytes);
-    us.push_back(rounded(1e6 * median_seconds([&] { sort(room.data()); })));
+    const double ms = rounded(1e3 * median_seconds([&] { sort(room.data()); }));
+    std::cout << ordered_json{{"ceiling", "sort"},
+                              {"key_bits", 8 * sizeof(Key)},
+                              {"sorted_bits", bits},
+                              {"pairs", number},
+                              {"ms", {{"total", {{"median", ms}}}}}}
+              << '\n';
   }
-  return {{"key_bits", 8 * sizeof(Key)}, {"sorted_bits", bits}, {"pairs", pairs}, {"us", us}};
 }
 
-void print(const ordered_json& machine) {
-  ordered_json found = {{"format", "swiftgs-ceilings"}, {"version", 1}};
-  found["machine"] = machine;
-  found["command"] = "ceilings --json";
-  found["copy_bytes_per_s"] = rounded(copied_bytes_per_second());
-  found["fma_per_s"] = rounded(operations_per_second(MultiplyAdd{0.75f, 0.25f}));
-  found["ex2_per_s"] = rounded(operations_per_second(Exponential()));
-  const char* separator = "{\n ";
-  for (const auto& [name, value] : found.items()) {
-    std::cout << separator << '"' << name << "\": " << value.dump();
-    separator = ",\n ";
-  }
-  // Depths; tiles, up to 8192 of them; tile and depth in one key.
-  std::cout << ",\n \"sorts\": [\n  " << sort_times<std::uint32_t>(32).dump() << ",\n  "
-            << sort_times<std::uint16_t>(13).dump() << ",\n  " << sort_times<std::uint64_t>(45).dump()
-            << "\n ]\n}\n";
+void print_rate(const char* ceiling, double per_second) {
+  std::cout << ordered_json{{"ceiling", ceiling}, {"per_s", rounded(per_second)}} << '\n';
 }
 
 }  // namespace
 
-/// ceilings --json MACHINE.json, which holds what benchmarks/describe_machine.sh prints.
-int main(int argc, char** argv) {
-  if (argc != 3 || std::string_view(argv[1]) != "--json") {
-    std::cerr << "usage: ceilings --json MACHINE.json; expected what describe_machine.sh prints\n";
-    return 2;
-  }
-  std::ifstream file(argv[2]);
-  const ordered_json machine = ordered_json::parse(file, nullptr, false);
-  if (!machine.is_object()) {
-    std::cerr << "ceilings: " << argv[2] << ": expected a file with what describe_machine.sh prints\n";
-    return 2;
-  }
-  if (!swiftgs::Cuda::usable()) {
-    std::cerr << "ceilings: expected a device that the kernels of this build run on\n";
-    return 1;
-  }
-  try {
-    print(machine);
-  } catch (const std::exception& error) {
-    std::cerr << "ceilings: " << error.what() << '\n';
-    return 1;
-  }
+/// Rows as JSON, for benchmarks/result_file.sh.
+int main() try {
+  if (!swiftgs::Cuda::usable())
+    throw std::runtime_error("expected a device that the kernels of this build run on");
+  print_rate("copy", copied_bytes_per_second());
+  print_rate("fma", operations_per_second(MultiplyAdd{0.75f, 0.25f}));
+  print_rate("ex2", operations_per_second(Exponential()));
+  print_sorts<std::uint32_t>(32);  // depths
+  print_sorts<std::uint16_t>(13);  // tiles, up to 8192 of them
+  print_sorts<std::uint64_t>(45);  // tile and depth in one key
+} catch (const std::exception& error) {
+  std::cerr << "ceilings: " << error.what() << '\n';
+  return 1;
 }

@@ -10,7 +10,6 @@
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
-#include <fstream>
 #include <functional>
 #include <iostream>
 #include <limits>
@@ -184,9 +183,8 @@ Written write_and_read(const Format& format, const Scene& scene, const Folder& f
                              " Gaussians, read " + std::to_string(read.scene.size()));
   return {std::move(read.scene),
           format.order(scene),
-          {{"format", format.name},
-           {"file_format", written.format},
-           {"bytes", written.bytes},
+          {{"file_format", written.format},
+           {"file_bytes", written.bytes},
            {"write_seconds", significant(write)},
            {"read_seconds", significant(seconds)}}};
 }
@@ -214,65 +212,55 @@ Json read_only(const std::filesystem::path& file, const Scene& scene, Eye& eye) 
   const double seconds = seconds_to_read(file, read);
   const std::vector<float> whole = eye.see(with_degree(scene, read.scene.sh_degree));
   return {{"file_format", read.format},           {"gaussians", read.scene.size()},
-          {"sh_degree", read.scene.sh_degree},    {"bytes", bytes_of(file)},
+          {"sh_degree", read.scene.sh_degree},    {"file_bytes", bytes_of(file)},
           {"read_seconds", significant(seconds)}, {"psnr_db", significant(psnr(whole, eye.see(read.scene)))}};
 }
 
-Json measure(const Scene& scene, const Camera& camera, const std::vector<std::filesystem::path>& files) {
+/// Rows, each with what `print` adds.
+template <class Print>
+void measure(const Scene& scene, const Camera& camera, const std::vector<std::filesystem::path>& files,
+             const Print& print) {
   Eye eye(camera);
   const Folder folder;
   const std::vector<float> whole = eye.see(scene);
-  Json single = Json::array(), pairs = Json::array(), read = Json::array();
   for (const Format& first : formats) {
     Written one = write_and_read(first, scene, folder);
     const Scene before = subset(scene, one.order);
     one.costs.update(losses(before, one, whole, eye));
-    single.push_back(one.costs);
+    print(one.costs);
     if (first.spz_version == 3) continue;  // the numbers of version 4
     for (const Format& second : formats) {
       if (second.spz_version == 3) continue;
       const Written two = write_and_read(second, one.scene, folder);
-      pairs.push_back({{"first", first.name}, {"second", second.name}});
-      pairs.back().update(losses(subset(before, two.order), two, whole, eye));
+      Json row{{"file_format", second.name}, {"read_from", first.name}};
+      row.update(losses(subset(before, two.order), two, whole, eye));
+      print(row);
     }
   }
-  for (const std::filesystem::path& file : files) read.push_back(read_only(file, scene, eye));
-  return {{"single", single}, {"pairs", pairs}, {"read", read}};
-}
-
-Json read_json(const char* file) {
-  std::ifstream stream(file);
-  return Json::parse(stream, nullptr, false);
+  for (const std::filesystem::path& file : files) print(read_only(file, scene, eye));
 }
 
 }  // namespace
 
-/// formats_table MACHINE.json SCENE [FILE...]: results as JSON. `machine` is what
-/// benchmarks/describe_machine.sh prints; each FILE is SCENE in a format that is only read.
+/// formats_table SCENE [FILE...]: rows as JSON, for benchmarks/result_file.sh. Each FILE is SCENE in a format
+/// that is only read.
 int main(int argc, char** argv) try {
-  const Json machine = argc >= 3 ? read_json(argv[1]) : Json(Json::value_t::discarded);
-  if (machine.is_discarded()) {
-    std::cerr << "usage: formats_table MACHINE.json SCENE [FILE...]; expected what describe_machine.sh "
-                 "prints, a capture or builtin:N, and files that hold it\n";
+  if (argc < 2) {
+    std::cerr
+        << "usage: formats_table SCENE [FILE...]; expected a capture or builtin:N, and files that hold it\n";
     return 2;
   }
-  const bench::Input input = bench::inputs_named({argv[2]}).at(0);
+  const bench::Input input = bench::inputs_named({argv[1]}).at(0);
   const Scene scene = input.load();
-  const std::vector<std::filesystem::path> files(argv + 3, argv + argc);
-  const Json found = measure(scene, input.views.at(0), files);
-  std::string command = "formats_table MACHINE.json " + input.name;
-  for (const std::filesystem::path& file : files) command.append(1, ' ').append(file.filename());
-  std::cout << "{\"format\": \"swiftgs-formats\", \"version\": 1,\n\"machine\": " << machine.dump()
-            << ",\n\"command\": " << Json(command) << ",\n\"scene\": \"" << input.name
-            << "\", \"gaussians\": " << scene.size() << ", \"sh_degree\": " << scene.sh_degree
-            << ", \"size\": \"" << input.size() << "\"";
-  for (const char* member : {"single", "pairs", "read"}) {
-    std::cout << ",\n\"" << member << "\": [";
-    const char* separator = "\n ";
-    for (const Json& row : found[member]) std::cout << separator << row.dump(), separator = ",\n ";
-    std::cout << "]";
-  }
-  std::cout << "}\n";
+  const Camera& camera = input.views.at(0);
+  measure(scene, camera, {argv + 2, argv + argc}, [&](const Json& found) {
+    Json row{{"scene", input.name},
+             {"gaussians", scene.size()},
+             {"width", camera.width},
+             {"height", camera.height}};
+    row.update(found);
+    std::cout << row << std::endl;
+  });
   return 0;
 } catch (const std::exception& error) {
   std::cerr << "formats_table: " << error.what() << "\n";

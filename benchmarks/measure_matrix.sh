@@ -12,7 +12,7 @@
 #   threads    scaling-threads.json: of the cpu backend, whatever BACKEND is, up to as many as there are
 #   occupancy  scaling-occupancy.json: scales of all Gaussians from an eighth to eight times theirs (four on a CPU);
 #              tiles get no sparser than by one for each splat in view
-#   prune      prune-SCENE-SCORE.json, and pruned.json: a tenth of each capture
+#   prune      pruned.json: a tenth of each capture
 #   lenses     lenses.json: four views of a capture with a cameras.json as pinholes, through OpenCV's lens, as fisheyes
 #              and as panoramas, its Gaussians as they are and ordered in space
 #   harmonics  harmonics-float.json, -smallest.json, -half.json: captures, and the built-in scene through SPZ and SOG, with
@@ -93,7 +93,7 @@ scaling() { echo "$1/early/$ours,$1/standard/$ours,$1/standard/per-pixel/$square
 leave_folders_out() { sed -i "s|$out/||g;s|$scenes/||g" "$1"; }
 
 # bench FILE ARGUMENT...: without members that are null or say that a frame had one view and colour alone, and without
-# percentiles and joined pixels, which no table reads.
+# percentiles and counts that no table reads.
 bench() {
   local file=$1
   shift
@@ -154,19 +154,15 @@ part_occupancy() {
 # Whoever removes the folder removes links as links, `rm OUTDIR/pruned/*/photos` without a slash at the end, and follows
 # none.
 part_prune() {
-  local capture name score folder cameras photos pruned=()
+  local capture name folder cameras photos pruned=()
   for capture in ${captures[@]+"${captures[@]}"}; do
     name=$(basename "$capture") folder=$out/pruned/$name-pruned
     cameras=$(part_of_capture "$capture" cameras) photos=$(part_of_capture "$capture" photos)
     mkdir -p "$folder"
     if [ -d "$cameras" ]; then ln -sfn "$cameras" "$folder/sparse"; else ln -sfn "$cameras" "$folder/cameras.json"; fi
     [ -z "$photos" ] || ln -sfn "$photos" "$folder/photos"
-    for score in opacity-volume contribution; do
-      "$swiftgs" prune "$capture" --keep 0.1 --score "$score" --out "$folder/$name-pruned.ply" \
-        --json "$out/prune-$name-$score.json"
-      leave_folders_out "$out/prune-$name-$score.json"
-    done
-    pruned+=("$folder")  # what the last score has kept
+    "$swiftgs" prune "$capture" --keep 0.1 --score contribution --out "$folder/$name-pruned.ply"
+    pruned+=("$folder")
   done
   [ ${#pruned[@]} -eq 0 ] || bench pruned.json "${pruned[@]}" --renderers "$vanilla" --conventions inria \
     --views "$views" --errors 1

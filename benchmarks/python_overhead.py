@@ -2,7 +2,7 @@
 """Frames a second from Python against C++, in one run on one machine.
 
     PYTHONPATH=backends/python SWIFTGS_LIBRARY=build/release/backends/c/libswiftgs_c.so \
-        python3 benchmarks/python_overhead.py build/release/examples/swiftgs builtin:200000 [--json FILE]
+        python3 benchmarks/python_overhead.py build/release/examples/swiftgs builtin:200000 --json FILE
 
 C++ is `swiftgs bench` with the same renderer, scene, view and size. The languages take turns. Each time is given twice,
 as the median and as what 10 % of a round's frames stay below (p10), which other programs disturb less; both are medians
@@ -11,17 +11,15 @@ over the rounds. Frames from Python come one after the other, each complete befo
   out       `render(camera, out=frame)`, the same memory again
   new       `render(camera)`, an array of NumPy for each frame
   arrays    `rasterization(...)`, which takes the Gaussians with each call
-  nothing   as `out`, ten Gaussians in 16 x 9 pixels, where the call is nearly all there is
 
-`outside` are microseconds of a frame outside of its stages: the wall clock's median, or p10, less that of the backend's
-own clock (`times`).
-What Python adds to a frame is at most the difference of `outside` between the languages, which also has what Python
-takes to read the clock. A frame of the CPU leaves cold caches, so this is more than the same difference of `nothing`,
-whose caches are warm. On a device `out` is a DeviceArray, each frame is waited for, `new` copies to the host, and
-`arrays` are tensors of PyTorch.
+`outside_us` is what a frame takes outside of its stages: the wall clock's median, or p10, less that of the backend's
+own clock (`times`). What Python adds to a frame is at most the difference of `outside_us` between the languages, which
+also has what Python takes to read the clock. On a device `out` is a DeviceArray, each frame is waited for, `new` copies
+to the host, and `arrays` are tensors of PyTorch.
 """
 import argparse
 import json
+import os
 import pathlib
 import subprocess
 import sys
@@ -30,8 +28,6 @@ import time
 import numpy as np
 
 import swiftgs
-
-NOTHING = ("builtin:10", 0.0125)
 
 
 def both(samples):
@@ -116,29 +112,28 @@ class Case:
         return {of: of_wall[of] - of_stages[of] for of in of_wall}
 
 
-def measure(backend, cpp, name, scale, rounds, least):
-    case, small = Case(backend, name, scale), Case(backend, *NOTHING)
-    found = {call: [] for call in (*case.calls, "nothing")}
-    in_cpp, nothing_in_cpp, outside = [], [], []
-    for _ in range(rounds):
-        in_cpp.append(cpp.bench(name, case.renderer.name, scale))
-        nothing_in_cpp.append(cpp.bench(NOTHING[0], case.renderer.name, NOTHING[1]))
-        for call, work in (*case.calls.items(), ("nothing", small.calls["out"])):
-            found[call].append(both(milliseconds(work, least / rounds)))
-        outside.append(case.outside(max(10, int(least / rounds / found["out"][-1]["median"] * 1e3))))
+def measure(backend, cpp, name, arguments):
+    """A row of each way of calling."""
+    case, least = Case(backend, name, arguments.scale), arguments.seconds / arguments.rounds
+    found, in_cpp, outside = {call: [] for call in case.calls}, [], []
+    for _ in range(arguments.rounds):
+        in_cpp.append(cpp.bench(name, case.renderer.name, arguments.scale))
+        for call, work in case.calls.items():
+            found[call].append(both(milliseconds(work, least)))
+        outside.append(case.outside(max(10, int(least / found["out"][-1]["median"] * 1e3))))
 
     def of_rounds(runs):
         return {of: float(np.median([run[of] for run in runs])) for of in runs[0]}
 
-    def part(runs, index):
-        return [{of: run[of][index] for of in run} for run in runs]
+    def part(index):
+        return of_rounds([{of: run[of][index] for of in run} for run in in_cpp])
 
-    return {"renderer": case.renderer.name, "device": case.renderer.device_name, "scene": name,
-            "gaussians": len(case.scene), "size": [case.camera.width, case.camera.height],
-            "cpp_ms": of_rounds(part(in_cpp, 0)),
-            "python_ms": {call: of_rounds(runs) for call, runs in found.items()},
-            "cpp_nothing_ms": of_rounds(part(nothing_in_cpp, 0)),
-            "cpp_outside_us": of_rounds(part(in_cpp, 1)), "python_outside_us": of_rounds(outside)}
+    row = {"scene": name if name.startswith("builtin") else pathlib.Path(name).name, "gaussians": len(case.scene),
+           "width": case.camera.width, "height": case.camera.height, "renderer": case.renderer.name}
+    outsides = {"C++": part(1), "out": of_rounds(outside)}
+    times = {"C++": part(0), **{call: of_rounds(runs) for call, runs in found.items()}}
+    return [{**row, "call": call, "ms": {"wall": ms}} | ({"outside_us": outsides[call]} if call in outsides else {})
+            for call, ms in times.items()]
 
 
 def main():
@@ -148,33 +143,17 @@ def main():
     parser.add_argument("--scale", type=float, default=1)
     parser.add_argument("--seconds", type=float, default=2, help="for each way of calling")
     parser.add_argument("--rounds", type=int, default=5, help="how often the languages take turns")
-    parser.add_argument("--json", help="a file for the results; - for standard output")
+    parser.add_argument("--json", type=pathlib.Path, required=True)
     arguments = parser.parse_args()
     usable = {entry.name.partition("/")[0] for entry in swiftgs.list_renderers() if entry.usable} - {"serial"}
     cpp = Cpp(arguments.tool)
-    rows = [measure(backend, cpp, scene, arguments.scale, arguments.rounds, arguments.seconds)
-            for scene in arguments.scenes for backend in sorted(usable)]
-    if arguments.json:
-        scenes = [scene if scene.startswith("builtin") else pathlib.Path(scene).name for scene in arguments.scenes]
-        command = f"benchmarks/python_overhead.py swiftgs {' '.join(scenes)} --scale {arguments.scale:g} " \
-                  f"--seconds {arguments.seconds:g} --rounds {arguments.rounds} --json FILE"
-        results = {"format": "swiftgs-python", "version": 1, "machine": cpp.machine, "command": command,
-                   "python": sys.version.split()[0], "numpy": np.__version__,
-                   "rows": [dict(row, scene=name) for row, name in
-                            zip(rows, (scene for scene in scenes for _ in usable))]}
-        text = json.dumps(results, indent=1)
-        pathlib.Path(arguments.json).write_text(text + "\n") if arguments.json != "-" else print(text)
-    if arguments.json != "-":
-        print("| backend | scene | | C++, ms | out, ms | new, ms | arrays, ms | outside in C++, us | in Python, us | "
-              "nothing in C++, us | in Python, us |\n| --- | --- | --- |" + 8 * " ---: |")
-        for row in rows:
-            ms = row["python_ms"]
-            for of in ("median", "p10"):
-                print(f"| {row['renderer'].partition('/')[0]} | {row['scene']} | {of} | {row['cpp_ms'][of]:.3f} | "
-                      f"{ms['out'][of]:.3f} | {ms['new'][of]:.3f} | "
-                      f"{format(ms['arrays'][of], '.3f') if 'arrays' in ms else ''} | "
-                      f"{row['cpp_outside_us'][of]:.1f} | {row['python_outside_us'][of]:.1f} | "
-                      f"{row['cpp_nothing_ms'][of] * 1e3:.1f} | {ms['nothing'][of] * 1e3:.1f} |")
+    rows = [row for scene in arguments.scenes for backend in sorted(usable)
+            for row in measure(backend, cpp, scene, arguments)]
+    results = {"format": "swiftgs-bench", "version": 1, "machine": cpp.machine,
+               "command": " ".join(os.path.basename(word) for word in sys.argv),
+               "notes": [f"Python {sys.version.split()[0]}, NumPy {np.__version__}"], "scenes": [], "views": [],
+               "rows": rows}
+    arguments.json.write_text(json.dumps(results, indent=1) + "\n")
 
 
 if __name__ == "__main__":

@@ -11,8 +11,8 @@ import sys
 
 sys.dont_write_bytecode = True
 
-from tables.rivals import NAME, RIVALS, reached, read, rivals_in, scenes_of  # noqa: E402
-from tables.source import Source  # noqa: E402
+from tables.blocks import Source  # noqa: E402
+from tables.rivals import NAME, RIVALS, reached, rivals_in, scenes_of  # noqa: E402
 
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 720, 320, 60, 24, 44, 56
 COLOURS = dict(zip(RIVALS, ("#6c757d", "#4c956c", "#c8553d", "#1b6ca8")))
@@ -66,14 +66,10 @@ def draw(found):
             + "\n".join(parts) + "\n</svg>\n")
 
 
-def found_in(source):
-    file = read(source, "gpu")
-    return {scene: {rival: reached(rows, rival) for rival in rivals_in(file)}
-            for scene, rows in scenes_of(file).items()}
-
-
 def main():
-    found = found_in(Source())
+    _, rows = Source().rows("gpu", NAME)
+    found = {scene: {rival: reached(of_scene, rival) for rival in rivals_in(rows)}
+             for scene, of_scene in scenes_of(rows).items()}
     path = pathlib.Path(__file__).resolve().parents[1] / "docs/images/rivals.svg"
     path.write_text(draw(found), encoding="utf-8")
     print(f"{path.name} shows {NAME}: {', '.join(found)}")

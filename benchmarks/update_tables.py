@@ -14,15 +14,11 @@ import sys
 
 sys.dont_write_bytecode = True
 
-from tables import (ablation, accuracy, balance, blocks, bounds, formats, gaps, growth, gsplat,  # noqa: E402
-                    harmonics, instructions, kernels, lenses, pareto, placed, planes, pruning, python, redundancy,
-                    rivals, stability, stages, summary, ulps)
+from tables import blocks, ceilings, files, growth, listings, matrix, paper, rivals, stability  # noqa: E402
+from tables.blocks import RESULTS, Source  # noqa: E402
 from tables.results import InputError  # noqa: E402
-from tables.source import RESULTS, Source  # noqa: E402
 
-
-MODULES = (ablation, accuracy, balance, bounds, formats, gaps, growth, gsplat, harmonics, instructions, kernels, lenses,
-           pareto, placed, planes, pruning, python, redundancy, rivals, stability, stages, summary, ulps)
+MODULES = (ceilings, files, growth, listings, matrix, paper, rivals, stability)
 TABLES = {name: function for module in MODULES for name, function in module.TABLES.items()}
 
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Times of frames of one scene over ranks: mpirun -n N frames_over_ranks SCENE [options]. Prints a line of
-// JSON for each carrier: medians over frames, of each rank, and a checksum of the image, the same for any
+// JSON for each carrier: medians over frames, and a checksum of the image, the same for any
 // number of ranks and any carrier. A rank alone also times `Renderer` on the same frame. With --views, each
 // rank holds the whole scene instead, and draws its share of the views with a `Renderer`.
 #include <algorithm>
@@ -70,10 +70,9 @@ std::string checksum_of(const Frame& frame) {
   return text;
 }
 
-template <class T>
-double median(std::vector<T> values) {
+double median(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + std::ptrdiff_t(values.size() / 2), values.end());
-  return double(values[values.size() / 2]);
+  return values[values.size() / 2];
 }
 
 using Clock = std::chrono::steady_clock;
@@ -113,13 +112,10 @@ std::string measure(Ranks& ranks, const Options& options, const Make& make, cons
                                 "', by which splats go in this build on these ranks");
   const Camera camera = camera_of(options);
   std::vector<double> imbalance;
-  std::vector<FrameCounters> counters;
   const std::vector<double> with_strips = times_of(ranks, options, [&] {
     renderer.render_strips(part, {&camera, 1}, {});
-    counters.push_back(renderer.counters());
-    imbalance.push_back(counters.back().imbalance());
+    imbalance.push_back(renderer.counters().imbalance());
   });
-  counters.erase(counters.begin(), counters.begin() + options.warm_ups);
   imbalance.erase(imbalance.begin(), imbalance.begin() + options.warm_ups);
   Frame frame;
   const std::vector<double> with_image =
@@ -133,39 +129,17 @@ std::string measure(Ranks& ranks, const Options& options, const Make& make, cons
     }));
   }
   if (ranks.rank() != 0) return {};
-  Json each = Json::array();
-  for (std::size_t r = 0; r < std::size_t(ranks.size()); ++r) {
-    const auto of = [&](const std::function<std::uint64_t(const RankCounters&)>& member) {
-      std::vector<std::uint64_t> values;
-      for (const FrameCounters& of_frame : counters) values.push_back(member(of_frame.ranks[r]));
-      return median(values);
-    };
-    using C = RankCounters;
-    each.push_back({{"gaussians", of([](const C& c) { return c.gaussians; })},
-                    {"visible", of([](const C& c) { return c.visible; })},
-                    {"sent", of([](const C& c) { return c.sent; })},
-                    {"drawn", of([](const C& c) { return c.drawn; })},
-                    {"intersections", of([](const C& c) { return c.intersections; })},
-                    {"rows", of([](const C& c) { return c.rows; })},
-                    {"sent_bytes", of([](const C& c) { return c.traffic.sent_bytes; })},
-                    {"messages", of([](const C& c) { return c.traffic.messages; })},
-                    {"project_ms", 1e-6 * of([](const C& c) { return c.project_ns; })},
-                    {"strip_ms", 1e-6 * of([](const C& c) { return c.strip_ns; })},
-                    {"waiting_ms", 1e-6 * of([](const C& c) { return c.traffic.waiting_ns; })},
-                    {"stage_bytes", of([](const C& c) { return c.bytes; })}});
-  }
   Json line{{"scene", options.scene},
             {"width", camera.width},
             {"height", camera.height},
             {"renderer", std::string(renderer.name)},
-            {"device", renderer.backend().device_name()},
-            {"carrier", std::string(renderer.carrier())},
+            {"ranks", ranks.size()},
+            {"carrier", ranks.size() > 1 ? std::string(renderer.carrier()) : ""},
             {"frames", options.frames},
-            {"ms", median(with_strips)},
+            {"ms", {{"wall", {{"median", median(with_strips)}}}}},
             {"ms_with_image", median(with_image)},
             {"imbalance", median(imbalance)},
-            {"checksum", checksum_of(frame)},
-            {"ranks", each}};
+            {"checksum", checksum_of(frame)}};
   if (without_ranks) line["ms_renderer"] = *without_ranks;
   std::printf("%s\n", line.dump().c_str());
   std::fflush(stdout);
@@ -185,13 +159,10 @@ void measure_views(Ranks& ranks, const Options& options, B backend, const SceneV
     renderer.backend().wait();
   });
   if (ranks.rank() != 0) return;
-  const Json line{{"scene", options.scene},
-                  {"views", options.views},
-                  {"scale", options.scale},
-                  {"renderer", std::string(renderer.name)},
-                  {"device", renderer.backend().device_name()},
-                  {"ranks", ranks.size()},
-                  {"ms_all_views", median(all)}};
+  const Json line{
+      {"scene", options.scene}, {"scale", options.scale},
+      {"batch", options.views}, {"renderer", std::string(renderer.name)},
+      {"ranks", ranks.size()},  {"ms", {{"wall", {{"median", median(all) / double(options.views)}}}}}};
   std::printf("%s\n", line.dump().c_str());
   std::fflush(stdout);
 }

@@ -11,8 +11,8 @@
 #   large     50 million Gaussians a rank, on most ranks
 # RANKS are the numbers of ranks, ascending: "1 2 4" for four GPUs; "1 2" without. Programs are those of SWIFTGS_BUILD,
 # mpirun is LAUNCH, garden is GARDEN (its folder). CARRIERS are what brings splats from rank to rank, in turns:
-# host,nccl,host,nccl in a build with NCCL. Images of all must be the same. OUTDIR/frames.jsonl has a line a run and
-# carrier, which model.py reads; OUTDIR/views.jsonl has a line a run of views.
+# host,nccl,host,nccl in a build with NCCL. Images of all must be the same. OUTDIR/ranks.json has a row a run and carrier
+# of frames, and a row a run of views.
 set -euo pipefail
 all_steps=(test strong views weak large)
 [ $# -ge 1 ] || { echo "usage: benchmarks/mpi/measure_gpus.sh OUTDIR [${all_steps[*]}]" >&2; exit 2; }
@@ -29,14 +29,14 @@ carriers=${CARRIERS:-host}
 export OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
 mkdir -p "$out"
 
-frames() {  # frames FILE RANKS SCENE [options]
-  local file=$1 n=$2
-  shift 2
+frames() {  # frames RANKS SCENE [options]
+  local n=$1
+  shift
   echo "measure: $n ranks, $*" >&2
-  $launch -n "$n" "$build/benchmarks/frames_over_ranks" "$@" --backend cuda | tee -a "$out/$file.jsonl"
+  $launch -n "$n" "$build/benchmarks/frames_over_ranks" "$@" --backend cuda | tee -a "$out/rows"
 }
 frame() {  # frame RANKS SCENE [options]
-  if [ "$1" = 1 ]; then frames frames "$@"; else frames frames "$@" --carriers "$carriers"; fi
+  if [ "$1" = 1 ]; then frames "$@"; else frames "$@" --carriers "$carriers"; fi
 }
 
 step_test() {
@@ -51,7 +51,7 @@ step_strong() {
 step_views() {
   for scale in 1 3; do
     for n in "${ranks[@]}"; do
-      frames views "$n" "$garden/garden.spz" --cameras "$garden/cameras.json" --views 24 --scale "$scale"
+      frames "$n" "$garden/garden.spz" --cameras "$garden/cameras.json" --views 24 --scale "$scale"
     done
   done
 }
@@ -64,3 +64,4 @@ for step in "$@"; do
   [[ " ${all_steps[*]} " == *" $step "* ]] || { echo "measure: '$step' is no step; expected ${all_steps[*]}" >&2; exit 2; }
   "step_$step" 2>&1 | tee "$out/$step.log"
 done
+[ ! -e "$out/rows" ] || "$root/benchmarks/result_file.sh" "$build" cat "$out/rows" >"$out/ranks.json"

@@ -1,16 +1,72 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Blocks of Markdown files that a function writes: everything between these two lines.
+"""Where the numbers of tables come from, a folder of results for each kind of machine, and where tables go, blocks of
+Markdown files: everything between these two lines.
 
 <!-- table: NAME WORD... -->
 <!-- end -->
 """
 import inspect
+import os
 import re
 
-from tables.results import InputError
+from tables.results import InputError, Row, read, read_format
 
+RESULTS = os.path.join(os.path.dirname(os.path.dirname(os.path.abspath(__file__))), "results")
 BEGIN = re.compile(r"<!-- table: (\S+)((?: \S+)*) -->")
 END = "<!-- end -->"
+
+
+class Source:
+    """The results of the machines, each file read once."""
+
+    def __init__(self, results=RESULTS):
+        self.root, self.found = results, {}
+
+    def path(self, machine, name):
+        """Of a file in a machine's folder; InputError where it is not there."""
+        path = os.path.join(self.root, machine, name)
+        if not os.path.isfile(path):
+            raise InputError(f"{path}: no such file; expected a MACHINE with a folder of results in {self.root}")
+        return path
+
+    def has(self, machine, name):
+        return os.path.isfile(os.path.join(self.root, machine, name))
+
+    def results(self, machine, name):
+        """The Results of a file of `swiftgs bench`."""
+        return self.once(read, self.path(machine, name))
+
+    def rows(self, machine, name, form="swiftgs-bench"):
+        """(member `machine` of a file, its rows), with any members."""
+        found = self.once(lambda path: read_format(path, form), self.path(machine, name))
+        return found["machine"], [Row(row) for row in found["rows"]]
+
+    def once(self, reader, path):
+        if path not in self.found:
+            self.found[path] = reader(path)
+        return self.found[path]
+
+
+def backend(machine):
+    """The backend that a machine's results are of; a folder of one's own may have its name."""
+    return "cuda" if "gpu" in machine else machine if machine in ("cuda", "serial") else "cpu"
+
+
+def device(machine, name):
+    """What ran a backend, in words, as 'NVIDIA H200', from the member `machine` of a file. A host's files name its GPU
+    too."""
+    host = f"{machine.get('cpu', 'unknown')}, {machine.get('cores', '?')} cores"
+    return str(name == "cuda" and machine.get("gpu") or host)
+
+
+def machine_name(results):
+    """The device that rendered, in words."""
+    return device(results.machine, "cuda" if any(row.backend == "cuda" for row in results.rows) else "cpu")
+
+
+def commit_of(machine):
+    commit = str(machine.get("commit", "unknown"))
+    return f"`{commit[:12]}`{' with changes' if commit.endswith('+') else ''}"
 
 
 def render(name, words, tables, source):

@@ -5,7 +5,7 @@ import math
 from statistics import geometric_mean, mean
 
 from tables.markdown import prose
-from tables.results import STAGES, InputError, above_zero
+from tables.results import STAGES, InputError
 
 THRESHOLD, SHARED = "axis-shared-threshold-", "axis-shared-"
 CHOLESKY = THRESHOLD + "float-cholesky"
@@ -95,19 +95,9 @@ class Frames:
                     found[-1].append(adaptive / min(others))
         return found
 
-    def bounds(self, scene, sort_raster):
-        """Those measured with SORT/RASTER, the widest first."""
-        found = {name.rpartition("/")[2]: rows for (of, name), rows in self.of.items()
-                 if of == scene and name.rpartition("/")[0] == sort_raster}
-        return sorted(found, key=lambda bounds: -sum(row.intersections or 0 for row in found[bounds]))
-
     def mean(self, scene, name, stage="total"):
         """Milliseconds, mean over the views' medians; None where there is no row."""
-        return average([self.needed(row, stage) for row in self.rows(scene, name)])
-
-    def needed(self, row, member):
-        """A number of one of the rows, above 0."""
-        return above_zero(self.results.path, row, member)[0]
+        return average([row.median(stage) for row in self.rows(scene, name)])
 
     def mean_of(self, scene, name, member):
         """Mean over the views that have it; None where none has."""
@@ -117,6 +107,10 @@ class Frames:
         """dB against float64, of the worst view that was compared; None where none was."""
         found = [getattr(row, member) for row in self.rows(scene, name)]
         return min((value for value in found if value is not None), default=None)
+
+    def worst_of_all(self, name, scenes=None):
+        """The same of the worst scene."""
+        return min(known(self.worst_psnr(scene, name) for scene in scenes or self.scenes), default=None)
 
     def speed_up(self, scene, name, base, stage="total"):
         times_ = self.mean(scene, base, stage), self.mean(scene, name, stage)

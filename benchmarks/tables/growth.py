@@ -1,22 +1,54 @@
 # SPDX-License-Identifier: Apache-2.0
-"""How the cost of each stage grows, along four axes: Gaussians, pixels, threads, tile occupancy."""
+"""How the cost of each stage grows, along four axes: Gaussians, pixels, threads, tile occupancy: power laws that fit
+what was measured, and where one stage passes another."""
 import collections
 import dataclasses
 import math
 
-from tables.fits import dominance, fit
-from tables.frames import CHOLESKY, ELLIPSE, SQUARE
-from tables.markdown import count, ms, table
-from tables.results import InputError, above_zero
-from tables.source import machine_name
+from tables.frames import CHOLESKY, ELLIPSE
+from tables.markdown import count, table
+from tables.blocks import machine_name
+from tables.results import InputError
 
 PARTS = ("project", "sort", "raster")
 BEST = f"early/{CHOLESKY}/{ELLIPSE}"
-STANDARD = f"standard/{CHOLESKY}/{ELLIPSE}"
-RENDERERS = (BEST, STANDARD, f"standard/per-pixel/{SQUARE}")
-NEEDED = ("width", "height", "visible", "intersections", *PARTS, "total")
 END = 3  # points of the fit at the upper end
 TILE = 16  # pixels a side
+
+
+class PowerLaw(collections.namedtuple("PowerLaw", "exponent x y")):
+    """y * (at / x) ** exponent: a line through (x, y) in logarithms."""
+
+    def __call__(self, at):
+        return self.y * (at / self.x) ** self.exponent
+
+
+def fit(points):
+    """The PowerLaw that fits (x, y) best, by least squares of logarithms; through both where there are two. None for
+    fewer than two x."""
+    xs, ys = [math.log(x) for x, _ in points], [math.log(y) for _, y in points]
+    mx, my = sum(xs) / len(xs), sum(ys) / len(ys)
+    spread = sum((x - mx) ** 2 for x in xs)
+    if not spread > 0:
+        return None
+    return PowerLaw(sum((x - mx) * (y - my) for x, y in zip(xs, ys)) / spread, math.exp(mx), math.exp(my))
+
+
+def crossing(first, second):
+    """The x where two laws meet that were fitted at the same x."""
+    return first.x * (second.y / first.y) ** (1 / (first.exponent - second.exponent))
+
+
+def dominance(xs, curves):
+    """[(name, x)]: which of `curves`, {name: y at each x}, is largest, and from which x on."""
+    found = []
+    for n, x in enumerate(xs):
+        largest = max(curves, key=lambda name: curves[name][n])
+        if found and largest != found[-1][0]:
+            x = crossing(*(fit([(xs[m], curves[name][m]) for m in (n - 1, n)]) for name in (found[-1][0], largest)))
+        if not found or largest != found[-1][0]:
+            found.append((largest, x))
+    return found
 
 
 def tiles(row):
@@ -58,22 +90,15 @@ def files_of(source, machine, axis):
 
 
 def series(source, machine, axis):
-    """{(scene, renderer): rows in the order of the axis}"""
+    """{scene: rows of the best renderer in the order of the axis}"""
     found = collections.defaultdict(list)
     for results in files_of(source, machine, axis):
         for row in results.rows:
-            if row.name in RENDERERS:
-                above_zero(results.path, row, *NEEDED)
-                found[row.scene, row.name].append(row)
-    for key, rows in found.items():
-        rows.sort(key=axis.value)
-        values = [axis.value(row) for row in rows]
-        if not values[0] > 0 or len(set(values)) != len(values):
-            raise InputError(f"{', '.join(axis.files)}: {key[1]} on {key[0]}: expected one row for each number of "
-                             f"{axis.unit}, above 0")
+            if row.name == BEST:
+                found[row.scene].append(row)
     if not found:
         raise InputError(f"{', '.join(axis.files)}: no row of {BEST}; expected some")
-    return found
+    return {scene: sorted(rows, key=axis.value) for scene, rows in found.items()}
 
 
 def held(row):
@@ -96,7 +121,7 @@ def fitted(values, measured):
 
 def longest(axis, values, points):
     """Which stage takes longest, and from where on another does."""
-    found = dominance(values, {part: [row.ms[part].median for row in points] for part in PARTS})
+    found = dominance(values, {part: [row.median(part) for row in points] for part in PARTS})
     return "; ".join(stage if n == 0 else f"from {axis.text(x)} {stage}" for n, (stage, x) in enumerate(found))
 
 
@@ -106,32 +131,13 @@ def exponents(source, machine, *axes):
         raise InputError(f"table 'exponents': expected an axis or several of {', '.join(AXES)}")
     rows = []
     for axis in map(axis_named, axes):
-        for (scene, name), points in series(source, machine, axis).items():
-            if name == BEST:
-                values = [axis.value(row) for row in points]
-                rows.append([f"{axis.text(values[0])} to {axis.text(values[-1])} {axis.unit}", scene,
-                             *(fitted(values, [row.ms[part].median for row in points]) for part in (*PARTS, "total")),
-                             fitted(values, list(map(held, points))), longest(axis, values, points)])
+        for scene, points in series(source, machine, axis).items():
+            values = [axis.value(row) for row in points]
+            rows.append([f"{axis.text(values[0])} to {axis.text(values[-1])} {axis.unit}", scene,
+                         *(fitted(values, [row.median(part) for row in points]) for part in (*PARTS, "total")),
+                         fitted(values, list(map(held, points))), longest(axis, values, points)])
     return f"{machine_name(files_of(source, machine, axis_named(axes[0]))[0])}, `{BEST}`:\n\n" + table(
         ["axis", "scene", *PARTS, "total", "memory", "longest stage"], rows, words=2)
 
 
-def sort_growth(source, machine, axis_name):
-    """The sort stage of both strategies along an axis, and what early sorting does to it and to the frame."""
-    axis, rows = axis_named(axis_name), []
-    found = series(source, machine, axis)
-    for scene in dict.fromkeys(scene for scene, _ in found):
-        both = found[scene, BEST], found[scene, STANDARD]
-        if len({tuple(map(axis.value, points)) for points in both}) > 1:
-            raise InputError(f"{', '.join(axis.files)}: {scene}: expected rows of {BEST} and of {STANDARD} for the same "
-                             f"numbers of {axis.unit}")
-        for early, standard in zip(*both):
-            rows.append([scene, axis.text(axis.value(early)), count(early.intersections),
-                         *(ms(row.ms["sort"].median) for row in (standard, early)),
-                         *(f"{100 * (early.ms[part].median / standard.ms[part].median - 1):+.1f} %"
-                           for part in ("sort", "total"))])
-    return f"{machine_name(files_of(source, machine, axis)[0])}, `{CHOLESKY}/{ELLIPSE}`, milliseconds of the sort:\n\n" + \
-        table(["scene", axis.unit, "intersections", "standard", "early", "early against standard", "of the frame"], rows)
-
-
-TABLES = {"sort-growth": sort_growth, "exponents": exponents}
+TABLES = {"exponents": exponents}

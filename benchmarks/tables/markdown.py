@@ -52,16 +52,6 @@ def quotient(value, base):
     return "-" if None in (value, base) else f"{value / base:.2f}"
 
 
-def percent(value, digits=1):
-    """A share of 1."""
-    return "-" if value is None else f"{100 * value:.{digits}f} %"
-
-
-def signed(ratio):
-    """A ratio as a change."""
-    return "-" if ratio is None else f"{100 * (ratio - 1):+.1f} %"
-
-
 def count(value):
     """A number of things."""
     return "-" if value is None else f"{value:,.0f}"

@@ -1,5 +1,9 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What Gao, Wang, Mo and Fan print in SwiftGS: the numbers that docs/reproduction.md puts beside ours."""
+"""What Gao, Wang, Mo and Fan print in SwiftGS: the numbers that docs/reproduction.md puts beside ours, and tables of
+them."""
+from statistics import mean
+
+from tables.markdown import table, times
 
 SCENES = ("bicycle", "garden", "stump", "bonsai", "counter", "kitchen", "room")  # three outdoor, then four indoor
 RUNS = ("RTX 3090, 7k", "RTX 3090, 30k", "L40S, 7k", "L40S, 30k")  # GPU, iterations of training
@@ -21,50 +25,61 @@ PSNR = {
     "L40S, 30k": ((25.59, 27.75, 26.91, 32.21, 29.08, 31.43, 31.65),
                   (25.59, 27.75, 26.91, 32.21, 28.45, 31.43, 31.65)),
 }
-# Its column "Average" as printed: (gsplat, ours, speed-up) and PSNR.
-TIME_PRINTED = {"RTX 3090, 7k": (6.31, 5.29, 1.20), "RTX 3090, 30k": (7.38, 6.43, 1.21),
-                "L40S, 7k": (4.73, 3.93, 1.20), "L40S, 30k": (5.91, 4.77, 1.24)}
+# Its column "Average" as printed.
 PSNR_PRINTED = {"RTX 3090, 7k": (27.45, 27.45), "RTX 3090, 30k": (29.17, 29.04),
                 "L40S, 7k": (27.47, 27.47), "L40S, 30k": (29.23, 29.14)}
 
 # Table 2: milliseconds, mean over the scenes, in the order of RUNS.
 STEPS = {"baseline": (6.31, 7.38, 4.73, 5.77), "AR": (5.65, 6.63, 4.41, 5.41), "AR + AT": (5.49, 6.42, 4.31, 5.29),
          "ES": (6.20, 7.30, 4.27, 5.19), "ES + AES": (5.98, 7.07, 4.23, 5.13)}
-STEPS_PRINTED = {"ES": (0.02, 0.01, 1.11, 1.11), "ES + AES": (0.06, 0.04, 1.12, 1.12)}  # its speed-ups
-
-# Figure 2 in the text of section 3: mean shares on an RTX 3090; what is left is projection.
-SHARES = {"raster": 0.5547, "sort": 0.2731}
-
-# Figure 3 in the texts of sections 1 and 3.1: intersections a Gaussian, and what early sorting then saves by its formula.
-RATIO_MEAN, RATIO_MOST, RATIO_MOST_INTRODUCTION = 2.37, 7.68, 7.61
-SAVED_MEAN, SAVED_MOST = 0.2890, 0.4356
-
-# Figures 8 and 9 in the texts of sections 7.3.1 and 7.3.2.
-RASTER_AR = {"indoor": 0.2008, "outdoor": 0.1371}  # speed-up of the kernel by AR
-RASTER_AT = {"indoor": 0.0673, "outdoor": 0.0567}  # and further by AT
-SORT_MOST_LOST, SORT_MOST_SAVED = 0.2839, 0.4694   # RTX 3090 outdoor, L40S indoor
-
-# Section 5.3: instructions of a thread for alpha.
-INSTRUCTIONS = {("per-pixel", False): "12", ("half-split", False): "9.625",
-                ("half-split", True): "9.625, 3 fewer where skipped"}
 
 # Table 4: milliseconds of INRIA's rasterizer and of it with all techniques, then both for scenes that PUP-GS pruned.
 PRUNED_SCENES = ("bicycle", "bonsai", "counter", "garden", "kitchen", "room", "stump")
 PRUNED = ((69.49, 12.29, 16.60, 49.69, 18.89, 18.22, 31.93), (45.79, 9.00, 10.63, 34.03, 12.17, 12.03, 22.96),
           (26.97, 5.93, 7.71, 20.60, 7.16, 8.184, 17.40), (18.10, 4.17, 5.55, 13.78, 5.52, 5.56, 12.27))
-PRUNED_PRINTED = (31.02, 20.66, 13.42, 9.28)
 
 
-def saved(ratio):
-    """The share of O(64 m) that O(32 (n + m)) saves, where m is `ratio` times n."""
-    return (1 - 1 / ratio) / 2
+def paper_scenes(_source):
+    """Table 1: each scene's times, speed-up and PSNR."""
+    rows = []
+    for run in RUNS:
+        before, after = TIME[run]
+        rows.append([run] + [f"{b:.2f} to {a:.2f}, {times(b / a)}" for b, a in zip(before, after)]
+                    + [f"{mean(before):.2f} to {mean(after):.2f}, {times(mean(b / a for b, a in zip(before, after)))}"])
+    for run in RUNS:
+        before, after = PSNR[run]
+        rows.append([f"{run}, dB"] + [f"{b:.2f} to {a:.2f}" for b, a in zip(before, after)]
+                    + [f"{mean(before):.2f} to {mean(after):.2f}"])
+    return table(["GPU, iterations", *SCENES, "mean"], rows)
 
 
-def ratio_for(share):
-    """The inverse of `saved`."""
-    return 1 / (1 - 2 * share)
+def paper_steps(_source):
+    """Table 2, and the means of Table 1's rows for all steps together."""
+    every = {**STEPS, "all": tuple(mean(TIME[run][1]) for run in RUNS)}
+    base = every["baseline"]
+    return table(["step", *RUNS], [[step] + [f"{t:.2f} ({times(b / t)})" for t, b in zip(row, base)]
+                                   for step, row in every.items()])
 
 
-def lost(run):
-    """[(scene, difference in dB)] of the scenes of Table 1 whose PSNR is not that of gsplat."""
-    return [(scene, after - before) for scene, before, after in zip(SCENES, *PSNR[run]) if before != after]
+def paper_accuracy(_source):
+    """Table 3, and the scenes of Table 1 in which the difference lies."""
+    rows = []
+    for run in RUNS:
+        (before, after), given = PSNR_PRINTED[run], [mean(values) for values in PSNR[run]]
+        lost = [f"{scene} {a - b:+.2f}" for scene, b, a in zip(SCENES, *PSNR[run]) if a != b]
+        rows.append([run, f"{before:.2f}", f"{after:.2f}", f"{after - before:+.2f}", f"{given[1] - given[0]:+.2f}",
+                     ", ".join(lost) or "none"])
+    return table(["GPU, iterations", "gsplat, dB", "axis-shared, dB", "difference", "of Table 1's rows",
+                  "scenes that differ there"], rows)
+
+
+def paper_pruned(_source):
+    """Table 4, its means from its rows."""
+    columns = [values + (mean(values),) for values in PRUNED]
+    rows = [[scene, f"{a:.2f}", f"{b:.2f}", times(a / b), f"{c:.2f}", f"{d:.2f}", times(c / d)]
+            for scene, a, b, c, d in zip(PRUNED_SCENES + ("mean",), *columns)]
+    return table(["scene", "INRIA", "and all", "speed-up", "PUP-GS", "and all", "speed-up"], rows)
+
+
+TABLES = {"paper-scenes": paper_scenes, "paper-steps": paper_steps, "paper-accuracy": paper_accuracy,
+          "paper-pruned": paper_pruned}

@@ -10,8 +10,8 @@ namespace swiftgs::cli {
 /// The `format` of files that `swiftgs stress` writes.
 inline constexpr const char* stress_format = "swiftgs-stress";
 
-/// Reads a file that `swiftgs bench` or `swiftgs stress` wrote, as docs/schemas describes it: every member
-/// that a reader counts on is there and has its type, and there is at least one row.
+/// Reads a file that `swiftgs bench` or `swiftgs stress` wrote: every member that a reader counts on is
+/// there and has its type, and there is at least one row.
 ///
 /// Throws FormatError where it is not JSON, std::invalid_argument with file, member and what was expected
 /// where it is something else, std::system_error where it cannot be read.

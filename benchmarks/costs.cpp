@@ -1,15 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 
 /// @file
-/// Frames of placed scenes beside frames of one scene that holds the same Gaussians. docs/scenes.md shows
-/// the table.
+/// What planes beside colour cost, and placed scenes beside one scene that holds the same Gaussians.
+/// docs/planes.md and docs/scenes.md show the tables.
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <exception>
-#include <fstream>
 #include <functional>
 #include <iostream>
 #include <iterator>
@@ -51,13 +50,25 @@ struct Frames {
   int in_a_row;
 };
 
-/// What a frame takes.
+/// Milliseconds of each frame.
 struct Taken {
   /// Among many in a row until the backend has finished, by the clock on the wall: the copies of placed
   /// scenes to a device count.
-  double ms;
-  double project_ms;  ///< of its first stage alone
+  std::vector<double> wall;
+  std::vector<double> project, total;  ///< by the backend's clock
 };
+
+/// Features from harmonics, for want of others.
+Scene with_features(Scene scene) {
+  constexpr std::size_t channels = 16;
+  const auto stored = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  scene.feature_channels = channels;
+  scene.features.resize(scene.size() * channels);
+  for (std::size_t i = 0; i < scene.size(); ++i)
+    for (std::size_t c = 0; c < channels; ++c)
+      scene.features[i * channels + c] = c < stored ? scene.sh_rest[i * stored + c] : scene.opacities[i];
+  return scene;
+}
 
 /// A rotation about the vertical.
 dmat3 turned(double angle) {
@@ -77,8 +88,38 @@ class Bench {
  public:
   using R = Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
 
+  /// Each set of planes beside colour, on a scene's first view.
+  void planes(const bench::Input& input) {
+    const Scene scene = with_features(input.load());
+    const auto whole = backend().upload(scene);
+    const std::pair<const char*, Outputs> sets[] = {
+        {"", {}},
+        {"alpha,depth", {.alpha = true, .depth = true}},
+        {"median_depth,id", {.median_depth = true, .id = true}},
+        {"first_depth,median_depth,id,median_id",
+         {.first_depth = true, .median_depth = true, .id = true, .median_id = true}},
+        {"normal", {.normal = true}},
+        {"alpha,depth,squared_depth,normal",
+         {.alpha = true, .depth = true, .squared_depth = true, .normal = true}},
+        {"alpha,depth,normal,id", {.alpha = true, .depth = true, .normal = true, .id = true}},
+        {"features:4", {.features = 4}},
+        {"features:16", {.features = 16}},
+    };
+    const Camera& camera = input.views.front();
+    std::vector<Frames> kinds;
+    for (const auto& [names, outputs] : sets)
+      kinds.push_back({names,
+                       [&, outputs = outputs](int) {
+                         settings_.outputs = outputs;
+                         renderer_.render_resident(whole, camera, settings_);
+                       },
+                       in_a_row});
+    print("planes", input.name, scene.size(), 1, camera, kinds);
+    settings_.outputs = {};
+  }
+
   /// A scene whole, in 100 fixed pieces, in 100 moving pieces, and in two parts, one of them moving.
-  Json pieces(const bench::Input& input) {
+  void pieces(const bench::Input& input) {
     const Scene scene = order_spatially(input.load());
     const auto whole = backend().upload(scene);
     constexpr std::size_t count = 100;
@@ -123,11 +164,11 @@ class Bench {
            draw(backend().upload(std::move(both)));
          },
          1}};
-    return rows(input.name, scene.size(), 1, input.size(), kinds);
+    print("placed", input.name, scene.size(), 1, camera, kinds);
   }
 
   /// 1,000 copies of 1,000 Gaussians, and one scene of these.
-  Json copies() {
+  void copies() {
     const Scene object = make_builtin_scene(1000);
     const auto uploaded = backend().upload(object);
     std::vector<PlacedScene> placed;
@@ -145,11 +186,11 @@ class Bench {
         {"one scene", [&](int) { renderer_.render_resident(one, camera, settings_); }, in_a_row},
         {"1,000 placed copies", [&](int) { renderer_.render_resident(placed, camera, settings_); },
          in_a_row}};
-    return rows("1,000 copies of 1,000", 1'000'000, 1, "1280x720", kinds);
+    print("placed", "1,000 copies of 1,000", 1'000'000, 1, camera, kinds);
   }
 
   /// Views of 128 x 128 pixels, each of one of many worlds.
-  Json worlds(int count, int views_in_all) {
+  void worlds(int count, int views_in_all) {
     const auto uploaded = backend().upload(make_builtin_scene(20'000));
     std::vector<PlacedScene> placed;
     for (int i = 0; i < count; ++i)
@@ -181,8 +222,8 @@ class Bench {
              renderer_.render_into(placed, Span<const View>{&view, 1}, {.time = settings_.time});
          },
          1}};
-    return rows(std::to_string(count) + " worlds of 20,000", std::size_t(count) * 20'000, views_in_all,
-                "128x128", kinds);
+    print("placed", std::to_string(count) + " worlds of 20,000", std::size_t(count) * 20'000, views_in_all,
+          own, kinds);
   }
 
  private:
@@ -198,7 +239,7 @@ class Bench {
 
   /// Kinds take turns.
   std::vector<Taken> take(const std::vector<Frames>& kinds) {
-    std::vector<std::vector<double>> all(kinds.size()), project(kinds.size());
+    std::vector<Taken> taken(kinds.size());
     for (int round = 0; round <= rounds; ++round)
       for (std::size_t k = 0; k < kinds.size(); ++k) {
         const Frames& frames = kinds[k];
@@ -208,31 +249,32 @@ class Bench {
         backend().wait();
         const std::chrono::duration<double, std::milli> ms = std::chrono::steady_clock::now() - begin;
         settings_.time = true;
-        frames.draw(0);
-        backend().wait();
+        for (int frame = 0; frame < frames.in_a_row; ++frame) {
+          frames.draw(frame);
+          backend().wait();
+          if (round == 0) continue;  // it takes memory
+          taken[k].project.push_back(renderer_.times().project);
+          taken[k].total.push_back(renderer_.times().total);
+        }
         settings_.time = false;
-        if (round == 0) continue;  // it takes memory
-        all[k].push_back(ms.count() / frames.in_a_row), project[k].push_back(renderer_.times().project);
+        if (round != 0) taken[k].wall.push_back(ms.count() / frames.in_a_row);
       }
-    std::vector<Taken> out;
-    for (std::size_t k = 0; k < kinds.size(); ++k) out.push_back({median(all[k]), median(project[k])});
-    return out;
+    return taken;
   }
 
-  Json rows(const std::string& scene, std::size_t gaussians, int views, const std::string& size,
-            const std::vector<Frames>& kinds) {
+  /// A row of each kind, whose name becomes the member `what`.
+  void print(const char* what, const std::string& scene, std::size_t gaussians, int views,
+             const Camera& camera, const std::vector<Frames>& kinds) {
     const std::vector<Taken> taken = take(kinds);
-    Json out = Json::array();
-    for (std::size_t k = 0; k < kinds.size(); ++k)
-      out.push_back({{"scene", scene},
-                     {"gaussians", gaussians},
-                     {"views", views},
-                     {"size", size},
-                     {"renderer", R::name},
-                     {"frames", kinds[k].kind},
-                     {"ms", taken[k].ms},
-                     {"project_ms", taken[k].project_ms}});
-    return out;
+    for (std::size_t k = 0; k < kinds.size(); ++k) {
+      Json row{{"scene", scene},        {"gaussians", gaussians},  {"batch", views},
+               {"width", camera.width}, {"height", camera.height}, {"renderer", R::name},
+               {what, kinds[k].kind}};
+      row["ms"]["project"]["median"] = median(taken[k].project);
+      row["ms"]["total"]["median"] = median(taken[k].total);
+      row["ms"]["wall"]["median"] = median(taken[k].wall);
+      std::cout << row << std::endl;
+    }
   }
 
   RenderSettings settings_;
@@ -240,46 +282,30 @@ class Bench {
 };
 
 template <class B>
-void print(const std::vector<bench::Input>& inputs) {
+void measure(std::string_view what, const std::vector<bench::Input>& inputs) {
   Bench<B> bench;
-  const char* separator = "\n";
-  const auto show = [&](const Json& rows) {
-    for (const Json& row : rows) {
-      std::cout << separator << ' ' << row.dump() << std::flush;
-      separator = ",\n";
-    }
-  };
-  for (const bench::Input& input : inputs) show(bench.pieces(input));
-  show(bench.copies());
-  show(bench.worlds(64, B::reaches_host_memory ? 64 : 1024));
+  for (const bench::Input& input : inputs) what == "planes" ? bench.planes(input) : bench.pieces(input);
+  if (what == "planes") return;
+  bench.copies();
+  bench.worlds(64, B::reaches_host_memory ? 64 : 1024);
 }
 
 }  // namespace
 
-/// placed_table MACHINE.json BACKEND SCENE...: results as JSON. `machine` is what
-/// benchmarks/describe_machine.sh prints.
+/// costs_table BACKEND planes|placed SCENE...: rows as JSON, for benchmarks/result_file.sh.
 int main(int argc, char** argv) try {
-  std::ifstream file(argc >= 4 ? argv[1] : "");
-  const Json machine = Json::parse(file, nullptr, false);
-  const std::string_view backend = argc >= 4 ? argv[2] : "";
-  if (machine.is_discarded() || (backend != "cpu" && backend != "cuda")) {
-    std::cerr
-        << "usage: placed_table MACHINE.json cpu|cuda SCENE...; expected what describe_machine.sh prints "
-           "as the first\n";
+  const std::string_view backend = argc >= 4 ? argv[1] : "", what = argc >= 4 ? argv[2] : "";
+  if ((backend != "cpu" && backend != "cuda") || (what != "planes" && what != "placed")) {
+    std::cerr << "usage: costs_table cpu|cuda planes|placed SCENE...\n";
     return 2;
   }
-  std::string command = "placed_table MACHINE.json " + std::string(backend);
-  for (int i = 3; i < argc; ++i) command.append(1, ' ').append(argv[i]);
-  std::cout << "{\"format\": \"swiftgs-placed\", \"version\": 1,\n\"machine\": " << machine.dump()
-            << ",\n\"command\": " << Json(command) << ",\n\"rows\": [";
   const auto inputs = bench::inputs_named({argv + 3, argv + argc});
-  if (backend == "cpu") print<Cpu>(inputs);
+  if (backend == "cpu") measure<Cpu>(what, inputs);
 #if defined(SWIFTGS_TEST_CUDA)
-  if (backend == "cuda") print<Cuda>(inputs);
+  if (backend == "cuda") measure<Cuda>(what, inputs);
 #endif
-  std::cout << "\n]}\n";
   return 0;
 } catch (const std::exception& error) {
-  std::cerr << "placed_table: " << error.what() << '\n';
+  std::cerr << "costs_table: " << error.what() << '\n';
   return 1;
 }
