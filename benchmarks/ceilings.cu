@@ -171,7 +171,6 @@ int main() try {
   print_rate("ex2", operations_per_second(Exponential()));
   print_sorts<std::uint32_t>(32);  // depths
   print_sorts<std::uint16_t>(13);  // tiles, up to 8192 of them
-  print_sorts<std::uint64_t>(45);  // tile and depth in one key
 } catch (const std::exception& error) {
   std::cerr << "ceilings: " << error.what() << '\n';
   return 1;

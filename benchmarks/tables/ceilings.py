@@ -5,13 +5,13 @@
 outputs, and with sorts by eight bits a pass, can leave out, at the full rate of the unit that has most to do; launches,
 divergence, tests of pairs that do not contribute, and reads that are repeated are what a measured stage has on top.
 """
-from tables.frames import Frames, label
-from tables.growth import BEST, fit
+from tables.frames import BEST, Frames, label
+from tables.growth import fit
 from tables.markdown import prose, significant, table
 from tables.blocks import device, machine_name
 from tables.results import InputError
 
-DEPTHS, TILES, BOTH = (32, 32), (16, 13), (64, 45)  # (bits of a key, those that are sorted by); 13 for 8192 tiles
+DEPTHS, TILES = (32, 32), (16, 13)  # (bits of a key, those that are sorted by); 13 for 8192 tiles
 FLOAT = ID = 4  # bytes; ID is a pair's value
 GEOMETRY = 3 + 3 + 4 + 1    # mean, scales, rotation and opacity of a Gaussian: floats
 SHAPE = 2 + 3 + 1 + 1       # mean, conic, opacity and depth of a splat: floats

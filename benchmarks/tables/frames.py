@@ -12,7 +12,7 @@ CHOLESKY = THRESHOLD + "float-cholesky"
 BOX, SQUARE, ELLIPSE = "opacity-box", "three-sigma-square", "ellipse"
 BASELINE = f"standard/per-pixel/{BOX}"
 VANILLA = f"standard/per-pixel/{SQUARE}"
-OURS = f"adaptive/{CHOLESKY}/{ELLIPSE}"
+OURS, BEST = (f"{sort}/{CHOLESKY}/{ELLIPSE}" for sort in ("adaptive", "early"))
 RASTERS = ("per-pixel",) + tuple(prefix + form for prefix in (SHARED, THRESHOLD)
                                  for form in ("half-split", "float-split", "float-cholesky"))
 FRAME_STAGES = STAGES[:-1]  # without the host's wall time

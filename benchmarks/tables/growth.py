@@ -5,13 +5,12 @@ import collections
 import dataclasses
 import math
 
-from tables.frames import CHOLESKY, ELLIPSE
+from tables.frames import BEST
 from tables.markdown import count, table
 from tables.blocks import machine_name
 from tables.results import InputError
 
 PARTS = ("project", "sort", "raster")
-BEST = f"early/{CHOLESKY}/{ELLIPSE}"
 END = 3  # points of the fit at the upper end
 TILE = 16  # pixels a side
 

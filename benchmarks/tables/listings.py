@@ -2,15 +2,13 @@
 """What single things cost: rows of one file each, shown as they are or over the first of their kind."""
 from statistics import mean
 
-from tables.frames import CHOLESKY, ELLIPSE, FRAME_STAGES, gaussians
+from tables.frames import BEST, FRAME_STAGES, gaussians
 from tables.markdown import count, decibel, ms, quotient, significant, table
 from tables.blocks import backend, device, machine_name
 from tables.results import InputError
 
-BEST = f"early/{CHOLESKY}/{ELLIPSE}"
 
-
-def scene_and_size(row):
+def scene_and_count(row):
     return f"{row.scene}, {count(row.gaussians)}"
 
 
@@ -129,7 +127,7 @@ def python(source, *machines):
         for cpp in found_in(rows, call="C++"):
             calls = {row.call: row for row in found_in(rows, scene=cpp.scene, renderer=cpp.renderer)}
             for of in ("median", "p10"):
-                lines.append([device(about, cpp.renderer.partition("/")[0]), scene_and_size(cpp), of,
+                lines.append([device(about, cpp.renderer.partition("/")[0]), scene_and_count(cpp), of,
                               *(rate(calls.get(call), of) for call in ("C++", "out", "new", "arrays")),
                               f"{calls['out'].outside_us[of] - cpp.outside_us[of]:.0f}"])
     return table(["device", "scene, Gaussians", "of frames", "C++, 1/s", "`out`, 1/s", "`new`, 1/s", "`arrays`, 1/s",
@@ -145,7 +143,7 @@ def beside_gsplat(source, machine, *scenes):
     for scene in scenes:
         for first in found_in(rows, scene=scene, renderer=CALLS[0]):
             of_frame = {"scene": scene, "camera_model": first.camera_model, "batch": first.batch}
-            lines.append([scene_and_size(first), first.camera_model, str(first.batch),
+            lines.append([scene_and_count(first), first.camera_model, str(first.batch),
                           *(ms(median_of(rows, "wall", renderer=call, **of_frame)) for call in CALLS),
                           decibel(first.between_db)])
     return table(["scene, Gaussians", "`camera_model`", "views of a frame", *(f"{call}, ms" for call in CALLS),
