@@ -1,29 +1,24 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: Apache-2.0
 #
-# Builds SwiftGS on a machine with a GPU, tests the CUDA renderers there and measures them.
-#   benchmarks/measure_cuda.sh OUTDIR [STEP...]
+# Builds SwiftGS on a machine with a GPU and tests the CUDA renderers there. benchmarks/measure_matrix.sh measures them.
+#   tests/cuda/on_gpu.sh OUTDIR [STEP...]
 # Steps, each with its own OUTDIR/STEP.log; without any, all of them in this order:
 #   build      configures and builds for the GPU that is there; in build/gpu, or where SWIFTGS_BUILD says
 #   test       runs the tests labelled `gpu`
 #   memcheck racecheck synccheck initcheck      run them again, those labelled `long` left out, under
 #              this tool of compute-sanitizer; racecheck watches only kernels of SwiftGS
-#   check      errors of every CUDA renderer against float64, on three views of each scene
-#   bench      times of frames, of views and of stages
-#   profile    profile_kernels.sh: times of kernels, and their instructions
-# Scenes are the built-in one and the captures in SWIFTGS_SCENES; SCENES='fox garden' names others. REPETITIONS and
-# MIN_TIME are those of Google Benchmark, BENCH_FILTER chooses among the renderers.
 # Libraries from an unpacked archive instead of the system's: SWIFTGS_PREFIX=FOLDER, with SWIFTGS_SKIP_SETUP=1.
 set -euo pipefail
-all_steps=(build test memcheck racecheck synccheck initcheck check bench profile)
-root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
-[ $# -ge 1 ] || { echo "usage: benchmarks/measure_cuda.sh OUTDIR [${all_steps[*]}]" >&2; exit 2; }
+all_steps=(build test memcheck racecheck synccheck initcheck)
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+[ $# -ge 1 ] || { echo "usage: tests/cuda/on_gpu.sh OUTDIR [${all_steps[*]}]" >&2; exit 2; }
 out=$1
 shift
 [ $# -gt 0 ] || set -- "${all_steps[@]}"
 for step in "$@"; do
   [[ " ${all_steps[*]} " == *" $step "* ]] ||
-    { echo "measure: '$step' is no step; expected ${all_steps[*]}" >&2; exit 2; }
+    { echo "on_gpu: '$step' is no step; expected ${all_steps[*]}" >&2; exit 2; }
 done
 mkdir -p "$out"
 out=$(cd "$out" && pwd)
@@ -31,10 +26,6 @@ build=${SWIFTGS_BUILD:-$root/build/gpu}
 export SWIFTGS_SCENES=${SWIFTGS_SCENES:-$root/../shared/scenes}
 [ -z "${SWIFTGS_PREFIX:-}" ] ||
   export LD_LIBRARY_PATH=$SWIFTGS_PREFIX/usr/lib/x86_64-linux-gnu${LD_LIBRARY_PATH:+:$LD_LIBRARY_PATH}
-if [ -z "${SCENES:-}" ]; then
-  SCENES=builtin
-  for folder in "$SWIFTGS_SCENES"/*/; do [ -d "$folder" ] && SCENES+=" $(basename "$folder")"; done
-fi
 
 usable() { "$build/examples/swiftgs" list | grep '^cuda/.* runs here$' >/dev/null; }
 
@@ -81,46 +72,10 @@ step_racecheck() { sanitize racecheck --kernel-regex kns=swiftgs; }
 step_synccheck() { sanitize synccheck; }
 step_initcheck() { sanitize initcheck; }
 
-step_check() {
-  local scene input conventions
-  for scene in $SCENES; do
-    input=$scene
-    [ ! -d "$SWIFTGS_SCENES/$scene" ] || input=$SWIFTGS_SCENES/$scene
-    for conventions in gsplat inria; do
-      echo "check: $scene, $conventions"
-      "$build/examples/swiftgs" check "$input" --views 0,8,16 --renderers 'cuda/*' --repeats 1 \
-        --conventions $conventions --json "$out/check-$conventions-${scene/:/-}.json"
-    done
-  done
-}
-
-# benchmark FILE PROGRAM WHAT
-benchmark() {
-  # shellcheck disable=SC2086  # SCENES is a list
-  "$build/benchmarks/$2" $SCENES "--benchmark_filter=^$3/cuda/(${BENCH_FILTER:-.*})" \
-    "--benchmark_min_time=${MIN_TIME:-0.1}" "--benchmark_repetitions=${REPETITIONS:-3}" \
-    "--benchmark_out=$out/$1" --benchmark_out_format=json
-  # Whose machine it was and where it was built is nobody's business.
-  sed -i '/"host_name":/d; /"executable":/d' "$out/$1"
-}
-
-step_bench() {
-  "$root/benchmarks/describe_machine.sh" "$build" \
-    "REPETITIONS=${REPETITIONS:-3} MIN_TIME=${MIN_TIME:-0.1} benchmarks/measure_cuda.sh OUTDIR bench" \
-    >"$out/machine.json"
-  benchmark frames.json frames '(frame|views)'
-  benchmark stages.json stages '(project|sort|raster)'
-}
-
-step_profile() {
-  # shellcheck disable=SC2086  # SCENES is a list
-  SWIFTGS_BUILD=$build "$root/benchmarks/profile_kernels.sh" "$out" $SCENES
-}
-
 failed=0
 for step in "$@"; do
   if [ "$step" != build ] && [ ! -x "$build/examples/swiftgs" ]; then
-    echo "measure: expected a build in $build; begin with the step 'build'" >&2
+    echo "on_gpu: expected a build in $build; begin with the step 'build'" >&2
     exit 1
   fi
   # Without a GPU, its tests are skipped, and the steps after them cannot run.
@@ -131,13 +86,13 @@ for step in "$@"; do
   status=$?
   set -e
   if [ $status -eq 0 ]; then
-    echo "measure: $step done in $((SECONDS - started)) s, $out/$step.log"
+    echo "on_gpu: $step done in $((SECONDS - started)) s, $out/$step.log"
   else
     failed=1
     tail -n 20 "$out/$step.log"
-    echo "measure: $step FAILED after $((SECONDS - started)) s, $out/$step.log"
+    echo "on_gpu: $step FAILED after $((SECONDS - started)) s, $out/$step.log"
     [ "$step" != build ] || exit 1
   fi
 done
-usable || { echo "measure: no usable GPU here: the tests that need one were skipped, nothing was measured" >&2; exit 1; }
+usable || { echo "on_gpu: no usable GPU here: the tests that need one were skipped" >&2; exit 1; }
 exit $failed
