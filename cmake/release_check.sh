@@ -11,7 +11,6 @@
 #   cmake/release_check.sh reproducible          the libraries and the wheel have the same bytes wherever they are built
 #   cmake/release_check.sh arm64                 tests of hosts, cross-compiled and run by qemu
 #   cmake/release_check.sh compilers             other compilers build what is for hosts without a warning, and tests pass
-#   cmake/release_check.sh kernels               no kernel spills more than tests/cuda/kernel_resources.csv says
 #   cmake/release_check.sh fuzz SECONDS          every fuzz target for SECONDS; writes executions and coverage
 set -uo pipefail
 source=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -315,16 +314,6 @@ compilers() {
   } | tee "$out/compilers.md"
 }
 
-kernels() {
-  local table=tests/cuda/kernel_resources.csv
-  if ! has_nvcc; then
-    skip kernels "no nvcc here"
-    return
-  fi
-  check "kernels: a build for every kind of GPU" cmake --preset distribution -B "$out/kernels" || return
-  check "kernels: none spills more than $table says" python3 -B benchmarks/kernel_resources.py "$out/kernels" "$table"
-}
-
 # One target for SECONDS; writes a line of the table: executions, edges reached and edges in the program.
 fuzz_target() {  # fuzz_target PROGRAM SECONDS
   local name folder
@@ -361,7 +350,7 @@ fuzz() {  # fuzz SECONDS
 
 case "${1:-all}" in
   all) packages; wheel; reproducible ;;
-  packages | wheel | cuda | reproducible | arm64 | compilers | kernels) "$1" ;;
+  packages | wheel | cuda | reproducible | arm64 | compilers) "$1" ;;
   fuzz)
     [[ "${2:-}" =~ ^[1-9][0-9]*$ ]] || { echo "usage: cmake/release_check.sh fuzz SECONDS" >&2; exit 2; }
     fuzz "$2" ;;
