@@ -40,7 +40,7 @@ void print_markdown(const std::vector<Worst>& rows) {
 
 /// `machine` is what benchmarks/describe_machine.sh prints.
 void print_json(const std::vector<Worst>& rows, const nlohmann::ordered_json& machine) {
-  std::cout << "{\n \"format\": \"swiftgs-ulps\",\n \"version\": 1,\n \"machine\": " << machine.dump()
+  std::cout << "{\n \"format\": \"swiftgs-bench\",\n \"version\": 1,\n \"machine\": " << machine.dump()
             << ",\n \"command\": \"" << program << " --json\",\n \"rows\": [";
   const char* separator = "\n  ";
   for (const Worst& row : rows) {
