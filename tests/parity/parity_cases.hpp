@@ -111,6 +111,10 @@ TEST_CASE(SWIFTGS_PARITY ": all renderers draw the reference's image with the in
   check_all(random_scene(on_device ? 600 : 400, 3, 5), forward_camera(97, 61), Conventions::inria());
 }
 
+TEST_CASE(SWIFTGS_PARITY ": all renderers draw the reference's image with depths along the ray") {
+  check_all(random_scene(300, 0, 8), forward_camera(67, 45), along_ray());
+}
+
 TEST_CASE(SWIFTGS_PARITY ": all renderers draw the reference's image in the antialiased mode") {
   Scene scene = random_scene(600, 1, 6);
   for (vec3& scale : scene.scales) scale *= 0.3f;  // a pixel or less, where it matters

@@ -17,23 +17,28 @@ using namespace swiftgs;
 using namespace swiftgs::test;
 
 TEST_CASE("parity: cpu renderers give the same bits on 1 2 4 and 8 threads") {
-  const Scene scene = make_builtin_scene(20'000);
-  const Camera camera = builtin_camera(256, 144);
-  RenderSettings settings;
-  settings.outputs = {true, true};
-  const auto check = [&]<class Sort, class Raster, class Bounds>(Sort, Raster, Bounds) {
+  const Scene scene = with_features(make_builtin_scene(20'000), 5);
+  RenderSettings settings = settings_of_all(5);
+  settings.count = true;
+  const auto check = [&](const auto& make) {
     Frame expected;
+    std::uint64_t pairs = 0;
     for (const int threads : {1, 2, 4, 8}) {
       CAPTURE(threads);
-      Renderer<Cpu, Sort, Raster, Bounds> renderer{Cpu(threads)};
-      CAPTURE(renderer.name);
-      const Frame frame = renderer.render(renderer.backend().upload(scene), camera, settings);
-      if (threads == 1) expected = frame;
+      BoundRenderer<Cpu> renderer = make(threads);
+      const Frame frame =
+          renderer.render(renderer.backend().upload(scene), builtin_camera(256, 144), settings);
+      const std::uint64_t found = renderer.statistics().raster.contributing_pairs;
+      if (threads == 1) expected = frame, pairs = found;
       CHECK(same_planes(frame, expected));
+      CHECK(found == pairs);
     }
   };
-  check(StandardSort(), PerPixel(), ThreeSigmaSquare());
-  check(EarlySort(), AxisShared<FloatSplit>(), OpacityBox());
-  check(EarlySort(), AxisSharedThreshold<HalfSplit>(), Ellipse());
-  check(AdaptiveSort(), AxisSharedThreshold<FloatCholesky>(), Ellipse());
+  with_each_raster<Cpu>([&](const BoundRaster<Cpu>& raster) {
+    check([&](int threads) { return renderer_with<Cpu>(raster, Cpu(threads)); });
+  });
+  const auto raster = RasterStage<Cpu>::of<PerPixel>();
+  check(
+      [&](int threads) { return renderer_with<Cpu, StandardSort, ThreeSigmaSquare>(raster, Cpu(threads)); });
+  check([&](int threads) { return renderer_with<Cpu, AdaptiveSort, OpacityBox>(raster, Cpu(threads)); });
 }

@@ -106,28 +106,6 @@ SWIFTGS_CONTRACT("conversion: every format holds the converted straight colours 
   });
 }
 
-SWIFTGS_CASE_ON("conversion: hosts store the bits that the curve gives of what was blended",
-                SWIFTGS_TEST_HOSTS) {
-  with_each_renderer<B>([&](BoundRenderer<B>& renderer, std::string_view) {
-    const auto scene = renderer.backend().upload(random_scene(300, 1, 6));
-    const Image nothing(width, height, PixelFormat::rgba_float);
-    Image plain = draw(renderer, scene.view(), nothing, Conversion::as_is).image;
-    for (const PixelFormat format : {PixelFormat::rgba_float, PixelFormat::rgba_half, PixelFormat::rgba_8})
-      for (const Conversion conversion : conversions) {
-        Image expected(width, height, format);
-        FrameView frame = expected.frame();
-        frame.conversion = conversion;
-        for (int y = 0; y < height; ++y)
-          for (int x = 0; x < width; ++x)
-            expected.set(
-                x, y,
-                detail::lay_and_convert(frame, std::size_t(x), std::size_t(y), plain.at(x, y), 0, vec3(0)));
-        const Drawn drawn = draw(renderer, scene.view(), Image(width, height, format), conversion);
-        CHECK((drawn.image.bytes == expected.bytes));
-      }
-  });
-}
-
 SWIFTGS_CONTRACT("conversion: an image of 8 bits or halves keeps its bytes where no splat is") {
   Usual<B> renderer(std::move(backend));
   const auto scene = renderer.backend().upload(Scene());
@@ -141,24 +119,4 @@ SWIFTGS_CONTRACT("conversion: an image of 8 bits or halves keeps its bytes where
         }
       CHECK((draw(renderer, scene.view(), image, conversion, true).image.bytes == image.bytes));
     }
-}
-
-SWIFTGS_CONTRACT("conversion: recorded frames convert and keep to what was reserved") {
-  Usual<B> renderer(test::make_backend<B>()), other(std::move(backend));
-  const auto scene = other.backend().upload(random_scene(500, 1, 10));
-  Report<B> report;
-  std::vector<AskedView> asked = different_views();
-  PlacedViews reserved(other.backend(), asked);
-  renderer.reserve(scene.view(), reserved.span());
-  for (int k = 0; k < 3; ++k) {
-    PlacedViews drawn(other.backend(), asked);
-    renderer.set_views(drawn.span());
-    renderer.record(scene.view(), report.data());
-    CHECK(differing(drawn.finish(renderer.backend()), draw_together(other, scene.view(), asked)) == 0);
-    std::swap(asked[1].conversion, asked[4].conversion);  // other than nothing, as reserved
-  }
-  std::vector<View> views = reserved.views;
-  views[0].frame.conversion = Conversion::linear_to_srgb;
-  CHECK_THROWS_WITH_AS(renderer.set_views(span_of(views)),
-                       doctest::Contains("conversion of colours of view 0 changed"), std::invalid_argument);
 }

@@ -266,20 +266,3 @@ TEST_CASE("cpu raster: every vector target sums attributes beside other planes a
     });
   }
 }
-
-TEST_CASE("cpu raster: the same bits on 1 2 4 and 8 threads and in every run") {
-  const SplatSet splats = usual_splats(2000, 300, 200, 6);
-  with_each_raster<Cpu>([&](const BoundRaster<Cpu>& raster) {
-    Cpu one(1);
-    const Drawing expected = draw(one, raster, splats, 300, 200);
-    for (const int threads : {1, 2, 4, 8}) {
-      CAPTURE(threads);
-      Cpu cpu(threads);
-      for (int run = 0; run < 2; ++run) {
-        const Drawing drawing = draw(cpu, raster, splats, 300, 200);
-        CHECK(same_planes(drawing.frame, expected.frame));
-        CHECK(drawing.counts.contributing_pairs == expected.counts.contributing_pairs);
-      }
-    }
-  });
-}

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <limits>
 #include <stdexcept>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -15,6 +16,7 @@
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/reference.hpp>
 
+#include "policies/planes.hpp"
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
@@ -27,7 +29,7 @@ constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr float not_a_number = std::numeric_limits<float>::quiet_NaN();
 
 RenderSettings settings_with(vec3 background) {
-  RenderSettings settings = settings_of({true, true}, background);
+  RenderSettings settings = settings_of(all_planes(), background);
   settings.count = true;
   return settings;
 }
@@ -48,23 +50,27 @@ Image render_image(BoundRenderer<B>& renderer, const SceneView& scene, const Ren
   return image;
 }
 
-/// A frame behind whose splats the caller's surface stands.
+/// All planes of a frame behind whose splats the caller's surface stands.
 template <class B>
 Frame render_before(BoundRenderer<B>& renderer, const SceneView& scene, const Camera& camera,
                     const std::vector<float>& occluder, std::ptrdiff_t pitch, StoredDepth stored = {}) {
   const auto& backend = renderer.backend();
-  PlanesOn<B> planes(backend, camera.width, camera.height, {true, true});
   const auto depths = to_backend(backend, occluder);
-  FrameView view = planes.view();
-  view.occluder = {depths.data(), pitch * std::ptrdiff_t(sizeof(float))}, view.stored_depth = stored;
-  RenderSettings settings = settings_with(vec3(0.1f, 0.2f, 0.3f));
-  settings.count = false;  // a device has other kernels for these frames
-  renderer.render_into(scene, camera, settings, view);
-  Frame frame = planes.on_host(backend);
-  settings.count = true;
-  renderer.render_into(scene, camera, settings, view);
-  CHECK(same_planes(planes.on_host(backend), frame));
-  return frame;
+  Frame whole;
+  // A device has other kernels for each of these frames.
+  for (const Outputs& outputs : {all_planes(), Outputs{true, true}})
+    for (const bool count : {false, true}) {
+      PlanesOn<B> planes(backend, camera.width, camera.height, outputs);
+      FrameView view = planes.view();
+      view.occluder = {depths.data(), pitch * std::ptrdiff_t(sizeof(float))}, view.stored_depth = stored;
+      RenderSettings settings = settings_with(vec3(0.1f, 0.2f, 0.3f));
+      settings.count = count;
+      renderer.render_into(scene, camera, settings, view);
+      const Frame drawn = planes.on_host(backend);
+      if (whole.colour.empty()) whole = drawn;
+      CHECK(same_of(drawn, whole));
+    }
+  return whole;
 }
 
 /// The same depth at all pixels.
@@ -277,16 +283,15 @@ SWIFTGS_CONTRACT("frame: each pixel is hidden by its own depth") {
     const Frame frame = render_before(renderer, scene.view(), camera, occluder, pitch);
     check_near<B>(raster, frame, reference);
     std::size_t different = 0;
-    for (std::size_t k = 0; k < std::size(depths); ++k) {
-      const Frame even = render_before(renderer, scene.view(), camera, depths[k]);
-      for (std::size_t y = 0; y < height; ++y)
-        for (std::size_t x = 0; x < width; ++x) {
-          if ((x + 3 * y) % std::size(depths) != k) continue;
-          const std::size_t at = y * width + x;
-          different += std::memcmp(&frame.colour[3 * at], &even.colour[3 * at], 12) != 0 ||
-                       frame.alpha[at] != even.alpha[at] || frame.depth[at] != even.depth[at];
-        }
-    }
+    for (std::size_t k = 0; k < std::size(depths); ++k)
+      for_each_plane(
+          [&](std::size_t channels, const auto& plane, const auto& even) {
+            for (std::size_t i = 0; i < plane.size(); ++i) {
+              const std::size_t y = i / channels / width, x = i / channels % width;
+              different += (x + 3 * y) % std::size(depths) == k && plane[i] != even[i];
+            }
+          },
+          frame, render_before(renderer, scene.view(), camera, depths[k]));
     CHECK(different == 0);
   });
 }
@@ -307,48 +312,67 @@ SWIFTGS_CONTRACT("frame: a surface at the depth of a splat hides it") {
 SWIFTGS_CONTRACT("frame: rows of each plane may go up in memory") {
   const int width = 37, height = 21;
   with_each_renderer<B>([&](BoundRenderer<B>& renderer, std::string_view) {
-    const auto scene = renderer.backend().upload(random_scene(300, 1, 12));
-    check_directions(width, height, [&](PlanesMemory& memory, bool over) {
+    const auto scene = renderer.backend().upload(with_features(random_scene(300, 1, 12), 4));
+    const auto draw = [&](PlanesMemory& memory, bool over) {
       PlacedFrame<B> placed(renderer.backend(), memory);
       FrameView frame = placed.frame();
       frame.over = over;
       renderer.render_into(scene.view(), forward_camera(width, height), striking_background(), frame);
       placed.finish(renderer.backend());
-    });
+    };
+    check_directions(width, height, draw);
+    check_directions(width, height, draw, all_planes(4));
   });
 }
 
 TEST_CASE("frame: planes that cannot be written are refused in words") {
   Renderer<Serial, EarlySort, PerPixel, Ellipse> renderer;
-  const Scene scene = random_scene(10, 0, 11);
+  const Scene scene = with_features(random_scene(10, 0, 11), 3);
   std::vector<float> memory(4 * 40 * 30);
   const auto accepts = [&](FrameView frame) {
     frame.width = 40, frame.height = 30;
     renderer.render_into(view(scene), forward_camera(40, 30), {}, frame);
   };
-  struct Refused {
-    const char* message;
-    FrameView frame;
+  const auto refuses = [&](const FrameView& frame, const std::string& message) {
+    CHECK_THROWS_WITH_AS(accepts(frame), doctest::Contains(message.c_str()), std::invalid_argument);
   };
   using enum PixelFormat;
   const auto colour = [&](PixelFormat format, std::ptrdiff_t pitch) {
     return FrameView{.colour = {memory.data(), pitch}, .format = format};
   };
-  const Refused all[] = {
-      {"colour is 479 bytes, expected at least 480 up or down, a multiple of 4", colour(rgb_float, 479)},
-      {"colour is -476 bytes, expected at least 480 up or down, a multiple of 4", colour(rgb_float, -476)},
-      {"colour is -482 bytes, expected at least 480 up or down, a multiple of 4", colour(rgb_float, -482)},
-      {"colour is 642 bytes, expected at least 640 up or down, a multiple of 4", colour(rgba_float, 642)},
-      {"colour is 323 bytes, expected at least 320 up or down, a multiple of 2", colour(rgba_half, 323)},
-      {"colour is 159 bytes, expected at least 160 up or down, a multiple of 1", colour(rgba_8, 159)},
-      {"occluder is 156 bytes", {.occluder = {memory.data(), 156}}},
-      {"depth is -162 bytes", {.depth = {memory.data(), -162}}},
-      {"alpha is 162 bytes", {.alpha = {memory.data(), 162}}},
-      {"expected stored depths that are finite and differ", {.stored_depth = StoredDepth::perspective(2, 2)}},
-      {"expected stored depths that are finite and differ", {.stored_depth = StoredDepth::perspective(0, 1)}},
-      {"expected colour to render over", {.over = true}}};
-  for (const Refused& refused : all)
-    CHECK_THROWS_WITH_AS(accepts(refused.frame), doctest::Contains(refused.message), std::invalid_argument);
+  refuses(colour(rgb_float, 479), "colour is 479 bytes, expected at least 480 up or down, a multiple of 4");
+  refuses(colour(rgb_float, -476), "colour is -476 bytes, expected at least 480 up or down, a multiple of 4");
+  refuses(colour(rgb_float, -482), "colour is -482 bytes, expected at least 480 up or down, a multiple of 4");
+  refuses(colour(rgba_float, 642), "colour is 642 bytes, expected at least 640 up or down, a multiple of 4");
+  refuses(colour(rgba_half, 323), "colour is 323 bytes, expected at least 320 up or down, a multiple of 2");
+  refuses(colour(rgba_8, 159), "colour is 159 bytes, expected at least 160 up or down, a multiple of 1");
+  refuses({.occluder = {memory.data(), 156}}, "occluder is 156 bytes");
+  for (const StoredDepth& stored : {StoredDepth::perspective(2, 2), StoredDepth::perspective(0, 1)})
+    refuses({.stored_depth = stored}, "expected stored depths that are finite and differ");
+  refuses({.over = true}, "expected colour to render over");
+  const auto check = [&](const std::string& name, std::ptrdiff_t least, auto plane, int channels = 0) {
+    CAPTURE(name);
+    const auto frame = [&](std::ptrdiff_t pitch, std::size_t off = 0) {
+      FrameView out{.feature_channels = channels};
+      auto& to = out.*plane;
+      unsigned char* const bytes = reinterpret_cast<unsigned char*>(memory.data()) + off;
+      to = {reinterpret_cast<decltype(to.data)>(bytes), pitch};
+      return out;
+    };
+    CHECK_NOTHROW(accepts(frame(least)));
+    for (const std::ptrdiff_t pitch : {least - 4, least + 2, -least + 4})
+      refuses(frame(pitch), "the pitch of " + name + " is " + std::to_string(pitch) +
+                                " bytes, expected at least " + std::to_string(least));
+    refuses(frame(least, 2), "render: expected " + name + " aligned to 4 bytes");
+  };
+  check("alpha", 160, &FrameView::alpha), check("depth", 160, &FrameView::depth);
+  check("squared_depth", 160, &FrameView::squared_depth), check("normal", 480, &FrameView::normal);
+  check("first_depth", 160, &FrameView::first_depth), check("median_depth", 160, &FrameView::median_depth);
+  check("id", 160, &FrameView::id), check("median_id", 160, &FrameView::median_id);
+  check("features", 320, &FrameView::features, 2);
+  for (const int channels : {0, -1})
+    refuses({.features = {memory.data(), 160}, .feature_channels = channels},
+            "render: expected a frame with features to say how many channels");
   CHECK_NOTHROW(accepts(colour(rgb_float, 480)));
   CHECK_NOTHROW(accepts({.colour = {memory.data() + 29 * 120, -480}}));
   CHECK_NOTHROW(accepts(colour(rgba_half, 322)));

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <stdexcept>
-#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -13,8 +12,9 @@
 #include <swiftgs/reference.hpp>
 #include <swiftgs/reference/planes.hpp>
 
-#include "policies/backends.hpp"
+#include "policies/placed_list.hpp"
 #include "policies/planes.hpp"
+#include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
 using namespace swiftgs;
@@ -54,25 +54,9 @@ Frame draw(BoundRenderer<B>& renderer, const Scene& scene, const Conventions& co
   return renderer.render(on, wide_camera(), depths_by(conventions, background));
 }
 
-/// Scenes, each at a pose, where backend `B` reads them, and as the reference does.
-template <class B>
-struct Several {
-  Several(const B& backend, const std::vector<std::pair<Scene, Similarity>>& scenes) {
-    for (const auto& [scene, pose] : scenes) {
-      uploaded.push_back(backend.upload(scene));
-      placed.push_back({uploaded.back().view(), pose});
-      for_reference.push_back({scene, pose});
-    }
-  }
-
-  std::vector<typename B::SceneOn> uploaded;
-  std::vector<PlacedScene> placed;
-  std::vector<ReferenceScene> for_reference;
-};
-
-bool same(const Frame& a, const Frame& b) {
-  return a.colour == b.colour && a.alpha == b.alpha && a.depth == b.depth && a.first_depth == b.first_depth &&
-         a.median_depth == b.median_depth;
+std::vector<double> reference_of(const List& list, const Conventions& conventions) {
+  const std::vector<ReferenceScene> scenes = for_reference(list);
+  return render_reference(span_of(scenes), wide_camera(), conventions).colour;
 }
 
 double rms(const std::vector<float>& a, const std::vector<double>& b) {
@@ -89,9 +73,9 @@ SWIFTGS_CONTRACT("model: a scene is drawn as it was trained, as if conventions s
   const Frame usual = draw(renderer, scene_of({}), {});
   for (const RenderingModel& model : {mip, by_distance, linear, all}) {
     const Frame followed = draw(renderer, scene_of(model), {});
-    CHECK(same(followed, draw(renderer, scene_of({}), as_trained({}, model))));
-    CHECK_FALSE(same(followed, usual));
-    CHECK(same(usual, draw(renderer, scene_of(model), as_trained({}, {}))));
+    CHECK(same_planes(followed, draw(renderer, scene_of({}), as_trained({}, model))));
+    CHECK_FALSE(same_planes(followed, usual));
+    CHECK(same_planes(usual, draw(renderer, scene_of(model), as_trained({}, {}))));
   }
 }
 
@@ -116,21 +100,17 @@ SWIFTGS_CONTRACT("model: each of several placed scenes has its own blur and comp
   Usual<B> renderer(make_backend<B>());
   const Scene plain = scene_of({}), filtered = scene_of(mip);
   const Similarity aside{dmat3(1.0), 0.5, dvec3(0.3, -0.2, 0.7)};
-  using Scenes = std::vector<std::pair<Scene, Similarity>>;
-  for (const Scenes& scenes : {Scenes{{plain, {}}, {filtered, aside}}, Scenes{{filtered, {}}, {plain, {}}},
-                               Scenes{{filtered, aside}}}) {
-    const Several<B> on(renderer.backend(), scenes);
-    const auto reference = [&](const Conventions& conventions) {
-      return render_reference(span_of(on.for_reference), wide_camera(), conventions).colour;
-    };
+  for (const List& list :
+       {List{{plain}, {filtered, aside}}, List{{filtered}, {plain}}, List{{filtered, aside}}}) {
+    const ListOn on(renderer.backend(), list);
     const Frame found = renderer.render(on.placed, wide_camera(), depths_by({}));
-    CHECK(rms(found.colour, reference({})) < 1e-5);
+    CHECK(rms(found.colour, reference_of(list, {})) < 1e-5);
     for (const bool antialiased : {false, true}) {
       Conventions one;
       one.antialiased = antialiased, one.blur = antialiased ? 0.1f : 0.3f;
       const Frame alike = renderer.render(on.placed, wide_camera(), depths_by(one));
-      CHECK(rms(alike.colour, reference(one)) < 1e-5);
-      CHECK((alike.colour == found.colour) == (antialiased && scenes.size() == 1));
+      CHECK(rms(alike.colour, reference_of(list, one)) < 1e-5);
+      CHECK((alike.colour == found.colour) == (antialiased && list.size() == 1));
     }
   }
 }
@@ -138,34 +118,32 @@ SWIFTGS_CONTRACT("model: each of several placed scenes has its own blur and comp
 SWIFTGS_CONTRACT("model: one order and one kind of colours rule a frame") {
   Usual<B> renderer(make_backend<B>());
   const Scene plain = scene_of({}), distant = scene_of(by_distance), light = scene_of(linear);
-  const Several<B> on(renderer.backend(), {{plain, {}}, {distant, {dmat3(1.0), 0.5, dvec3(1, 0, 2)}}});
+  const ListOn on(renderer.backend(), List{{plain}, {distant, {dmat3(1.0), 0.5, dvec3(1, 0, 2)}}});
   Conventions distance;
   distance.order = SplatOrder::distance;
-  CHECK(same(renderer.render(on.placed, wide_camera(), depths_by({})),
-             renderer.render(on.placed, wide_camera(), depths_by(distance))));
+  CHECK(same_planes(renderer.render(on.placed, wide_camera(), depths_by({})),
+                    renderer.render(on.placed, wide_camera(), depths_by(distance))));
 
-  const std::vector<std::pair<Scene, Similarity>> both{{plain, {}}, {light, {}}};
-  const Several<B> mixed(renderer.backend(), both);
+  const List both{{plain}, {light}};
+  const ListOn mixed(renderer.backend(), both);
   CHECK_THROWS_WITH_AS(renderer.render(mixed.placed, wide_camera(), depths_by({})),
                        doctest::Contains("scenes of sRGB-encoded colours and of linear ones"),
                        std::invalid_argument);
   Conventions said;
   said.colours = ColourSpace::linear;
-  CHECK(rms(renderer.render(mixed.placed, wide_camera(), depths_by(said)).colour,
-            render_reference(span_of(mixed.for_reference), wide_camera(), said).colour) < 1e-5);
+  CHECK(rms(renderer.render(mixed.placed, wide_camera(), depths_by(said)).colour, reference_of(both, said)) <
+        1e-5);
 }
 
 SWIFTGS_CONTRACT("model: linear light is stored as it is where a frame wants it so") {
   Usual<B> renderer(make_backend<B>());
   const Camera camera = wide_camera();
   const auto draw_as = [&](const RenderingModel& model, Conversion conversion) {
-    const auto on = renderer.backend().upload(scene_of(model));
-    auto memory =
-        to_backend(renderer.backend(), std::vector<float>(3 * std::size_t(camera.width * camera.height)));
-    FrameView frame{.width = camera.width, .height = camera.height, .conversion = conversion};
-    frame.colour = {memory.data(), 12 * camera.width};
-    renderer.render_into(on, camera, {}, frame);
-    return to_host(renderer.backend(), std::as_const(memory).span());
+    PlanesOn<B> planes(renderer.backend(), camera.width, camera.height, {});
+    FrameView frame = planes.view();
+    frame.conversion = conversion;
+    renderer.render_into(renderer.backend().upload(scene_of(model)), camera, {}, frame);
+    return planes.on_host(renderer.backend()).colour;
   };
   // The same coefficients, blended alike: a scene that says nothing has them as they are.
   CHECK(draw_as(linear, Conversion::srgb_to_linear) == draw_as({}, Conversion::as_is));
@@ -176,16 +154,10 @@ SWIFTGS_CONTRACT("model: linear light is stored as it is where a frame wants it 
 SWIFTGS_CONTRACT("model: a view with an occluder is ordered by depth, and refuses to be told otherwise") {
   Usual<B> renderer(make_backend<B>());
   const Camera camera = wide_camera();
-  const auto occluder =
-      to_backend(renderer.backend(), std::vector<float>(std::size_t(camera.width * camera.height), 6.0f));
+  const std::vector<float> occluder(std::size_t(camera.width * camera.height), 6.0f);
   const auto draw_behind = [&](const RenderingModel& model, const Conventions& conventions) {
     const auto on = renderer.backend().upload(scene_of(model));
-    auto memory =
-        to_backend(renderer.backend(), std::vector<float>(3 * std::size_t(camera.width * camera.height)));
-    FrameView frame{.width = camera.width, .height = camera.height};
-    frame.colour = {memory.data(), 12 * camera.width}, frame.occluder = {occluder.data(), 4 * camera.width};
-    renderer.render_into(on, camera, depths_by(conventions), frame);
-    return to_host(renderer.backend(), std::as_const(memory).span());
+    return draw_over_sevens(renderer, on, camera, depths_by(conventions), occluder).colour;
   };
   CHECK(draw_behind(by_distance, {}) == draw_behind({}, {}));
   Conventions distance;
@@ -200,16 +172,12 @@ SWIFTGS_CONTRACT("model: recorded frames follow the scenes that they were reserv
   for (const RenderingModel& model : {mip, by_distance, all}) {
     const auto on = renderer.backend().upload(scene_of(model));
     const auto other = renderer.backend().upload(scene_of({}));
-    auto memory =
-        to_backend(renderer.backend(), std::vector<float>(3 * std::size_t(camera.width * camera.height)));
-    FrameView frame{.width = camera.width, .height = camera.height};
-    frame.colour = {memory.data(), 12 * camera.width};
-    const View view = make_view(camera, {}, frame);
+    PlanesOn<B> planes(renderer.backend(), camera.width, camera.height, {});
+    const View view = make_view(camera, {}, planes.view());
     Report<B> report;
     renderer.reserve(on, {&view, 1});
     renderer.record(on.view(), report.data());
-    CHECK(to_host(renderer.backend(), std::as_const(memory).span()) ==
-          draw(renderer, scene_of(model), {}).colour);
+    CHECK(planes.on_host(renderer.backend()).colour == draw(renderer, scene_of(model), {}).colour);
     renderer.reserve(on, {&view, 1});
     CHECK_THROWS_WITH_AS(renderer.record(other.view(), report.data()), doctest::Contains("rendering model"),
                          std::invalid_argument);

@@ -18,6 +18,8 @@
 #include <swiftgs/renderer.hpp>
 
 #include "policies/all_planes.hpp"
+#include "policies/random_splats.hpp"
+#include "policies/tile_lists.hpp"
 
 namespace swiftgs::test {
 
@@ -33,15 +35,47 @@ inline Conventions along_ray(Conventions conventions = {}) {
   return conventions;
 }
 
+/// White balls, whose alphas in the middle pixel of `middle_camera` are their opacities.
+struct Ball {
+  float depth, opacity;
+};
+inline Scene balls(const std::vector<Ball>& balls) {
+  Scene scene;
+  for (const Ball& ball : balls) append(scene, vec3(0, 0, ball.depth), 1, ball.opacity);
+  return scene;
+}
+inline Camera middle_camera() {
+  Camera camera = forward_camera(32, 32);
+  camera.cx = camera.cy = 16.5;
+  return camera;
+}
+inline constexpr std::size_t middle_pixel = 16 * 32 + 16;
+
+/// Neither cuts alphas nor stops, so that binary fractions stay exact.
+inline Conventions exact_conventions() {
+  Conventions conventions;
+  conventions.alpha_max = 1, conventions.stop = 0, conventions.stop_at_equal = false;
+  return conventions;
+}
+
 /// Same planes but for the numbers of Gaussians.
 inline bool same_but_ids(Frame a, Frame b) {
   a.id.clear(), a.median_id.clear(), b.id.clear(), b.median_id.clear();
   return same_planes(a, b);
 }
 
+/// Whether all planes that a frame has are those of another one.
+inline bool same_of(const Frame& few, const Frame& whole) {
+  bool same = true;
+  for_each_plane([&](std::size_t, const auto& plane,
+                     const auto& expected) { same = same && (plane.empty() || same_bits(plane, expected)); },
+                 few, whole);
+  return same;
+}
+
 /// What a frame may differ from the reference by where no decision is close.
 struct PlaneBounds {
-  double sum = 0;        ///< of alpha and normals, and of features in parts of the largest
+  double sum = 0;        ///< of alpha and normals, of features in parts of the largest, and thrice of colours
   double mean = 0;       ///< of depths, in parts of them
   double threshold = 0;  ///< alphas and transmittances this near their thresholds are close, in parts of them
   double pick = 0;       ///< so are weights and transmittances
@@ -52,7 +86,7 @@ struct PlaneBounds {
 
 /// Largest differences from the reference, and pixels with close decisions.
 struct PlaneErrors {
-  double alpha = 0, depth = 0, squared_depth = 0, normal = 0, features = 0;
+  double colour = 0, alpha = 0, depth = 0, squared_depth = 0, normal = 0, features = 0;
   std::size_t wrong_picks = 0;
   std::size_t at_threshold = 0, at_first = 0, at_median = 0, at_id = 0, undecided_normals = 0;
 };
@@ -78,6 +112,8 @@ inline PlaneErrors plane_errors(const Frame& frame, const ReferencePlanes& expec
       ++out.at_threshold;
       continue;
     }
+    for (std::size_t c = 3 * i; c < 3 * i + 3; ++c)
+      note(out.colour, double(frame.colour[c]), expected.colour[c], 1);
     note(out.alpha, double(frame.alpha[i]), expected.alpha[i], 1);
     const double tiny = std::numeric_limits<float>::min();
     note(out.depth, double(frame.depth[i]), expected.depth[i],
@@ -104,11 +140,12 @@ inline PlaneErrors plane_errors(const Frame& frame, const ReferencePlanes& expec
   return out;
 }
 
-/// Checks all planes of a frame, of whose pixels no more than a part `close` may be set aside for each
-/// reason. Programs without doctest include this too: then nothing is checked.
+/// Checks colours and all planes of a frame before black, of whose pixels no more than a part `close` may be
+/// set aside for each reason. Programs without doctest include this too: then nothing is checked.
 inline void check_planes(const Frame& frame, const ReferencePlanes& expected, const PlaneBounds& bounds,
                          [[maybe_unused]] double close = 0.02) {
   const PlaneErrors errors = plane_errors(frame, expected, bounds);
+  CHECK(errors.colour <= 3 * bounds.sum);
   CHECK(errors.alpha <= bounds.sum);
   CHECK(errors.normal <= bounds.sum);
   CHECK(errors.features <= bounds.sum);

@@ -15,6 +15,7 @@
 #include "policies/contribution_sums.hpp"
 #include "policies/lenses.hpp"
 #include "policies/rasterizers.hpp"
+#include "policies/views.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -22,29 +23,6 @@ using namespace swiftgs::test;
 namespace {
 
 constexpr float infinity = std::numeric_limits<float>::infinity();
-
-/// White balls, whose alphas in the middle pixel of `middle_camera` are their opacities.
-struct Ball {
-  float depth, opacity;
-};
-Scene balls(const std::vector<Ball>& balls) {
-  Scene scene;
-  for (const Ball& ball : balls) append(scene, vec3(0, 0, ball.depth), 1, ball.opacity);
-  return scene;
-}
-Camera middle_camera() {
-  Camera camera = forward_camera(32, 32);
-  camera.cx = camera.cy = 16.5;
-  return camera;
-}
-constexpr std::size_t middle = 16 * 32 + 16;
-
-/// Neither cuts alphas nor stops, so that binary fractions stay exact.
-Conventions exact_conventions() {
-  Conventions conventions;
-  conventions.alpha_max = 1, conventions.stop = 0, conventions.stop_at_equal = false;
-  return conventions;
-}
 
 /// The planes of a scene through the usual renderer.
 template <class B>
@@ -167,33 +145,18 @@ SWIFTGS_CONTRACT("planes: long lists are those of the reference") {
     CHECK(double(close) <= 0.3 * double(expected.pixels()));
 }
 
-SWIFTGS_CONTRACT("planes: a surface in front hides splats in each") {
-  const Scene scene = with_features(random_scene(800, 0, 10), 4);
-  const Camera camera = forward_camera(53, 37);
-  const float depths[] = {3, infinity, 1.5f, 0, 7, 5};
-  std::vector<float> occluder;
-  for (std::size_t i = 0; i < 53 * 37; ++i) occluder.push_back(depths[i % std::size(depths)]);
-  const ReferencePlanes expected = render_reference_planes(scene, camera, {}, 0, span_of(occluder));
-  Usual<B> renderer(std::move(backend));
-  const auto on = renderer.backend().upload(scene);
-  const Frame frame = draw_over_sevens(renderer, on, camera, settings_of_all(4), occluder);
-  check_planes(frame, expected, plane_bounds<B>());
-  std::size_t hidden = 0;
-  for (std::size_t i = 0; i < occluder.size(); ++i)
-    hidden += occluder[i] == 0 && frame.id[i] == no_gaussian && frame.median_depth[i] == 0;
-  CHECK(hidden == std::size_t(std::count(occluder.begin(), occluder.end(), 0.0f)));
-  const std::vector<float> before_all(occluder.size(), 0.0f);
-  CHECK(is_empty(draw_over_sevens(renderer, on, camera, settings_of_all(4), before_all)));
-}
-
-SWIFTGS_CONTRACT("planes: splats of a colour that is not finite are in none") {
+SWIFTGS_CONTRACT("planes: splats of a colour that is not finite are in none and are not picked") {
   const Scene scene = with_features(scene_with_hidden(400, 4), 3);
   Scene without = scene;
   for (std::size_t i = 0; i < scene.size(); i += 10) without.opacities[i] = 0;
   const Camera camera = forward_camera(60, 44);
-  const Frame frame = check_all<B>(scene, camera);
+  Usual<B> renderer(std::move(backend));
+  const Frame frame = renderer.render(renderer.backend().upload(scene), camera, settings_of_all(3));
+  check_planes(frame, render_reference_planes(scene, camera, {}), plane_bounds<B>());
+  const std::vector<PickedPixel> picked = pick_all(renderer, camera);
   CHECK(same_planes(frame, draw_all<B>(without, camera)));
-  for (const std::uint32_t id : frame.id) CHECK((id == no_gaussian || id % 10 != 0));
+  renderer.render(renderer.backend().upload(without), camera);
+  CHECK(picked == pick_all(renderer, camera));
 }
 
 SWIFTGS_CONTRACT("planes: pixels without splats hold 0 and no Gaussian") {
@@ -203,6 +166,9 @@ SWIFTGS_CONTRACT("planes: pixels without splats hold 0 and no Gaussian") {
     return draw_over_sevens(renderer, renderer.backend().upload(scene), camera, settings_of_all(4));
   };
   CHECK(is_empty(draw(with_features(Scene(), 4))));
+  CHECK(renderer.statistics().visible == 0);
+  CHECK(renderer.statistics().intersections_a_visible() == 0);
+  CHECK(renderer.pick(39, 29) == PickedPixel());
   Scene dot;
   append(dot, vec3(0, 0, 2), 0.02f, 0.9f);
   dot = with_features(std::move(dot), 4);
@@ -284,7 +250,7 @@ SWIFTGS_CONTRACT("planes: the first depth is of the splat that takes alpha above
   const auto first = [&](float first_alpha) {
     Conventions conventions = exact_conventions();
     conventions.first_alpha = first_alpha;
-    return draw_all<B>(scene, middle_camera(), conventions).first_depth[middle];
+    return draw_all<B>(scene, middle_camera(), conventions).first_depth[middle_pixel];
   };
   CHECK(first(0) == 2);
   CHECK(first(0.05f) == 2);
@@ -302,55 +268,6 @@ SWIFTGS_CONTRACT("planes: the first depth is of the splat that takes alpha above
   }
 }
 
-SWIFTGS_CONTRACT("planes: features that are the colours give the colours and features of 1 give alpha") {
-  Scene scene = random_scene(500, 0, 11);
-  const Camera camera = forward_camera(70, 45);
-  scene.feature_channels = 4;
-  for (const vec3& sh0 : scene.sh0) {
-    for (int c = 0; c < 3; ++c)
-      scene.features.push_back(std::max(0.0f, 0.5f + float(0.28209479177387814) * sh0[c]));
-    scene.features.push_back(1);
-  }
-  const Frame frame = draw_all<B>(scene, camera);
-  std::vector<float> colours, ones;
-  for (std::size_t i = 0; i < frame.features.size(); ++i)
-    (i % 4 == 3 ? ones : colours).push_back(frame.features[i]);
-  CHECK(max_abs_difference(colours, frame.colour) < 2e-6);
-  CHECK(max_abs_difference(ones, frame.alpha) < 2e-6);
-}
-
-SWIFTGS_CONTRACT("planes: depths of a single opaque splat are its own and its normal faces the camera") {
-  Scene scene = balls({{3, 1}});
-  scene.scales[0] = vec3(1, 0.8f, 0.1f);
-  for (const float turn : {0.0f, 1.0f}) {  // by pi about x
-    scene.rotations[0] = {1 - turn, turn, 0, 0};
-    const Frame frame = draw_all<B>(scene, middle_camera());
-    CHECK(frame.alpha[middle] == 0.99f);
-    CHECK(frame.median_depth[middle] == 3);
-    CHECK(frame.first_depth[middle] == 3);
-    CHECK(frame.squared_depth[middle] == doctest::Approx(9).epsilon(1e-6));
-    CHECK(frame.median_id[middle] == 0);
-    CHECK(frame.normal[3 * middle + 0] == doctest::Approx(0));
-    CHECK(frame.normal[3 * middle + 1] == doctest::Approx(0));
-    CHECK(frame.normal[3 * middle + 2] == doctest::Approx(-0.99).epsilon(1e-6));
-  }
-}
-
-SWIFTGS_CONTRACT("planes: of equal weights the nearest Gaussian and a median only below one half") {
-  const auto at_middle = [&](const Scene& scene) {
-    const Frame frame = draw_all<B>(scene, middle_camera(), exact_conventions());
-    return std::vector<double>{double(frame.id[middle]), double(frame.median_id[middle]),
-                               double(frame.median_depth[middle])};
-  };
-  const double none = no_gaussian;
-  CHECK(at_middle(balls({{2, 0.5f}, {4, 1}})) == std::vector<double>{0, 1, 4});
-  CHECK(at_middle(balls({{4, 1}, {2, 0.5f}})) == std::vector<double>{1, 0, 4});
-  CHECK(at_middle(balls({{4, 0.25f}, {2, 0.25f}})) == std::vector<double>{1, none, 0});
-  CHECK(at_middle(balls({{2, 0.5f}})) == std::vector<double>{0, none, 0});
-  CHECK(at_middle(balls({{4, 0.75f}, {2, 0.25f}})) == std::vector<double>{0, 0, 4});
-  CHECK(at_middle(balls({{4, 0.5f}, {2, 0.25f}, {3, 0.25f}, {5, 0.5f}})) == std::vector<double>{0, 0, 4});
-}
-
 SWIFTGS_CONTRACT("planes: ids and medians are those of picking") {
   const Camera camera = scaled(builtin_camera(), 0.1);
   Usual<B> renderer(std::move(backend));
@@ -363,4 +280,57 @@ SWIFTGS_CONTRACT("planes: ids and medians are those of picking") {
     different += picked[i].gaussian != frame.id[i] || picked[i].median != frame.median_id[i] ||
                  picked[i].median_depth != frame.median_depth[i];
   CHECK(different <= (std::is_same_v<B, Serial> ? 0 : frame.pixels() / 200));  // close decisions
+}
+
+SWIFTGS_CONTRACT("planes: further ones change no bit of others and no count, at centres and along the ray") {
+  const Scene scene = with_features(random_scene(400, 1, 3), 4);
+  const Camera camera = forward_camera(70, 45);
+  const Outputs some[] = {{.depth = true},       {.squared_depth = true},
+                          {.first_depth = true}, {.median_depth = true},
+                          {.normal = true},      {.id = true},
+                          {.median_id = true},   {.features = 4},
+                          all_planes(4),         {.squared_depth = true, .median_depth = true}};
+  with_each_renderer<B>([&](BoundRenderer<B>& renderer, std::string_view) {
+    const auto on = renderer.backend().upload(scene);
+    for (const Conventions& conventions : {Conventions(), along_ray()}) {
+      RenderSettings settings = settings_of({true, true}, vec3(0.2f, 0.3f, 0.4f));
+      settings.conventions = conventions, settings.count = true;
+      const Frame plain = renderer.render(on, camera, settings);
+      const RasterCounts counts = renderer.statistics().raster;
+      settings.outputs = all_planes(4);
+      const Frame all = renderer.render(on, camera, settings);
+      CHECK(same_counts(renderer.statistics().raster, counts));
+      CHECK(same_of(plain, all));
+      for (std::size_t i = 0; i < std::size(some); ++i)
+        for (const bool count : {false, true}) {
+          CAPTURE(i);
+          settings.outputs = some[i], settings.count = count;
+          CHECK(same_of(renderer.render(on, camera, settings), all));
+        }
+    }
+  });
+}
+
+SWIFTGS_CONTRACT("planes: coarse tiles change no bit") {
+  Usual<B> renderer(std::move(backend));
+  const auto scene = renderer.backend().upload(with_features(make_builtin_scene(2'000), 2));
+  if constexpr (!on_host<B>) {
+    // Few splats in many pixels: a device draws the second frame with coarser tiles.
+    const Camera large = builtin_camera(2048, 1024);
+    const Frame first = renderer.render(scene, large, settings_of_all(2));
+    CHECK(same_planes(renderer.render(scene, large, settings_of_all(2)), first));
+    CHECK(renderer.tiles().side > default_tile_side);
+  }
+
+  // Tiles of a view's own choice.
+  const Camera small = forward_camera(100, 75);
+  const auto draw = [&](int side) {
+    PlanesOn<B> planes(renderer.backend(), 100, 75, all_planes(2), 7);
+    View view = make_view(small, {}, planes.view());
+    view.grid = TileGrid::covering(100, 75, side);
+    renderer.render_into(scene.view(), {&view, 1});
+    return planes.on_host(renderer.backend());
+  };
+  const Frame usual = draw(16);
+  for (const int side : {32, 64, 512}) CHECK(same_planes(draw(side), usual));
 }

@@ -123,6 +123,7 @@ SWIFTGS_CONTRACT("record: planes are those that were reserved, and no frame call
   };
   refuses([](FrameView& frame) { frame.median_depth = {}; });
   refuses([](FrameView& frame) { frame.feature_channels = 1; });
+  refuses([](FrameView& frame) { frame.conversion = Conversion::linear_to_srgb; });
   refuses([&](FrameView& frame) { frame.id = reserved.views[0].frame.id; });
   const auto plain = other.backend().upload(random_scene(2000, 1, 6));
   CHECK_THROWS_WITH_AS(renderer.record(plain.view(), report.data()),

@@ -27,23 +27,6 @@ SWIFTGS_CONTRACT("renderer: is usable after a frame that needs too many intersec
   CHECK(same_bits(renderer.render(scene, camera).colour, expected.colour));
 }
 
-SWIFTGS_CONTRACT("renderer: an empty scene is the background") {
-  Usual<B> renderer(std::move(backend));
-  RenderSettings settings = settings_of({true, true}, vec3(0.5f, 0.25f, 2));
-  settings.count = true;
-  const Frame frame = renderer.render(renderer.backend().upload(Scene()), forward_camera(20, 3), settings);
-  for (std::size_t i = 0; i < frame.pixels(); ++i) {
-    CHECK(frame.colour[3 * i + 2] == 2);
-    CHECK(frame.alpha[i] == 0);
-    CHECK(frame.depth[i] == 0);
-  }
-  const Statistics statistics = renderer.statistics();
-  CHECK(statistics.gaussians == 0);
-  CHECK(statistics.visible == 0);
-  CHECK(statistics.intersections == 0);
-  CHECK(statistics.intersections_a_visible() == 0);
-}
-
 SWIFTGS_CONTRACT("renderer: counts what it did and says how long it took") {
   Usual<B> renderer(std::move(backend));
   Usual<Serial> serial;
@@ -104,7 +87,7 @@ SWIFTGS_CONTRACT("renderer: one renderer draws scenes and sizes in any order as 
 
 TEST_CASE("renderer: what nothing can be rendered with is refused in words") {
   Usual<Serial> renderer;
-  const Scene scene = random_scene(10, 2, 4);
+  Scene scene = with_features(random_scene(10, 2, 4), 3);
   struct Arguments {
     SceneView scene;
     Camera camera;
@@ -132,6 +115,8 @@ TEST_CASE("renderer: what nothing can be rendered with is refused in words") {
        [](Arguments& a) { a.scene.sh_degree = 3; }},
       {"sh_rest of the scene: 9 values, 96 bytes apart; expected 10",
        [](Arguments& a) { --a.scene.sh_rest.size; }},
+      {"features of the scene: 9 values, 12 bytes apart; expected 10",
+       [](Arguments& a) { --a.scene.features.size; }},
       {"expected an SH degree of 0 to 3", [](Arguments& a) { a.scene.sh_degree = 4; }},
       {alphas, [](Arguments& a) { a.settings.conventions.alpha_min = 0; }},
       {alphas, [](Arguments& a) { a.settings.conventions.alpha_min = 1e-42f; }},
@@ -140,6 +125,9 @@ TEST_CASE("renderer: what nothing can be rendered with is refused in words") {
       {"expected a blur of 0 or more", [](Arguments& a) { a.settings.conventions.blur = -1; }},
       {"expected a near plane of 0 or more before the far plane",
        [](Arguments& a) { a.settings.conventions.near_plane = NAN; }},
+      {"expected a first alpha of 0 or more",
+       [](Arguments& a) { a.settings.conventions.first_alpha = -0.1f; }},
+      {"expected a first alpha of 0 or more", [](Arguments& a) { a.settings.conventions.first_alpha = 1; }},
       {"expected a stop of 0 or more and below 1", [](Arguments& a) { a.settings.conventions.stop = 1; }}};
   std::vector<float> memory(3 * 40 * 30);
   for (const Refused& refused : all) {
@@ -150,6 +138,12 @@ TEST_CASE("renderer: what nothing can be rendered with is refused in words") {
     refused.spoil(a);
     CHECK_THROWS_WITH_AS(render(), doctest::Contains(refused.why), std::invalid_argument);
   }
+  scene.features.pop_back();
+  CHECK_THROWS_WITH_AS(validate(scene), "scene: features has 29 elements, expected 30",
+                       std::invalid_argument);
+  scene.feature_channels = -1;
+  CHECK_THROWS_WITH_AS(validate(scene), "scene: feature_channels is -1, expected 0 to 16777216",
+                       std::invalid_argument);
 }
 
 SWIFTGS_CASE_ON("renderer: its memory is that of its stages and grows only with the frame",

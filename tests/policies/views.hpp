@@ -158,6 +158,19 @@ inline Camera turned_camera(int width, int height, double angle, double aside = 
   return camera;
 }
 
+/// Cameras on several sides of `random_scene`.
+inline std::vector<Camera> cameras_around() {
+  return {turned_camera(120, 80, 0.1, 0.2), forward_camera(120, 80), turned_camera(120, 80, -0.2, 0.1)};
+}
+
+/// Checks that each of `cameras_around` sees the same bits in both.
+template <class B>
+void check_same(BoundRenderer<B>& renderer, const PlacedScenes& found, const PlacedScenes& expected,
+                const RenderSettings& settings = {}) {
+  for (const Camera& camera : cameras_around())
+    CHECK(same_planes(renderer.render(found, camera, settings), renderer.render(expected, camera, settings)));
+}
+
 /// Looks away from every Gaussian of `random_scene` that lies ahead.
 inline AskedView empty_view(int width, int height) {
   AskedView view{turned_camera(width, height, 3.14159265)};
@@ -380,9 +393,10 @@ inline AskedView changing_view(int k) {
   return view;
 }
 
-/// The same with colour alone, of another size.
+/// The same with colour alone, of another size, and converted.
 inline AskedView changing_lean_view(int k) {
   AskedView view = changing_view(k + 6);
+  view.conversion = k % 2 ? Conversion::srgb_to_linear : Conversion::linear_to_srgb;
   view.width = 77, view.height = 61;
   view.alpha = view.depth = view.occluder = false;
   return view;

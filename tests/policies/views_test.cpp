@@ -9,10 +9,12 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>
 
+#include "policies/planes.hpp"
 #include "policies/rasterizers.hpp"
 
 using namespace swiftgs;
@@ -68,6 +70,26 @@ std::vector<AskedView> tiny_views() {
   return views;
 }
 
+/// Views that ask for different planes: none, some, all, at centres and along the ray.
+std::vector<AskedView> different_planes() {
+  std::vector<AskedView> views = different_views();
+  views[0].further = {.squared_depth = true, .features = 2};
+  views[1].further = {.first_depth = true, .id = true};
+  views[2].further = all_planes(5);
+  views[4].further = all_planes(20);  // more than one pass sums
+  views[4].upward = 0b10101010001;
+  AskedView features{turned_camera(90, 33, 0.1, 0.2)};
+  features.colour = features.alpha = false, features.further.features = 5;
+  views.push_back(features);
+  AskedView normals{turned_camera(33, 90, -0.1, 0.2)};
+  normals.further.normal = normals.further.median_id = normals.further.median_depth = true;
+  views.push_back(normals);
+  AskedView ray = views[4], lean{turned_camera(64, 48, 0.2, 0.4), along_ray(Conventions::inria())};
+  ray.conventions = along_ray();
+  views.push_back(ray), views.push_back(lean);
+  return views;
+}
+
 /// Calls f(two) with two renderers of each rasterizer.
 template <class B, class F>
 void for_each_raster_renderer(const F& f) {
@@ -82,6 +104,17 @@ SWIFTGS_CONTRACT("views: a frame of several has the bits of each view alone") {
   for_each_raster_renderer<B>([&](auto&& two) {
     const auto scene = two.upload(random_scene(400, 2, 1));
     check_lists_of_views(two.together, two.alone, scene.view());
+  });
+}
+
+SWIFTGS_CONTRACT("views: a frame of several that ask for different planes has the bits of each view alone") {
+  for_each_raster_renderer<B>([&](auto&& two) {
+    const auto scene = two.upload(with_features(random_scene(400, 2, 1), 20));
+    const std::vector<AskedView> all = different_planes();
+    check_views(two.together, two.alone, scene.view(), all);
+    check_views(two.together, two.alone, scene.view(), {all[5], all[0], all[4]});
+    check_views(two.together, two.alone, scene.view(), {all[2], all[2], all[7], all[8], all[8]});
+    check_views(two.together, two.alone, scene.view(), {all[3]});  // none of them behind frames with all
   });
 }
 
@@ -108,6 +141,12 @@ SWIFTGS_CONTRACT("views: the parts of an image have the bits of the image") {
   };
   for_each_raster_renderer<B>(check);
   check(two_with<B, PerPixel, StandardSort, ThreeSigmaSquare>());
+  Two<B> two = two_with<B>();
+  const auto scene = two.upload(with_features(random_scene(400, 1, 2), 20));
+  for (const std::size_t at : {4, 7})
+    for (const auto& [columns, rows] :
+         {std::pair<std::vector<int>, std::vector<int>>{{0}, every(75, 16)}, {{0, 16, 48}, {0, 32}}})
+      check_parts(two.together, scene.view(), different_planes()[at], cut(100, 75, columns, rows));
 }
 
 SWIFTGS_CONTRACT("views: parts show the pixels that rounding keeps beyond the box of a splat") {
