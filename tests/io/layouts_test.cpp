@@ -232,41 +232,25 @@ TEST_CASE("layouts: a scene ten thousand kilometres away has the means of one ne
   CHECK(read(far_scene(dvec3(0), "double")).scene.means == near.scene.means);
 }
 
-TEST_CASE("layouts: positions beyond float are dropped beside an origin as without one") {
-  auto gaussian = plain_gaussian();
-  for (const char* axis : {"x", "y", "z"}) property(gaussian, axis) = {"double", axis, 1e7 + 0.25};
-  for (const double bad : {1e300, -1e39, double(NAN), double(-INFINITY)}) {
-    CAPTURE(bad);
-    const std::string content = ply(gaussian, {.repeat = 3});
-    const SceneFile file = read(with(content, content.size() - (11 * 4 + 3 * 8), bad));  // x of the last
-    CHECK(file.left_out.not_finite == 1);
-    REQUIRE(file.scene.size() == 2);
-    CHECK(file.scene.origin + dvec3(file.scene.means[1]) == dvec3(1e7 + 0.25));
-  }
-}
-
-TEST_CASE("layouts: rows of zeros have no say in the origin") {
+TEST_CASE("layouts: Gaussians that are left out have no say in the origin and take no others along") {
   auto gaussian = plain_gaussian();
   for (const char* axis : {"x", "y", "z"}) property(gaussian, axis) = {"double", axis, 1e7 + 0.25};
   std::string content = ply(gaussian, {.repeat = 3});
   constexpr std::size_t row = 11 * 4 + 3 * 8;
-  content.replace(content.size() - row, row, row, '\0');
-  const SceneFile file = read(content);
-  CHECK(file.left_out.no_rotation == 1);
-  REQUIRE(file.scene.size() == 2);
-  CHECK(file.scene.origin + dvec3(file.scene.means[1]) == dvec3(1e7 + 0.25));
-}
-
-TEST_CASE("layouts: Gaussians that are dropped take no others' positions along") {
-  auto gaussian = plain_gaussian();
-  property(gaussian, "y") = {"double", "y", 5403209.75};
-  const std::string content = ply(gaussian, {.repeat = 3});
-  const std::size_t row = 14 * 4 + 4, last = content.size() - row;
-  const double other = 5403211.25;
-  const SceneFile file = read(with(with(content, last + 4, other), last - row, INFINITY));  // x of the second
-  CHECK(file.left_out.not_finite == 1);
-  REQUIRE(file.scene.size() == 2);
-  CHECK(file.scene.origin.y + double(file.scene.means[0].y) == 5403209.75);
-  CHECK(file.scene.origin.y + double(file.scene.means[1].y) == other);
-  CHECK(file.notes.back() == "Gaussians with a NaN or an infinity are left out: 1.");
+  const std::size_t last = content.size() - row;
+  const double other = 1e7 + 1.75;
+  content = with(content, last, other);
+  const auto check = [&](const std::string& changed, std::size_t not_finite) {
+    const SceneFile file = read(changed);
+    CHECK(file.left_out.not_finite == not_finite);
+    CHECK(file.left_out.no_rotation == 1 - not_finite);
+    REQUIRE(file.scene.size() == 2);
+    CHECK(file.scene.origin + dvec3(file.scene.means[0]) == dvec3(1e7 + 0.25));
+    CHECK(file.scene.origin.x + double(file.scene.means[1].x) == other);
+  };
+  for (const double bad : {1e300, -1e39, double(NAN), double(-INFINITY)}) {  // beyond float, or no numbers
+    CAPTURE(bad);
+    check(with(content, last - row, bad), 1);
+  }
+  check(std::string(content).replace(last - row, row, row, '\0'), 0);
 }

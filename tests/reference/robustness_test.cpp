@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <limits>
 #include <stdexcept>
+#include <tuple>
+#include <vector>
 
 #include <doctest/doctest.h>
 #include <sys/mman.h>
@@ -82,6 +84,29 @@ TEST_CASE("reference: without blur a Gaussian without extent covers nothing and 
   k.blur = 0;
   const Scene scene = scene_of(Gaussian{.scale = vec3(0)}, Gaussian{.scale = vec3(1, 0, 0)});
   CHECK(draw(scene, k).contributing_pairs == 0);
+}
+
+TEST_CASE("reference: without a threshold a Gaussian reaches every pixel unless its opacity is 0") {
+  Conventions k;
+  k.alpha_min = 0;
+  CHECK(draw(scene_of(Gaussian{.opacity = 0}), k).alpha == std::vector<double>(33 * 33, 0.0));
+  const ReferenceFrame frame = draw(scene_of(Gaussian{}), k);
+  CHECK(frame.contributing_pairs == 33 * 33);
+  CHECK(alpha_at(frame, 0, 16) > 0);
+}
+
+TEST_CASE("reference: the Gaussian that would bring transmittance below the stop ends its pixel") {
+  // In the middle pixel transmittance is 1/2 after the first and 1/4 after the second; the third is faint
+  // enough to pass alone.
+  const Scene scene =
+      scene_of(Gaussian{.mean = {0, 0, 2}, .opacity = 0.5f}, Gaussian{.mean = {0, 0, 3}, .opacity = 0.5f},
+               Gaussian{.mean = {0, 0, 4}, .opacity = 0.125f});
+  Conventions k;
+  for (const auto& [stop, at_equal, alpha] :
+       {std::tuple{0.25f, true, 0.5}, {0.25f, false, 0.75}, {0.2f, false, 0.78125}}) {
+    k.stop = stop, k.stop_at_equal = at_equal;
+    CHECK(alpha_at(draw(scene, k), 16, 16) == alpha);
+  }
 }
 
 TEST_CASE("reference: without a far plane the largest depths are drawn") {
