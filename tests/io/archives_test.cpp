@@ -5,8 +5,7 @@
 #include "scenes.hpp"
 #include "spz_encoder.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::archives_test {
 
 namespace {
 
@@ -107,3 +106,5 @@ TEST_CASE("archives: the ending .splat makes no scene of a file that says what i
     CHECK(contains(complaint_about(content, "a.splat"), "expected a scene of Gaussians, found a"));
   CHECK(complaint_about(padded("{}"), "a.splat") == "");  // a coordinate may begin so
 }
+
+}  // namespace swiftgs::test::archives_test

@@ -7,8 +7,8 @@
 /// What other programs write about cameras, each in a few lines: read with the right values, noted or refused
 /// by name.
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::camera_layouts_test {
+
 using nlohmann::json;
 
 namespace {
@@ -334,3 +334,5 @@ TEST_CASE("camera layouts: COLMAP's models without coefficients, and forks' name
   json file = transforms(R"("w": 640, "h": 480, "camera_model": "SPHERICAL")");
   CHECK(read(file).cameras.at(0).lens == Lens{LensModel::equirectangular, {}});
 }
+
+}  // namespace swiftgs::test::camera_layouts_test

@@ -4,8 +4,7 @@
 #include "camera_files.hpp"
 #include "transforms_json.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::cameras_json_test {
 
 namespace {
 
@@ -103,3 +102,5 @@ TEST_CASE("cameras.json: JSON that is something else is refused") {
     CHECK_THROWS_AS(load_cameras(folder.write("a", content)), FormatError);
   CHECK_THROWS_AS(load_cameras(folder / "missing"), std::system_error);
 }
+
+}  // namespace swiftgs::test::cameras_json_test

@@ -7,8 +7,8 @@
 
 #include "io/files.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::capture_test {
+
 namespace fs = std::filesystem;
 
 namespace {
@@ -205,3 +205,5 @@ TEST_CASE("capture: a folder without a scene says what it holds instead") {
   CHECK(found_in([](Place place) { write_colmap(place, ".", "a.jpg"); }) ==
         "a COLMAP model, which holds cameras alone");
 }
+
+}  // namespace swiftgs::test::capture_test

@@ -4,8 +4,7 @@
 
 #include "camera_files.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::colmap_models_test {
 
 namespace {
 
@@ -363,3 +362,5 @@ TEST_CASE("colmap models: texts in other encodings are refused with what they ar
           "images.txt: byte 0: " + found);
   }
 }
+
+}  // namespace swiftgs::test::colmap_models_test

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "camera_files.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::colmap_test {
 
 namespace {
 
@@ -130,3 +129,5 @@ TEST_CASE("colmap: text that is no camera and no image is placed") {
   for (const auto& one : images)
     CHECK(contains(complaint([&] { parse_text(cameras_txt, std::string(one[0]) + "\n\n"); }), one[1]));
 }
+
+}  // namespace swiftgs::test::colmap_test

@@ -13,8 +13,7 @@
 
 #include "files.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::exr_test {
 
 namespace {
 constexpr int width = 3, height = 2;
@@ -70,3 +69,5 @@ TEST_CASE("exr: every plane has channels of its own") {
   CHECK(channel<std::uint32_t>(file, "id.median") == frame.median_id);
   CHECK(read_image(folder / "a.exr").channels == 4);
 }
+
+}  // namespace swiftgs::test::exr_test

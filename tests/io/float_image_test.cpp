@@ -6,8 +6,7 @@
 
 #include "files.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::float_image_test {
 
 namespace {
 
@@ -109,3 +108,5 @@ TEST_CASE("image: a frame without colour or a path that cannot be written is an 
   CHECK_THROWS_AS(write_png(folder / "a.png", empty), std::invalid_argument);
   CHECK_THROWS_AS(write_pfm(folder / "a.pfm", Frame{}), std::invalid_argument);
 }
+
+}  // namespace swiftgs::test::float_image_test

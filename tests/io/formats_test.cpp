@@ -7,8 +7,7 @@
 #include "sog_encoder.hpp"
 #include "spz_encoder.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::formats_test {
 
 namespace {
 
@@ -87,3 +86,5 @@ TEST_CASE("formats: reading can be watched and cancelled") {
     }
   }
 }
+
+}  // namespace swiftgs::test::formats_test

@@ -14,8 +14,7 @@
 
 #include "files.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::frame_view_test {
 
 namespace {
 
@@ -188,3 +187,5 @@ TEST_CASE("frame view: what is no picture is refused") {
   CHECK_THROWS_AS(write_pfm(folder / "a.pfm", view), std::invalid_argument);
   CHECK(!std::filesystem::exists(folder / "a.png"));
 }
+
+}  // namespace swiftgs::test::frame_view_test

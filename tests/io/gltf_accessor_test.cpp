@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gltf_encoder.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::gltf_accessor_test {
+
 using nlohmann::json;
 
 namespace {
@@ -120,3 +120,5 @@ TEST_CASE("gltf: one scale below 0 makes all of a file logarithms") {
     }
   }
 }
+
+}  // namespace swiftgs::test::gltf_accessor_test

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gltf_encoder.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::gltf_bad_input_test {
+
 using nlohmann::json;
+using test::complaint_about;
 
 namespace {
 
@@ -164,3 +165,5 @@ TEST_CASE("gltf: buffers in the text must be base64") {
   for (const char c : base64) uri += c == '/' ? std::string("\\/") : std::string(1, c);
   CHECK(complaint_about(escaped.replace(escaped.find('@'), 1, uri)) == "");
 }
+
+}  // namespace swiftgs::test::gltf_bad_input_test

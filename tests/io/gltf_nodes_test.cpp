@@ -5,8 +5,8 @@
 #include "gltf_encoder.hpp"
 #include "spz_encoder.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::gltf_nodes_test {
+
 using nlohmann::json;
 
 namespace {
@@ -337,3 +337,5 @@ TEST_CASE("gltf: instances are relative to the origin of the first") {
     }
   }
 }
+
+}  // namespace swiftgs::test::gltf_nodes_test

@@ -4,8 +4,8 @@
 #include "gltf_encoder.hpp"
 #include "spz_encoder.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::gltf_test {
+
 using nlohmann::json;
 
 TEST_CASE("gltf: every degree is read from text and from binary") {
@@ -222,3 +222,5 @@ TEST_CASE("gltf: buffers in other files are found in the folder of the file alon
   CHECK_THROWS_AS(read_scene(folder.write("scene/a.gltf", text("missing.bin"))), std::system_error);
   CHECK(contains(complaint_about(text("my%20data.bin")), "read from memory"));
 }
+
+}  // namespace swiftgs::test::gltf_test

@@ -11,8 +11,7 @@
 #include "files.hpp"
 #include "image_parsing.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::jpeg_test {
 
 namespace {
 
@@ -93,3 +92,5 @@ TEST_CASE("jpeg: the size is read from the header alone") {
   }
   CHECK(contains(complaint([&] { size(content.substr(0, 20)); }), "expected a valid JPEG"));
 }
+
+}  // namespace swiftgs::test::jpeg_test

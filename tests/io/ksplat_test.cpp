@@ -2,8 +2,7 @@
 #include "scenes.hpp"
 #include "spz_encoder.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::ksplat_test {
 
 namespace {
 
@@ -275,3 +274,5 @@ TEST_CASE("ksplat: a header that lies is refused") {
     CHECK_NOTHROW(complaint_of(with(file, i, char(file[i] ^ 0x95))));
   }
 }
+
+}  // namespace swiftgs::test::ksplat_test

@@ -6,8 +6,7 @@
 #include "ply_text.hpp"
 #include "scenes.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::layouts_test {
 
 namespace {
 
@@ -254,3 +253,5 @@ TEST_CASE("layouts: Gaussians that are left out have no say in the origin and ta
   }
   check(std::string(content).replace(last - row, row, row, '\0'), 0);
 }
+
+}  // namespace swiftgs::test::layouts_test

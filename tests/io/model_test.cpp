@@ -10,8 +10,7 @@
 #include "ply_text.hpp"
 #include "scenes.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::model_test {
 
 namespace {
 
@@ -109,3 +108,5 @@ TEST_CASE("model: the 3D filter of Mip-Splatting comes with its 2D filter") {
   CHECK(read(ply(gaussian, {.before = "comment RenderingModel: blur=0.3,antialiased=no\n"})).scene.model ==
         RenderingModel());
 }
+
+}  // namespace swiftgs::test::model_test

@@ -2,8 +2,7 @@
 #include "ply_text.hpp"
 #include "scenes.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::ply_bad_input_test {
 
 TEST_CASE("ply: an ascii file that ends early never crashes") {
   const std::string file = ply(plain_gaussian(), {.format = "ascii", .repeat = 2});
@@ -114,3 +113,5 @@ TEST_CASE("ply: a word that is no number is placed") {
   const std::string message = complaint_about(with(file, "0.25", "0,25"));
   CHECK(contains(message, "byte " + std::to_string(file.find("0.25")) + ": expected a number for 'f_dc_0'"));
 }
+
+}  // namespace swiftgs::test::ply_bad_input_test

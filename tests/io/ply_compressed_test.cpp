@@ -8,8 +8,8 @@
 #include "compressed_ply_text.hpp"
 #include "scenes.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::ply_compressed_test {
+
 using namespace swiftgs::io;
 
 namespace {
@@ -230,3 +230,5 @@ TEST_CASE("compressed ply: every harmonic gets the byte whose value is nearest")
       REQUIRE(std::abs(unpack_sh(pack_sh(value, lower)) - value) == least);
   }
 }
+
+}  // namespace swiftgs::test::ply_compressed_test

@@ -9,8 +9,7 @@
 #include "scenes.hpp"
 #include "support/ply_numbers.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::ply_test {
 
 TEST_CASE("ply: every encoding and line break hold the same Gaussian, or none") {
   for (const char* format : ply_formats)
@@ -308,3 +307,5 @@ TEST_CASE("ply: properties are found by name whatever surrounds them") {
   gaussian.insert(gaussian.begin() + 8, {"double", "nx", 9});
   check_plain(read(ply(gaussian)));
 }
+
+}  // namespace swiftgs::test::ply_test

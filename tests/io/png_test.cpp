@@ -5,8 +5,7 @@
 
 #include "png_encoder.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::png_test {
 
 namespace {
 
@@ -101,3 +100,5 @@ TEST_CASE("png: a frame is written clamped and rounded and is read back") {
   check_pixels(read_image(folder / "a.png"), 3, 2,
                {0, 255, 128, 0, 255, 0, 255, 0, 64, 0, 1, 255, 26, 51, 77, 255, 255, 255}, 255);
 }
+
+}  // namespace swiftgs::test::png_test

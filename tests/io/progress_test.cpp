@@ -5,8 +5,8 @@
 #include "scenes.hpp"
 #include "tasks.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::progress_test {
+
 using namespace swiftgs::io;
 
 // The palette of a SOG is found by squares of distances.
@@ -134,3 +134,5 @@ TEST_CASE("tasks: cancelling stops those that run and begins no more") {
       Cancelled);
   CHECK(short_ones == 2);
 }
+
+}  // namespace swiftgs::test::progress_test

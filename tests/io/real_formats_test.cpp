@@ -9,8 +9,7 @@
 #include "scenes.hpp"
 #include "support/skip.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::real_formats_test {
 
 namespace {
 
@@ -144,3 +143,5 @@ TEST_CASE("real files: a scene loses no more in a SOG than bytes for its numbers
   CHECK(apart.means < 3e-4);
   CHECK(apart.scales < 1e-5);
 }
+
+}  // namespace swiftgs::test::real_formats_test

@@ -9,7 +9,7 @@
 
 #include "scenes/captures.hpp"
 
-using namespace swiftgs;
+namespace swiftgs::test::real_scenes_test {
 
 namespace {
 
@@ -44,3 +44,5 @@ TEST_CASE("real scenes: herz is read with its cameras") { check_scene("herz", ""
 TEST_CASE("real scenes: fox is read with its cameras") {
   check_scene("fox", "sparse/0", 175'799, 50, 1067, 1897);
 }
+
+}  // namespace swiftgs::test::real_scenes_test

@@ -17,8 +17,8 @@
 #include "support/files.hpp"
 #include "support/skip.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::replace_file_test {
+
 namespace fs = std::filesystem;
 
 TEST_CASE("replace file: content is new or takes the place of what was there") {
@@ -171,3 +171,5 @@ TEST_CASE("replace file: what cannot be written is named before and while writin
     CHECK(during == before);
   }
 }
+
+}  // namespace swiftgs::test::replace_file_test

@@ -9,8 +9,8 @@
 #include "ply_text.hpp"
 #include "scenes.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::scene_file_test {
+
 using namespace std::literals;
 
 namespace {
@@ -181,3 +181,5 @@ TEST_CASE("mapped file: a scene's file does not stay in memory beside the scene"
     CHECK(at_end < size / 2);
   }
 }
+
+}  // namespace swiftgs::test::scene_file_test

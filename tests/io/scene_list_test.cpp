@@ -13,8 +13,7 @@
 
 #include "files.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::scene_list_test {
 
 namespace {
 
@@ -224,3 +223,5 @@ TEST_CASE("scene list: what is wrong is named with its place") {
   refuses_clip(R"({"half_spaces": [[0, 1, 0, 1]], "box": [0, 0, 0, 1, 1, 1]})",
                "at most 6 half-spaces, of which a box is six");
 }
+
+}  // namespace swiftgs::test::scene_list_test

@@ -18,7 +18,7 @@
 #include "far_scene.hpp"
 #include "ply_text.hpp"
 
-using namespace swiftgs;
+namespace swiftgs::test::scene_parts_test {
 
 namespace {
 
@@ -126,3 +126,5 @@ TEST_CASE("scene parts: a format that is read as a whole is refused") {
   CHECK_THROWS_AS(read_scene(path, {.part = {2, 2}}), std::invalid_argument);
   CHECK(read_scene(path, {.part = {0, 1}}).scene.size() == 500);
 }
+
+}  // namespace swiftgs::test::scene_parts_test

@@ -4,9 +4,10 @@
 #include "scenes.hpp"
 #include "sog_encoder.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::sog_bad_input_test {
+
 using nlohmann::json;
+using test::complaint_about;
 
 namespace {
 
@@ -173,3 +174,5 @@ TEST_CASE("sog: names that leave the folder are refused") {
 TEST_CASE("sog: a folder's description cannot be read from memory") {
   CHECK(contains(complaint_about(parts_of(2).meta.dump(), "meta.json"), "found JSON of a SOG in memory"));
 }
+
+}  // namespace swiftgs::test::sog_bad_input_test

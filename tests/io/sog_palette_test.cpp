@@ -14,7 +14,8 @@
 #include "nearest_points.hpp"
 #include "sog_codebook.hpp"
 
-using namespace swiftgs;
+namespace swiftgs::test::sog_palette_test {
+
 using namespace swiftgs::io;
 
 namespace {
@@ -242,3 +243,5 @@ TEST_CASE("codebook: a number that most have leaves room for thousands of others
   for (const float number : numbers)
     CHECK(std::abs(codebook.values()[codebook.byte_of(number)] - number) < 0.004);
 }
+
+}  // namespace swiftgs::test::sog_palette_test

@@ -5,8 +5,8 @@
 #include "scenes.hpp"
 #include "sog_encoder.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::sog_streamed_test {
+
 using nlohmann::json;
 
 namespace {
@@ -173,3 +173,5 @@ TEST_CASE("streamed sog: a level that is not there is refused and so is a file i
                        std::invalid_argument);
   CHECK(contains(complaint_about(text, "lod-meta.json"), "found JSON of a SOG in memory"));
 }
+
+}  // namespace swiftgs::test::sog_streamed_test

@@ -3,8 +3,9 @@
 #include "scenes.hpp"
 #include "sog_encoder.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::sog_test {
+
+using test::read;
 
 namespace {
 
@@ -202,3 +203,5 @@ TEST_CASE("sog: many Gaussians keep their order and progress is told of") {
     CHECK(calls == stop + 1);
   }
 }
+
+}  // namespace swiftgs::test::sog_test

@@ -8,8 +8,7 @@
 
 #include "scenes.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::sog_write_test {
 
 namespace {
 
@@ -189,3 +188,5 @@ TEST_CASE("sog: the file is a ZIP of entries stored as they are") {
   }
   zip_discard(archive);
 }
+
+}  // namespace swiftgs::test::sog_write_test

@@ -5,8 +5,7 @@
 
 #include "scenes.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::splat_test {
 
 namespace {
 
@@ -132,3 +131,5 @@ TEST_CASE("splat: colours that a byte cannot hold are counted") {
   CHECK(write_and_read(scene, ".splat").notes == Strings{"Channels of colours are clamped to 0 to 1: 2."});
   CHECK(write_and_read(Scene(), ".splat").content.empty());
 }
+
+}  // namespace swiftgs::test::splat_test

@@ -2,8 +2,7 @@
 #include "scenes.hpp"
 #include "spz_encoder.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::spz_bad_input_test {
 
 namespace {
 
@@ -107,3 +106,5 @@ TEST_CASE("spz: damaged extensions are refused") {
     }
   }
 }
+
+}  // namespace swiftgs::test::spz_bad_input_test

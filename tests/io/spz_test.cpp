@@ -4,8 +4,7 @@
 #include "scenes.hpp"
 #include "spz_encoder.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::spz_test {
 
 namespace {
 
@@ -163,3 +162,5 @@ TEST_CASE("spz: progress is told within a stream") {
   CHECK_THROWS_AS(read_scene(as_bytes(content), "a.spz", {.progress = watch}), Cancelled);
   CHECK(reports > 4);
 }
+
+}  // namespace swiftgs::test::spz_test

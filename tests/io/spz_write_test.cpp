@@ -3,8 +3,7 @@
 
 #include "scenes.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::spz_write_test {
 
 namespace {
 
@@ -172,3 +171,5 @@ TEST_CASE("spz: what cannot be a file is refused before there is one") {
   scene.sh_rest[5] = NAN;
   refused(scene, 4, "found 0");
 }
+
+}  // namespace swiftgs::test::spz_write_test

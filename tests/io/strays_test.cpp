@@ -12,8 +12,7 @@
 #include "far_scene.hpp"
 #include "scenes.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::strays_test {
 
 namespace {
 
@@ -210,3 +209,5 @@ TEST_CASE("losses: a displacement that shows is noted with its size and its Gaus
   scene.opacities.assign(scene.size(), 0.003f);
   CHECK(write_and_read(scene, ".compressed.ply").notes.empty());
 }
+
+}  // namespace swiftgs::test::strays_test

@@ -8,8 +8,8 @@
 #include "camera_files.hpp"
 #include "png_encoder.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::transforms_json_test {
+
 using nlohmann::json;
 
 namespace {
@@ -472,3 +472,5 @@ TEST_CASE("transforms.json: JSON that is something else is refused") {
     CHECK(contains(complaint([&] { load_cameras(folder.write("transforms.json", content)); }),
                    "a transforms.json (a JSON object with 'frames')"));
 }
+
+}  // namespace swiftgs::test::transforms_json_test

@@ -18,8 +18,8 @@
 #include "name_ending.hpp"
 #include "scenes.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::writers_test {
+
 namespace fs = std::filesystem;
 
 namespace {
@@ -273,3 +273,5 @@ TEST_CASE("writers: endings are known in upper and lower case") {
   CHECK(!io::has_ending("ly", ".ply"));
   CHECK(!io::has_ending("a[ply", ".ply"));
 }
+
+}  // namespace swiftgs::test::writers_test

@@ -12,8 +12,7 @@
 #include "policies/backends.hpp"
 #include "policies/tile_lists.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::adaptive_sort_test {
 
 namespace {
 
@@ -241,3 +240,5 @@ TEST_CASE_TEMPLATE("adaptive sort: a scene that lies where another one lay is no
   CHECK(known_after(copy));
   CHECK_FALSE(known_after(renderer.backend().upload(memory)));
 }
+
+}  // namespace swiftgs::test::adaptive_sort_test

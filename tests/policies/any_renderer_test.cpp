@@ -19,8 +19,7 @@
 #include "policies/placed_list.hpp"
 #include "policies/rasterizers.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::any_renderer_test {
 
 namespace {
 
@@ -310,3 +309,5 @@ SWIFTGS_CONTRACT("any renderer: what cannot be placed is refused and changes not
   record_into(*any, again, report);
   CHECK(differing(again.finish(backend), expected.finish(backend)) == 0);
 }
+
+}  // namespace swiftgs::test::any_renderer_test

@@ -15,8 +15,7 @@
 #include "policies/backends.hpp"
 #include "policies/pairs.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::backend_test {
 
 SWIFTGS_CASE_ON("backend: for_each visits each index exactly once", SWIFTGS_TEST_HOSTS) {
   for (const std::size_t n : {0, 1, 2, 3, 1000, 100'000}) {
@@ -165,3 +164,5 @@ SWIFTGS_CONTRACT("backend: a buffer grows and never shrinks and is aligned to a 
   buffer.reset(1000);
   CHECK(buffer.data() == memory);
 }
+
+}  // namespace swiftgs::test::backend_test

@@ -10,8 +10,7 @@
 
 #include "policies/double_drawing.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::blending_test {
 
 namespace {
 
@@ -407,3 +406,5 @@ SWIFTGS_CASE_ON("blend: lists of another number than the frame's tiles are refus
   }
 }
 #endif
+
+}  // namespace swiftgs::test::blending_test

@@ -21,8 +21,7 @@
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::borrowed_test {
 
 namespace {
 
@@ -224,3 +223,5 @@ SWIFTGS_CONTRACT("borrowed: a renderer by name draws the arrays as they are now"
                        doctest::Contains("update: the scene's arrays are the caller's"),
                        std::invalid_argument);
 }
+
+}  // namespace swiftgs::test::borrowed_test

@@ -11,8 +11,7 @@
 
 #include "policies/random_splats.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::bounds_test {
 
 namespace {
 
@@ -267,3 +266,5 @@ TEST_CASE("bounds: the three sigma square is the one of INRIA's rasterizer at an
                           a * sine * sine + b * cosine * cosine, side));
       }
 }
+
+}  // namespace swiftgs::test::bounds_test

@@ -13,8 +13,7 @@
 
 #include "policies/random_splats.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::chunk_borders_test {
 
 namespace {
 
@@ -179,3 +178,5 @@ TEST_CASE(
       CHECK(hidden > 0.5 * pairs);
     }
 }
+
+}  // namespace swiftgs::test::chunk_borders_test

@@ -19,8 +19,7 @@
 #include "policies/random_splats.hpp"
 #include "support/one_view.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::chunk_culling_test {
 
 namespace {
 
@@ -210,3 +209,5 @@ TEST_CASE("chunks: a scene has none where neighbours in its arrays are not neigh
   CHECK(chunk_bounds(view(Scene())).empty());
   CHECK(chunk_bounds(view(random_scene(100, 0, 1))).empty());
 }
+
+}  // namespace swiftgs::test::chunk_culling_test

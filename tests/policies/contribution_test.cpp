@@ -25,8 +25,7 @@
 #include "policies/placed_list.hpp"
 #include "policies/random_splats.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::contribution_test {
 
 namespace {
 
@@ -425,3 +424,5 @@ TEST_CASE("pruning: by contribution the built-in scene stays closer to itself th
   const double by_volume = psnr(frame_of(subset(*scene, highest(opacity_volumes(*scene), kept))), original);
   CHECK(by_contribution > by_volume + 3);
 }
+
+}  // namespace swiftgs::test::contribution_test

@@ -14,8 +14,7 @@
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::conversion_test {
 
 namespace {
 
@@ -120,3 +119,5 @@ SWIFTGS_CONTRACT("conversion: an image of 8 bits or halves keeps its bytes where
       CHECK((draw(renderer, scene.view(), image, conversion, true).image.bytes == image.bytes));
     }
 }
+
+}  // namespace swiftgs::test::conversion_test

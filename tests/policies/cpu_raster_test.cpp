@@ -11,8 +11,7 @@
 #include "policies/images.hpp"
 #include "policies/only_targets.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::cpu_raster_test {
 
 namespace {
 
@@ -266,3 +265,5 @@ TEST_CASE("cpu raster: every vector target sums attributes beside other planes a
     });
   }
 }
+
+}  // namespace swiftgs::test::cpu_raster_test

@@ -18,8 +18,7 @@
 #include "stability/targets.hpp"
 #include "stability/ulps.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::cpu_stages_test {
 
 namespace {
 
@@ -220,3 +219,5 @@ TEST_CASE("cpu stages: every vector target shades to the scalar colours within a
           });
     }
 }
+
+}  // namespace swiftgs::test::cpu_stages_test

@@ -13,8 +13,7 @@
 #include "policies/only_targets.hpp"
 #include "policies/tile_lists.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::footprints_test {
 
 namespace {
 
@@ -145,3 +144,5 @@ TEST_CASE_TEMPLATE(
     for (const int emitted : {0, 1, 3, 10})
       check(EarlySort(), counted, emitted), check(StandardSort(), counted, emitted);
 }
+
+}  // namespace swiftgs::test::footprints_test

@@ -20,8 +20,7 @@
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::frame_test {
 
 namespace {
 
@@ -395,3 +394,5 @@ TEST_CASE("frame: channels of 8 bits lie in memory in the order that their forma
   CHECK(bytes_of(PixelFormat::rgba_8) == Bytes{255, 153, 0, 51});
   CHECK(bytes_of(PixelFormat::bgra_8) == Bytes{0, 153, 255, 51});
 }
+
+}  // namespace swiftgs::test::frame_test

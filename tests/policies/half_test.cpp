@@ -9,9 +9,7 @@
 
 #include "policies/random_splats.hpp"
 
-using swiftgs::Half;
-using swiftgs::to_float;
-using swiftgs::to_half;
+namespace swiftgs::test::half_test {
 
 namespace {
 
@@ -66,7 +64,7 @@ TEST_CASE("half: all 65536 become the float of their value and come back") {
 TEST_CASE("half: floats of every magnitude and beside every tie round to the nearest, ties to even") {
   int wrong = 0;
   const auto check = [&](float value) { wrong += to_half(value).bits != nearest_half(value); };
-  swiftgs::test::Random random(1);
+  Random random(1);
   for (int i = 0; i < 200'000; ++i) {
     check(std::bit_cast<float>(std::uint32_t(random.bits() >> 32)));
     check(float(random.scale(1e-9, 2e5)) * (i % 2 ? 1.0f : -1.0f));
@@ -79,3 +77,5 @@ TEST_CASE("half: floats of every magnitude and beside every tie round to the nea
   }
   CHECK(wrong == 0);
 }
+
+}  // namespace swiftgs::test::half_test

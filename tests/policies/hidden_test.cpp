@@ -14,8 +14,7 @@
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::hidden_test {
 
 namespace {
 
@@ -171,3 +170,5 @@ SWIFTGS_CONTRACT("hidden: counts of an image's parts are those of the image") {
   CHECK(sum > 0);
   CHECK(sum == counted(renderer, scene.view(), {{all}}).intersections_hidden);
 }
+
+}  // namespace swiftgs::test::hidden_test

@@ -17,8 +17,7 @@
 #include "policies/rasterizers.hpp"
 #include "support/environment.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::hostile_test {
 
 namespace {
 
@@ -151,3 +150,5 @@ TEST_CASE("hostile: the environment is in force while it is set and gone afterwa
 #endif
   CHECK(least * half > 0);
 }
+
+}  // namespace swiftgs::test::hostile_test

@@ -6,8 +6,7 @@
 
 #include "policies/rasterizers.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::kernel_test {
 
 namespace {
 
@@ -131,3 +130,5 @@ TEST_CASE("kernel: a half-split term that overflows keeps no pixel and is never 
     }
   }
 }
+
+}  // namespace swiftgs::test::kernel_test

@@ -19,8 +19,7 @@
 
 #include "reference/oracle_lens.hpp"
 
-using namespace swiftgs;
-using test::angle, test::Dual, test::Real, test::root, test::Sight;
+namespace swiftgs::test::lens_arithmetic_test {
 
 namespace {
 
@@ -341,3 +340,5 @@ TEST_CASE("lens: large splats differ from the exact lens as the page says") {
     CHECK(std::sqrt((uu * vv - uv * uv) / (xx * yy - xy * xy)) == doctest::Approx(row.area).epsilon(0.001));
   }
 }
+
+}  // namespace swiftgs::test::lens_arithmetic_test

@@ -21,8 +21,7 @@
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::lens_test {
 
 namespace {
 
@@ -199,3 +198,5 @@ SWIFTGS_CONTRACT("lens: a panorama that turns shows the same, moved") {
     std::rotate(row, row + 3 * moved, row + 3 * 256);
   CHECK(psnr(moved_back, before.colour) >= 90);
 }
+
+}  // namespace swiftgs::test::lens_test

@@ -14,8 +14,7 @@
 
 #include "policies/hooked.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::memory_hook_test {
 
 namespace {
 
@@ -378,3 +377,5 @@ TEST_CASE_TEMPLATE("memory hook: statistics tell of the last frame that no refus
   }
   CHECK(k > 8);
 }
+
+}  // namespace swiftgs::test::memory_hook_test

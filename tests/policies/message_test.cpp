@@ -9,8 +9,9 @@
 
 #include <swiftgs/message.hpp>
 
-using swiftgs::detail::message;
-using swiftgs::detail::refuse;
+namespace swiftgs::test::message_test {
+
+using detail::message, detail::refuse;
 
 TEST_CASE("message: parts stand one behind the other as std::to_string writes them") {
   CHECK(message("") == "");
@@ -25,3 +26,5 @@ TEST_CASE("message: parts stand one behind the other as std::to_string writes th
 TEST_CASE("message: what is refused is an invalid argument") {
   CHECK_THROWS_WITH_AS(refuse("scene: ", 7, " is wrong"), "scene: 7 is wrong", std::invalid_argument);
 }
+
+}  // namespace swiftgs::test::message_test

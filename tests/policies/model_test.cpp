@@ -17,8 +17,7 @@
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::model_test {
 
 namespace {
 
@@ -190,3 +189,5 @@ TEST_CASE("model: an impossible blur is refused") {
     CHECK_THROWS_AS(validate(scene), std::invalid_argument);
   }
 }
+
+}  // namespace swiftgs::test::model_test

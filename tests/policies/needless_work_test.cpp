@@ -12,8 +12,7 @@
 
 #include "policies/rasterizers.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::needless_work_test {
 
 namespace {
 
@@ -214,3 +213,5 @@ TEST_CASE("cpu: a device is named by the threads that oneTBB lets run") {
   const tbb::global_control two(tbb::global_control::max_allowed_parallelism, 2);
   CHECK(backend.device_name().ends_with(", 2 threads"));
 }
+
+}  // namespace swiftgs::test::needless_work_test

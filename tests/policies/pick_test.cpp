@@ -14,8 +14,7 @@
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::pick_test {
 
 namespace {
 
@@ -165,3 +164,5 @@ SWIFTGS_CONTRACT("pick: a recorded frame is picked in, and one above its capacit
   else
     CHECK(renderer.pick(camera.width / 2, camera.height / 2) == PickedPixel());
 }
+
+}  // namespace swiftgs::test::pick_test

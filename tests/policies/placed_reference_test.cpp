@@ -20,8 +20,7 @@
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::placed_reference_test {
 
 namespace {
 
@@ -240,3 +239,5 @@ SWIFTGS_CONTRACT("placed reference: each view shows its own, as alone, under the
     CHECK(same_but_ids(found, renderer.render(own_placed, camera_of(v), settings)));
   }
 }
+
+}  // namespace swiftgs::test::placed_reference_test

@@ -22,8 +22,7 @@
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::placed_scenes_test {
 
 namespace {
 
@@ -433,3 +432,5 @@ TEST_CASE("placed scenes: what cannot be placed is refused") {
                        std::invalid_argument);
   CHECK_THROWS_AS(range_of(uploaded.view(), 5, 6), std::invalid_argument);
 }
+
+}  // namespace swiftgs::test::placed_scenes_test

@@ -8,8 +8,7 @@
 
 #include "policies/random_splats.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::plane_arithmetic_test {
 
 TEST_CASE("planes: of equally short axes the first is a normal") {
   CHECK(shortest_axis(vec3(1, 1, 1)) == 0);
@@ -43,3 +42,5 @@ TEST_CASE("planes: depth along the ray does not slope where its square could not
     CHECK(depth(1e38f).middle == 2);
   }
 }
+
+}  // namespace swiftgs::test::plane_arithmetic_test

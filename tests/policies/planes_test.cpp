@@ -17,8 +17,7 @@
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::planes_test {
 
 namespace {
 
@@ -334,3 +333,5 @@ SWIFTGS_CONTRACT("planes: coarse tiles change no bit") {
   const Frame usual = draw(16);
   for (const int side : {32, 64, 512}) CHECK(same_planes(draw(side), usual));
 }
+
+}  // namespace swiftgs::test::planes_test

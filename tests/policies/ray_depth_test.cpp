@@ -16,8 +16,7 @@
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::ray_depth_test {
 
 namespace {
 
@@ -204,3 +203,5 @@ SWIFTGS_CONTRACT("ray depth: recorded frames refuse another depth than was reser
     CHECK_THROWS_AS(renderer.set_views({&view, 1}), std::invalid_argument);
   }
 }
+
+}  // namespace swiftgs::test::ray_depth_test

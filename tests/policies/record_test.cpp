@@ -12,8 +12,7 @@
 #include "policies/planes.hpp"
 #include "policies/rasterizers.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::record_test {
 
 namespace {
 
@@ -263,3 +262,5 @@ SWIFTGS_CONTRACT("record: what is called between sort and raster may still draw 
   CHECK(report.get(on).overflowed == 1);
   CHECK(calls == (on_host<B> ? 1 : 2));
 }
+
+}  // namespace swiftgs::test::record_test

@@ -12,8 +12,7 @@
 #include "policies/contribution_sums.hpp"
 #include "policies/rasterizers.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::renderer_test {
 
 SWIFTGS_CONTRACT("renderer: is usable after a frame that needs too many intersections") {
   Usual<B> renderer(std::move(backend));
@@ -286,3 +285,5 @@ TEST_CASE_TEMPLATE("limits: harmonics are seen from the right direction at any d
     CHECK(max_abs_difference(frame.colour, reference.colour) < 2e-6);
   }
 }
+
+}  // namespace swiftgs::test::renderer_test

@@ -8,8 +8,7 @@
 #include "policies/backends.hpp"
 #include "policies/tile_lists.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::sort_test {
 
 namespace {
 
@@ -250,3 +249,5 @@ TEST_CASE("sort: the key of a frame holds the height of all views and their numb
   CHECK_FALSE(key(2, 40, 30) == key(1, 40, 60));
   CHECK(key(2, 40, 30) == key(2, 40, 30));
 }
+
+}  // namespace swiftgs::test::sort_test

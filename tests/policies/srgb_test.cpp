@@ -14,7 +14,7 @@
 #include <swiftgs/srgb.hpp>
 #include <swiftgs/store_pixel.hpp>
 
-using namespace swiftgs;
+namespace swiftgs::test::srgb_test {
 
 namespace {
 
@@ -119,3 +119,5 @@ TEST_CASE("srgb: straight colours are converted and hostile pixels touch nothing
     CHECK((std::isnan(alpha) || odd == vec4(to_srgb(0.2f), to_srgb(0.3f), to_srgb(0.4f), 1)));
   }
 }
+
+}  // namespace swiftgs::test::srgb_test

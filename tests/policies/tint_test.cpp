@@ -16,8 +16,7 @@
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::tint_test {
 
 namespace {
 
@@ -121,3 +120,5 @@ SWIFTGS_CONTRACT("tint: colours alone change, and Gaussians stay hidden whose ow
     CHECK(tinted.sums() == plain.sums());
   }
 }
+
+}  // namespace swiftgs::test::tint_test

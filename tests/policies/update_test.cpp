@@ -24,8 +24,7 @@
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::update_test {
 
 namespace {
 
@@ -429,3 +428,5 @@ SWIFTGS_CASE_ON("update: hosts draw bands that were zero before", SWIFTGS_TEST_H
   replace(expected, 990, part);
   check_numbers(backend, scene.view(), expected);
 }
+
+}  // namespace swiftgs::test::update_test

@@ -13,8 +13,7 @@
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::view_tiles_test {
 
 namespace {
 
@@ -289,3 +288,5 @@ TEST_CASE("view tiles: a part of an image has every splat that the image shows t
   CHECK(shown > 100'000);
   CHECK(elsewhere > 100'000);
 }
+
+}  // namespace swiftgs::test::view_tiles_test

@@ -17,8 +17,7 @@
 #include "policies/planes.hpp"
 #include "policies/rasterizers.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::views_test {
 
 namespace {
 
@@ -279,3 +278,5 @@ TEST_CASE_TEMPLATE("views: recorded frames follow formats and planes and places 
     return [&, report] { two.together.record(scene.view(), report); };
   });
 }
+
+}  // namespace swiftgs::test::views_test
