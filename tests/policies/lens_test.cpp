@@ -91,73 +91,6 @@ SWIFTGS_CASE_ON("lens: recorded frames draw what frames draw", SWIFTGS_TEST_HOST
   }
 }
 
-SWIFTGS_CASE_ON("lens: a rectified view of a distorted one is the pinhole view", SWIFTGS_TEST_HOSTS) {
-  Usual<B> renderer(std::move(backend));
-  // Balls of a fiftieth of their distance: a tenth would differ by the linearisation.
-  Random random(1);
-  Scene balls;
-  for (int i = 0; i < 400; ++i) {
-    const double z = random.in(2, 5), x = random.in(-0.6, 0.6), y = random.in(-0.4, 0.4);
-    append(balls, vec3(float(x * z), float(y * z), float(z)), float(0.02 * z), 0.7f);
-    balls.sh0.back() = vec3(random.f(-1, 1), random.f(-1, 1), random.f(-1, 1));
-  }
-  const auto scene = renderer.backend().upload(std::move(balls));
-  RenderSettings settings = all_outputs();
-  settings.conventions.blur = 0;  // pixels of both differ in size
-  const Camera pinhole = forward_camera(320, 192, 280);
-  Camera distorted = scaled(pinhole, 4);
-  distorted.lens.distortion = {{-0.2, 0.03, 0, 0}, {}, {0.002, -0.003}, {}};
-  const Frame seen = renderer.render(scene, distorted, settings);
-  const Frame wanted = renderer.render(scene, pinhole, settings);
-  // Look up where the lens shows the middle of each pixel.
-  double sum = 0;
-  int compared = 0;
-  for (int y = 0; y < pinhole.height; ++y)
-    for (int x = 0; x < pinhole.width; ++x) {
-      const lens::Distorted at = lens::distort(distorted.lens.distortion, (x + 0.5 - pinhole.cx) / pinhole.fx,
-                                               (y + 0.5 - pinhole.cy) / pinhole.fy);
-      const double column = distorted.fx * at.u + distorted.cx - 0.5,
-                   row = distorted.fy * at.v + distorted.cy - 0.5;
-      const int left = int(std::floor(column)), top = int(std::floor(row));
-      if (left < 0 || top < 0 || left + 1 >= distorted.width || top + 1 >= distorted.height) continue;
-      ++compared;
-      for (std::size_t c = 0; c < 3; ++c) {
-        const auto pixel = [&](int i, int j) {
-          return double(
-              seen.colour[3 * (std::size_t(top + j) * std::size_t(distorted.width) + std::size_t(left + i)) +
-                          c]);
-        };
-        const double right = column - left, down = row - top;
-        const double looked_up = (1 - down) * ((1 - right) * pixel(0, 0) + right * pixel(1, 0)) +
-                                 down * ((1 - right) * pixel(0, 1) + right * pixel(1, 1));
-        const double off = looked_up - double(wanted.colour[3 * std::size_t(y * pinhole.width + x) + c]);
-        sum += off * off;
-      }
-    }
-  CHECK(compared > 0.9 * pinhole.width * pinhole.height);
-  CHECK(-10 * std::log10(sum / (3.0 * compared)) >= 40);
-}
-
-SWIFTGS_CONTRACT("lens: a panorama has no seam") {
-  Usual<B> renderer(std::move(backend));
-  // One splat at the horizon, straight behind the camera.
-  Scene scene;
-  append(scene, vec3(0, 0, -2), 0.2f, 0.9f);
-  Camera camera;
-  camera.width = 256, camera.height = 128, camera.lens.model = LensModel::equirectangular;
-  camera.fx = camera.width / turn, camera.fy = 2 * camera.height / turn;
-  camera.cx = 0.5 * camera.width, camera.cy = 0.5 * camera.height;
-  const Frame frame = renderer.render(renderer.backend().upload(std::move(scene)), camera, all_outputs());
-  for (int y = 40; y < 88; ++y)
-    for (int x = 0; x < 20; ++x) {
-      const std::size_t row = std::size_t(y) * 256;
-      const double left = frame.alpha[row + std::size_t(x)], right = frame.alpha[row + std::size_t(255 - x)];
-      CHECK(std::fabs(left - right) <= 1e-5);
-    }
-  CHECK(frame.alpha[64 * 256] > 0.8);
-  CHECK(frame.alpha[64 * 256 + 128] == 0);
-}
-
 SWIFTGS_CASE_ON(
     "lens: columns of a panorama have the bits of the whole, bottom up, over an image and behind depths",
     SWIFTGS_TEST_HOSTS) {
@@ -186,12 +119,12 @@ SWIFTGS_CASE_ON("lens: tiles that are no divisor of a panorama's parts are refus
                        std::invalid_argument);
 }
 
-SWIFTGS_CONTRACT("lens: a panorama that turns shows the same, moved") {
+SWIFTGS_CONTRACT("lens: a panorama that turns shows the same, moved across its seam") {
   Usual<B> renderer(std::move(backend));
   const auto scene = renderer.backend().upload(test_scene());
   const Camera camera = cameras_of_lenses(256, 128)[5];
   const Frame before = renderer.render(scene, camera, all_outputs());
-  constexpr int moved = 96;  // a multiple of the parts in which panoramas are drawn
+  constexpr int moved = 128;  // a multiple of the parts in which panoramas are drawn
   const Frame after = renderer.render(scene, turned(camera, turn * moved / 256), all_outputs());
   std::vector<float> moved_back = after.colour;
   for (auto row = moved_back.begin(); row != moved_back.end(); row += 3 * 256)

@@ -111,8 +111,8 @@ SWIFTGS_CONTRACT(
         {{{2, 0.25f}, {3, 0.5f}, {4, 1}}, {1, 0.375f, 3, 1, 3}},  // the third takes all that is left
         {{{2, 0.25f}, {3, 0.375f}, {4, 1}}, {2, 0.46875f, 4, 1, 3}},
         {{{4, 0.5f}, {2, 0.25f}, {3, 0.25f}, {5, 0.5f}}, {0, 0.28125f, 4, 0, 4}},
-        {{{2, 0.25f}, {3, 0.75f}}, {1, 0.5625f, 3, 1, 3}, 0.1875f},
-        {{{2, 0.25f}, {3, 0.75f}}, {0, 0.25f, 2}, 0.25f}}) {  // the second would end the pixel
+        {{{2, 0.5f}, {3, 0.5f}}, {0, 0.5f, 2, 1, 3}, 0.25f},
+        {{{2, 0.5f}, {3, 0.5f}}, {0, 0.5f, 2}, 0.375f}}) {  // the second would end the pixel
     CAPTURE(row.balls.size());
     Conventions conventions = exact_conventions();
     conventions.stop = row.stop;

@@ -31,12 +31,11 @@ Frame draw_all(const Scene& scene, const Camera& camera, const Conventions& conv
                          settings_of_all(scene.feature_channels, conventions));
 }
 
-/// Checks the planes of a scene through the usual renderer. Returns the frame.
+/// Checks the planes of a scene through the usual renderer.
 template <class B>
-Frame check_all(const Scene& scene, const Camera& camera, const Conventions& conventions = {}) {
+void check_all(const Scene& scene, const Camera& camera, const Conventions& conventions = {}) {
   const Frame frame = draw_all<B>(scene, camera, conventions);
   check_planes(frame, render_reference_planes(scene, camera, conventions), plane_bounds<B>(conventions));
-  return frame;
 }
 
 /// Whether all pixels hold what pixels without splats do.
