@@ -136,8 +136,7 @@ struct AnyIndexed {
 
 /// Policy: where memory lives and how loops run. A backend is an object; its results do not depend on its
 /// number of threads.
-/// - `device_name()`: model of the processor or device, with the number of threads if that is a choice. Times
-/// measured on one name are not used on another.
+/// - `device_name()`: model of the processor or device, with the number of threads if that is a choice.
 /// - `Buffer<T>`: memory that grows and that the backend's loops can reach (`GrowingBuffer`).
 /// - `SceneOn`: an uploaded scene, with `view()`.
 /// - `reaches_host_memory`: whether its loops can write to the host's own arrays.
