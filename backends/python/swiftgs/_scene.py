@@ -134,7 +134,8 @@ class Scene:
         """Writes `.ply`, `.compressed.ply`, `.spz`, `.sog` or `.splat`, by the path's ending or by `format`.
 
         The new file takes the place of an old one when it is whole. Returns a sentence for each thing that the format
-        does not carry, and one that says how much rounding changes at most. `progress` is called with the part that is done, and cancels by returning False.
+        does not carry, and one that says how much rounding changes at most. `progress` is called with the part that is
+        done, and cancels by returning False.
         """
         calls = _Callbacks(progress)
         ending = None if format is None else b"." + _checks.text(format, "format").lstrip(b".")
