@@ -225,7 +225,7 @@ swiftgs_status swiftgs_scene_write(const swiftgs_scene* scene, const char* path,
     require_pointer(scene, "scene");
     require_pointer(path, "path");
     const swiftgs_write_options write = read_options(options, "swiftgs_write_options");
-    WrittenScene written = swiftgs::write_scene(path, *scene->scene, to_options(write));
+    swiftgs::WrittenScene written = swiftgs::write_scene(path, *scene->scene, to_options(write));
     if (const std::string losses = text_of(written.losses); !losses.empty())
       written.notes.push_back("Rounding changes numbers at most: " + losses + ".");
     hand_over(written.notes, write);
