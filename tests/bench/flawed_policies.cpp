@@ -70,7 +70,7 @@ constexpr double scale = 0.2;  // of the built-in camera's image
 Session session() {
   Session s;
   s.gaussians = std::make_shared<const Scene>(make_builtin_scene(3000));
-  s.scene = {"builtin", s.gaussians->size(), s.gaussians->size(), 1, s.gaussians->sh_degree, false, {}};
+  s.scene = {"builtin", s.gaussians->size(), s.gaussians->size(), 1, s.gaussians->sh_degree, "", {}};
   s.views = {{scaled(builtin_camera(), scale), "front"}};
   s.scale = scale, s.conventions = "gsplat", s.threads = 1;
   return s;
