@@ -104,7 +104,6 @@ TEST_CASE("stress: a search prints what it found and writes a row for each famil
     places.insert(row.at("renderer").dump() + row.at("family").dump() + row.at("plane").dump());
     CHECK(row.at("tries") > 0);
     CHECK(row.at("normalised_error") <= 10);
-    if (row.at("normalised_error") > 0) CHECK(row.at("case").at("gaussians").size() > 0);
   }
   CHECK(places.size() == results.at("rows").size());
 }

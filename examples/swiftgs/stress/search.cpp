@@ -57,8 +57,7 @@ std::vector<SearchRow> rows_of_search(const StressSearch& search) {
                         .plane = plane == StressSearch::colour ? "colour" : "depth",
                         .tries = search.tries(),
                         .normalised_error = worst.normalised_error,
-                        .error = worst.error,
-                        .drawn = case_text(worst.drawn)});
+                        .error = worst.error});
       }
   return rows;
 }

@@ -6,7 +6,6 @@
 #include <tuple>
 #include <vector>
 
-#include "hard_frames/case.hpp"
 #include "result_head.hpp"
 
 /// What `stress --search` finds.
@@ -18,16 +17,11 @@ struct SearchRow {
   std::uint64_t tries = 0;  ///< frames that were drawn, of all families
   double normalised_error = 0;
   std::string error;  ///< what the renderer threw, or what is wrong with its frame; or empty
-  std::string drawn;  ///< the frame, as `case_text` has it
 
   static auto members(auto& self) {
-    return std::tie(self.renderer, self.family, self.plane, self.tries, self.normalised_error, self.error,
-                    self.drawn);
+    return std::tie(self.renderer, self.family, self.plane, self.tries, self.normalised_error, self.error);
   }
 };
-
-/// A frame as JSON, with all digits of its numbers.
-std::string case_text(const StressCase& drawn);
 
 /// The document of `--json`.
 std::string to_json(const ResultHead& head, const std::vector<SearchRow>& rows);

@@ -37,8 +37,7 @@ warning names the renderers and families in which it may be more than 1/255 of a
 A pixel is not judged if they decide all of it; 'judged' is the share of pixels that are.
 --search SECONDS climbs instead: it changes small frames of all families, and of lone Gaussians that
 point at the camera, and keeps what is drawn worse. Where sorts differ alone, frames must be equal.
---json writes the worst frames with all digits. The frames follow from --seed; how many there are
-depends on the time.
+The frames follow from --seed and the renderers; how many there are depends on the time.
 --severity is all, max, or numbers in the units of each family. docs/results.md describes the JSON.
 Exit code 0: every normalised error is 10 or less. Exit code 1: a normalised error is above 10, a
 renderer failed, or an option is wrong; the last line on standard error says which. Bounds that cut
