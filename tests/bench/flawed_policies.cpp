@@ -81,7 +81,7 @@ Results measured(const std::vector<RendererEntry>& table, int frames, std::size_
   results.head = {"swiftgs-bench", describe_machine(), "flawed_policies"};
   ResultFile file("");
   Progress progress(table.size());
-  Runner runner(table, {{frames, frames, 0.001, 1}, judged, {}, {}}, results, file, progress);
+  Runner runner(table, {{frames, frames, 0.001, 1}, judged}, results, file, progress);
   const Session s = session();
   results.scenes.push_back(s.scene);
   runner.run(s);

@@ -25,14 +25,7 @@ field.value = 'STANDARD ellipse';
 field.dispatchEvent(new Event('input'));
 facts.filtered = column('#means', 0);
 
-const images = all('#images img');
-const modes = all('#images select').pop();
-modes.value = modes.options[modes.options.length - 1].value;
-modes.dispatchEvent(new Event('change'));
-facts.plane = all('#images img').pop().alt;
-addEventListener('load', async () => {
-  await Promise.all(images.map(image => image.decode()));
-  facts.images = images.map(image => image.src.slice(0, 22));
+addEventListener('load', () => {
   const fault = document.querySelector('#fault');
   facts.fault = fault.hidden ? '' : fault.textContent;
   facts.asked = performance.getEntriesByType('resource').map(entry => entry.name).filter(name => !name.startsWith('data:'));

@@ -12,7 +12,6 @@
 #include <nlohmann/json.hpp>
 
 #include "cli/command.hpp"
-#include "io/png_encoder.hpp"
 #include "support/skip.hpp"
 
 using namespace swiftgs::test;
@@ -64,16 +63,12 @@ Json file_of(const char* format, const Json& rows) {
             {"machine", {{"date", "2026-01-02"}, {"cpu", "A processor"}, {"commit", "0123+"}}},
             {"command", hostile},
             {"scenes", Json::array()},
-            {"views", Json::array()},
             {"rows", rows}};
-  for (const Json& row : rows) {
-    file["scenes"].push_back({{"original", row["gaussians"]}});
-    file["views"].push_back(Json::object());
-    for (const char* name : {"scene", "gaussians", "enlarge"})
-      file["scenes"].back()[name] = file["views"].back()[name] = row[name];
-    for (const char* name : {"view", "width", "height", "scale", "conventions"})
-      file["views"].back()[name] = row[name];
-  }
+  for (const Json& row : rows)
+    file["scenes"].push_back({{"scene", row["scene"]},
+                              {"gaussians", row["gaussians"]},
+                              {"original", row["gaussians"]},
+                              {"enlarge", row["enlarge"]}});
   return file;
 }
 
@@ -86,12 +81,7 @@ Json compared() {
       row_of("made", 1000, "early", half, "three-sigma-square", 4, 61),
       row_of("made", 1000, "standard", "per-pixel", "ellipse", 7, std::numeric_limits<double>::infinity()),
       row_of("made", 1000, "standard", "per-pixel", "opacity-box", 9, 102)};
-  rows[0]["image"] = "frame.png";
-  rows[0]["error_image"] = "error.png";
-  rows[0]["plane_images"] = {{{"plane", "depth"}, {"image", "depth.png"}}};
-  Json file = file_of("swiftgs-bench", rows);
-  file["views"][0]["reference_image"] = "reference.png";
-  return file;
+  return file_of("swiftgs-bench", rows);
 }
 
 /// Rasterization takes time ~ n^0.8.
@@ -166,8 +156,6 @@ TEST_CASE("report: a page draws what files hold and its figures are saved") {
   place.write("compared.json", compared().dump());
   place.write("grown.json", grown().dump());
   place.write("stress.json", hard_frames().dump());
-  for (const char* name : {"frame.png", "error.png", "reference.png", "depth.png"})
-    place.write(name, png({.colour = png_grey, .rows = std::string("\0h", 2)}));
   const Outcome outcome =
       swiftgs::test::swiftgs(place, "report compared.json grown.json stress.json --out page.html");
   CAPTURE(outcome.err);
@@ -189,8 +177,6 @@ TEST_CASE("report: a page draws what files hold and its figures are saved") {
   CHECK(facts["errors"] == 3);
   CHECK(facts["slowest"] == "cpu/standard/per-pixel/opacity-box");
   CHECK(facts["filtered"] == Json({"cpu/standard/per-pixel/ellipse"}));
-  CHECK(facts["images"] == Json({"data:image/png;base64,", "data:image/png;base64,"}));
-  CHECK(facts["plane"] == "depth of cpu/early/axis-shared-half-split/ellipse");
 
   const std::string folder = place.path().string();
   const std::string command = "TMPDIR='" + folder +  // where the browser's profile is left
@@ -211,12 +197,11 @@ TEST_CASE("report: files that are no results are refused and no results are repl
   if (!has_vega()) return;
   const TemporaryFolder place;
   const Json good = grown();
-  Json without_renderer = good, of_text = good, empty = good, newer = good, without_image = good;
+  Json without_renderer = good, of_text = good, empty = good, newer = good;
   without_renderer["rows"][1].erase("renderer");
   of_text["rows"][0]["psnr_db"] = "high";
   empty["rows"] = Json::array();
   newer["version"] = 2;
-  without_image["rows"][0]["image"] = "gone.png";
   for (const auto& [content, said] : std::vector<std::pair<std::string, std::string>>{
            {"", "byte 0: expected JSON that goes on"},
            {"[1, 2, NaN]", "byte 7: expected JSON"},
@@ -225,8 +210,7 @@ TEST_CASE("report: files that are no results are refused and no results are repl
            {newer.dump(), "version: expected 1, found 2"},
            {empty.dump(), "rows: expected at least one row"},
            {without_renderer.dump(), "rows[1].renderer: expected a text"},
-           {of_text.dump(), "rows[0].psnr_db: expected a number or null"},
-           {without_image.dump(), "expected the image gone.png"}}) {
+           {of_text.dump(), "rows[0].psnr_db: expected a number or null"}}) {
     place.write("results.json", content);
     fails(place, "report results.json --out page.html", {"results.json", said});
     CHECK(!std::filesystem::exists(place / "page.html"));

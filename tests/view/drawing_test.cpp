@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "view/drawing.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <memory>
@@ -133,6 +134,14 @@ TEST_CASE("view drawing: a plane shows in place of colour") {
   CHECK(drawing.picture().colour[middle] == drawing.picture().colour[middle + 1]);
   CHECK(drawing.picture().colour[middle] == doctest::Approx(0.9).epsilon(0.01));
   CHECK(drawing.draw_apart(camera()) == colour);
+  for (const char* plane : {"normal", "id"}) {
+    CAPTURE(plane);
+    drawing.show_plane(plane);
+    drawing.draw(camera(), false);
+    const std::vector<float>& picture = drawing.picture().colour;
+    CHECK(vec3(picture[0], picture[1], picture[2]) == vec3(0));  // nothing shows in the corner
+    CHECK(std::max({picture[middle], picture[middle + 1], picture[middle + 2]}) > 0.4f);
+  }
   drawing.show_plane("");
   drawing.draw(camera(), false);
   CHECK(drawing.picture().colour == colour);

@@ -51,7 +51,7 @@ struct BenchOptions {
   std::string views = "every:8";
   std::string scales = "1", gaussians, enlarge = "1", threads, conventions = "gsplat";
   std::string errors = "all";
-  std::string json, images;
+  std::string json;
   Plan plan;
   int batch = 1;
   std::string planes, harmonics = "smallest", model;
@@ -245,8 +245,8 @@ class Matrix {
 
 /// Throws if an option was given that says how to measure.
 void require_nothing_measured(const CLI::App& command) {
-  for (const char* option : {"--errors", "--precision", "--min-frames", "--max-frames", "--batch", "--json",
-                             "--resume", "--images"})
+  for (const char* option :
+       {"--errors", "--precision", "--min-frames", "--max-frames", "--batch", "--json", "--resume"})
     if (command.count(option) > 0)
       throw std::invalid_argument(std::string(option) +
                                   ": expected no --profile with it, which measures nothing");
@@ -276,7 +276,6 @@ std::string rest_of(const BenchOptions& options, const Results& results, std::si
 void measure_matrix(const BenchOptions& options, const std::vector<RendererEntry>& entries,
                     const Matrix& matrix, Results& results, Progress& progress) {
   ResultFile json(options.json);
-  if (!options.images.empty()) std::filesystem::create_directories(options.images);
   const auto end = [&] {
     progress.clear();
     print_tables(results.rows);
@@ -284,8 +283,7 @@ void measure_matrix(const BenchOptions& options, const std::vector<RendererEntry
     json.finish();
   };
   Runner runner(entries,
-                {options.plan, judged_views(options.errors), options.images, options.json,
-                 std::size_t(options.batch), options.planes},
+                {options.plan, judged_views(options.errors), std::size_t(options.batch), options.planes},
                 results, json, progress);
   try {
     const Interruptible interruptible;
@@ -301,8 +299,6 @@ void measure_matrix(const BenchOptions& options, const std::vector<RendererEntry
 void bench(const BenchOptions& options) {
   validate(options.plan);
   require_batch(options.batch);
-  if (!options.images.empty() && options.json.empty())
-    throw std::invalid_argument("--images " + options.images + ": expected --json too, which names them");
   const std::vector<RendererEntry> entries = renderers_matching(options.renderers);
   const Matrix matrix(options);
   std::vector<NamedFile> scenes;
@@ -358,7 +354,6 @@ void add_bench(CLI::App& app) {
   add_json(*command, options->json);
   command->add_flag("--resume", options->resume,
                     "Keep the rows in the file of --json, and measure the others");
-  command->add_option("--images", options->images, "Folder for images of each scene's first view");
   command->add_flag("--profile", options->profile, "Only draw the views, for a profiler to record");
   command->callback([options, command] {
     if (options->profile) require_nothing_measured(*command);

@@ -21,8 +21,7 @@ PhotoErrors photo_errors(const Image& photo, const Values& colour) {
   return {psnr(shown, photo.pixels), ssim(photo.width, photo.height, 3, shown, photo.pixels)};
 }
 
-}  // namespace
-
+/// A hash of the bits of a frame's colours.
 std::uint64_t hash_of(const Frame& frame) {
   // FNV-1a, a float at a time.
   std::uint64_t hash = 0xcbf29ce484222325u;
@@ -30,6 +29,8 @@ std::uint64_t hash_of(const Frame& frame) {
     hash = (hash ^ __builtin_bit_cast(std::uint32_t, value)) * 0x100000001b3u;
   return hash;
 }
+
+}  // namespace
 
 Judge::Judge(std::shared_ptr<const Scene> scene, const Camera& camera, const RenderSettings& settings,
              std::optional<Image> photo)
@@ -65,28 +66,6 @@ Judge::Verdict Judge::of(const Frame& frame, bool cut) {
 std::optional<PhotoErrors> Judge::reference_photo() const {
   if (!photo_ || truth_.empty()) return std::nullopt;
   return photo_errors(*photo_, truth_);
-}
-
-Frame Judge::reference_frame() const {
-  Frame frame;
-  frame.width = camera_.width, frame.height = camera_.height;
-  frame.colour.assign(truth_.begin(), truth_.end());
-  return frame;
-}
-
-Frame Judge::error_map(const Frame& frame) const {
-  constexpr double least = -7;  // decimal logarithm of what is black
-  Frame map;
-  map.width = frame.width, map.height = frame.height;
-  map.colour.resize(frame.colour.size());
-  for (std::size_t pixel = 0; pixel < frame.pixels(); ++pixel) {
-    double largest = 0;
-    for (std::size_t i = 3 * pixel; i < 3 * pixel + 3; ++i)
-      largest = std::max(largest, metrics::distance(frame.colour[i], truth_[i]));
-    const float shown = largest > 0 ? float(std::clamp(1 - std::log10(largest) / least, 0.0, 1.0)) : 0.0f;
-    std::fill_n(map.colour.begin() + std::ptrdiff_t(3 * pixel), 3, shown);
-  }
-  return map;
 }
 
 }  // namespace swiftgs::cli

@@ -37,10 +37,6 @@ class Judge {
   /// Of the reference itself; nothing without photograph or reference.
   std::optional<PhotoErrors> reference_photo() const;
 
-  /// The reference in float, and how far `frame` is from it as `docs/results.md` says; only with a reference.
-  Frame reference_frame() const;
-  Frame error_map(const Frame& frame) const;
-
  private:
   std::vector<double> render(Conventions::Footprint footprint) const;
 
@@ -51,8 +47,5 @@ class Judge {
   std::vector<double> truth_, cut_truth_;  ///< colours; the second when it is first asked for
   std::map<std::pair<std::uint64_t, bool>, Verdict> known_;  ///< by the frame's hash and `cut`
 };
-
-/// A hash of the bits of a frame's colours.
-std::uint64_t hash_of(const Frame& frame);
 
 }  // namespace swiftgs::cli

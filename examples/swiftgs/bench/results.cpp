@@ -9,8 +9,6 @@
 namespace swiftgs::cli {
 namespace {
 
-Json named_or_null(const std::string& text) { return text.empty() ? Json() : Json(text); }
-
 Json json_of(const Duration& d) {
   return {{"median", rounded(d.median)},
           {"low", rounded(d.low)},
@@ -39,7 +37,6 @@ void add_photo(Json& json, const std::optional<PhotoErrors>& photo) {
 Json json_of(const ViewResult& v) {
   Json json = json_of(v.place);
   add_photo(json, v.photo);
-  json["reference_image"] = named_or_null(v.reference_image);
   return json;
 }
 
@@ -70,10 +67,6 @@ Json json_of(const RowResult& r) {
   json["contributing_pairs"] = r.contributing_pairs;
   json["bytes"] = {{"project", r.bytes.project}, {"sort", r.bytes.sort}, {"raster", r.bytes.raster}};
   json["device_bytes"] = r.device_bytes, json["host_bytes"] = r.host_bytes;
-  json["image"] = named_or_null(r.image), json["error_image"] = named_or_null(r.error_image);
-  json["plane_images"] = Json::array();
-  for (const PlaneImage& shown : r.plane_images)
-    json["plane_images"].push_back({{"plane", shown.plane}, {"image", shown.image}});
   return json;
 }
 

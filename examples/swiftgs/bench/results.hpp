@@ -69,15 +69,8 @@ struct Errors {
 struct ViewResult {
   Place place;
   std::optional<PhotoErrors> photo;  ///< of the reference
-  std::string reference_image;
 
-  static auto members(auto& self) { return std::tie(self.place, self.photo, self.reference_image); }
-};
-
-struct PlaneImage {
-  std::string plane, image;
-
-  static auto members(auto& self) { return std::tie(self.plane, self.image); }
+  static auto members(auto& self) { return std::tie(self.place, self.photo); }
 };
 
 struct RowResult {
@@ -94,14 +87,11 @@ struct RowResult {
   std::uint64_t visible = 0, intersections = 0, contributing_pairs = 0;
   StageMemory bytes;
   std::uint64_t device_bytes = 0, host_bytes = 0;
-  std::string image, error_image;
-  std::vector<PlaneImage> plane_images;
 
   static auto members(auto& self) {
     return std::tie(self.place, self.threads, self.renderer, self.planes, self.harmonics, self.frames,
                     self.batch, self.ms, self.errors, self.photo, self.visible, self.intersections,
-                    self.contributing_pairs, self.bytes, self.device_bytes, self.host_bytes, self.image,
-                    self.error_image, self.plane_images);
+                    self.contributing_pairs, self.bytes, self.device_bytes, self.host_bytes);
   }
 };
 

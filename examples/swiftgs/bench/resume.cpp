@@ -24,8 +24,6 @@ double number(const Json& json) {
   return json.is_null() ? std::numeric_limits<double>::quiet_NaN() : json.get<double>();
 }
 
-std::string text(const Json& json) { return json.is_null() ? "" : json.get<std::string>(); }
-
 Duration duration_of(const Json& json) {
   return {json.at("median"), json.at("low"), json.at("high"), json.at("p10"), json.at("p90")};
 }
@@ -54,9 +52,7 @@ SceneResult scene_of(const Json& json) {
           json.at("sh_degree"), json.at("model"),     json.at("geometry")};
 }
 
-ViewResult view_of(const Json& json) {
-  return {place_of(json), photo_of(json), text(json.at("reference_image"))};
-}
+ViewResult view_of(const Json& json) { return {place_of(json), photo_of(json)}; }
 
 RowResult row_of(const Json& json) {
   RowResult row;
@@ -73,9 +69,6 @@ RowResult row_of(const Json& json) {
   const Json& bytes = json.at("bytes");
   row.bytes = {bytes.at("project"), bytes.at("sort"), bytes.at("raster")};
   row.device_bytes = json.at("device_bytes"), row.host_bytes = json.at("host_bytes");
-  row.image = text(json.at("image")), row.error_image = text(json.at("error_image"));
-  for (const Json& shown : json.at("plane_images"))
-    row.plane_images.push_back({shown.at("plane"), shown.at("image")});
   return row;
 }
 

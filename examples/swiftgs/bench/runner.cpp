@@ -7,7 +7,6 @@
 #include <swiftgs/bounds/three_sigma_square.hpp>
 
 #include "bench/machine.hpp"
-#include "draw/plane_pictures.hpp"
 #include "draw/renderer_words.hpp"
 #include "interruptible.hpp"
 
@@ -139,13 +138,11 @@ std::vector<Runner::Subject> Runner::prepare(const Session& session, const std::
 }
 
 void Runner::add_view(const Session& session, std::size_t view, Judge& judge) {
-  ViewResult result{place_of(session, view), std::nullopt, {}};
+  ViewResult result{place_of(session, view), std::nullopt};
   if (view < options_.judged) {
     begin("reference " + result.place.view);
     judge.render_reference();
     result.photo = judge.reference_photo();
-    if (view == 0 && !options_.images.empty())
-      result.reference_image = write_image(result.place, judge.reference_frame(), "reference");
   }
   if (Team::here().is_shared()) views_.emplace_back(views_so_far_ + view, result);
   add(std::move(result));
@@ -211,29 +208,7 @@ RowResult Runner::row_of(const Session& session, std::size_t view, const Subject
   const Judge::Verdict verdict =
       judge.of(frame, RendererWords(row.renderer).bounds == ThreeSigmaSquare::name);
   row.errors = verdict.errors, row.photo = verdict.photo;
-  if (judged && view == 0 && !options_.images.empty()) {
-    // Renderers that draw the same bits share their files.
-    Frame opaque;
-    opaque.width = frame.width, opaque.height = frame.height, opaque.colour = frame.colour;
-    row.image = write_image(row.place, opaque, "frame");
-    row.error_image = write_image(row.place, judge.error_map(frame), "error");
-    for (const PlanePicture& shown : pictures_of_planes(frame))
-      row.plane_images.push_back({shown.plane, write_image(row.place, shown.picture, shown.plane)});
-  }
   return row;
-}
-
-std::string Runner::write_image(const Place& place, const Frame& frame, const std::string& what) const {
-  // Named by what it shows, so that no image stands for another and renderers that draw the same bits share
-  // one.
-  std::string name = place.scene;
-  for (const std::string& part : {place.view, std::to_string(hash_of(frame)), what})
-    name.append("-").append(part);
-  const std::filesystem::path file = options_.images / (name + ".png");
-  if (!std::filesystem::exists(file)) write_png(file, frame);
-  if (file.is_absolute()) return file.string();
-  const std::filesystem::path from = options_.file.parent_path();
-  return std::filesystem::relative(file, from.empty() ? "." : from).string();
 }
 
 }  // namespace swiftgs::cli

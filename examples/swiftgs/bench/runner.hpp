@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -40,11 +39,9 @@ class Runner {
  public:
   struct Options {
     Plan plan;
-    std::size_t judged = 0;        ///< how many of a session's views are compared with a reference
-    std::filesystem::path images;  ///< folder for those of a session's first view; empty for none
-    std::filesystem::path file;    ///< of the results, which image files are named from; empty for none
-    std::size_t batch = 1;         ///< views of a frame that is timed
-    std::string planes{};          ///< of rows
+    std::size_t judged = 0;  ///< how many of a session's views are compared with a reference
+    std::size_t batch = 1;   ///< views of a frame that is timed
+    std::string planes{};    ///< of rows
   };
 
   /// Rows that `results` hold already are not measured again. `file` is written after every row.
@@ -91,7 +88,6 @@ class Runner {
   void write();
   RowResult row_of(const Session& session, std::size_t view, const Subject& subject, const Samples& samples,
                    Judge& judge);
-  std::string write_image(const Place& place, const Frame& frame, const std::string& what) const;
 
   std::vector<RendererEntry> entries_;
   Options options_;

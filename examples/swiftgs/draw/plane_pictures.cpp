@@ -67,13 +67,12 @@ void paint(Frame& picture, const F& f) {
 
 }  // namespace
 
-std::vector<PlanePicture> pictures_of_planes(const Frame& frame) {
-  std::vector<PlanePicture> pictures;
+PlanePicture picture_of_plane(const Frame& frame) {
+  PlanePicture shown;
   for_each_plane(
       [&]<class Value>(std::size_t channels, const std::vector<Value>& values, std::string_view name) {
         if (values.empty() || name == "colour" || name == "features") return;
-        Frame picture;
-        std::optional<DepthRange> range;
+        Frame& picture = shown.picture;
         picture.width = frame.width, picture.height = frame.height;
         if constexpr (std::is_same_v<Value, std::uint32_t>) {
           paint(picture, [&](std::size_t pixel) { return colour_of_id(values[pixel]); });
@@ -82,15 +81,14 @@ std::vector<PlanePicture> pictures_of_planes(const Frame& frame) {
         } else if (name == "alpha") {
           paint(picture, [&](std::size_t pixel) { return vec3(values[pixel]); });
         } else {
-          range = range_of(values);
+          shown.range = range_of(values);
           paint(picture, [&](std::size_t pixel) {
-            return values[pixel] > 0 ? false_colour(range->part(values[pixel])) : vec3(0);
+            return values[pixel] > 0 ? false_colour(shown.range->part(values[pixel])) : vec3(0);
           });
         }
-        pictures.push_back({std::string(name), std::move(picture), range});
       },
       frame, plane_names);
-  return pictures;
+  return shown;
 }
 
 }  // namespace swiftgs::cli

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
-#include <vector>
 
 #include <swiftgs/frame.hpp>
 #include <swiftgs/math.hpp>
@@ -26,14 +24,13 @@ vec3 false_colour(float part);
 
 /// A plane of a frame, to look at.
 struct PlanePicture {
-  std::string plane;
   Frame picture;                    ///< colour alone
   std::optional<DepthRange> range;  ///< of a plane of depths, unless it is empty
 };
 
-/// The planes of `frame` beside colour: alpha in grey; depths on a logarithmic scale from blue, near, to
-/// yellow, far, cut at the nearest and the farthest hundredth; normals as (n + 1) / 2; each Gaussian in a
-/// colour of its own. What no splat shows is black.
-std::vector<PlanePicture> pictures_of_planes(const Frame& frame);
+/// The one plane that `frame` has beside colour: alpha in grey; depths on a logarithmic scale from blue,
+/// near, to yellow, far, cut at the nearest and the farthest hundredth; normals as (n + 1) / 2; each Gaussian
+/// in a colour of its own. What no splat shows is black.
+PlanePicture picture_of_plane(const Frame& frame);
 
 }  // namespace swiftgs::cli

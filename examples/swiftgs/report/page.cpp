@@ -17,8 +17,8 @@ constexpr const char* vega_modules[] = {
 
 /// Of the page itself, each after what it uses.
 constexpr const char* own_scripts[] = {
-    "stats.js",         "style.js",        "scaling.js", "choices.js", "stress.js", "plots.js",   "bars.js",
-    "scaling_plots.js", "stress_plots.js", "table.js",   "images.js",  "charts.js", "figures.js", "page.js"};
+    "stats.js",         "style.js",        "scaling.js", "choices.js", "stress.js",  "plots.js", "bars.js",
+    "scaling_plots.js", "stress_plots.js", "table.js",   "charts.js",  "figures.js", "page.js"};
 
 /// `text` with every `from` as `to`.
 std::string replaced(std::string_view text, std::string_view from, std::string_view to) {

@@ -164,22 +164,6 @@ const page = (() => {
     showPanels(section, titled, (figure, look) => figure.specify(look));
   }
 
-  function showImages(chosen) {
-    const images = data.images, uri = index => typeof index === 'number' ? images[index] : null;
-    const places = ['scene', 'gaussians', 'enlarge', 'view', 'scale', 'conventions'];
-    const sameView = (a, b) => places.every(name => a[name] === b[name]);
-    const several = new Set(chosen.map(row => row.view)).size > 1;
-    const pairs = chosen.filter(row => typeof row.image === 'number').map(row => {
-      const view = data.files[row.file].views.find(one => sameView(one, row));
-      return {label: row.renderer + (several ? `, ${row.view}` : ''), frame: uri(row.image),
-              error: uri(row.error_image), reference: uri(view?.reference_image), width: row.width, height: row.height,
-              planes: (row.plane_images ?? []).map(({plane, image}) => ({plane, source: uri(image)}))};
-    });
-    pairs.sort((a, b) => a.label < b.label ? -1 : 1);
-    find('#images').hidden = pairs.length === 0;
-    find('#images .list').replaceChildren(...(pairs.length ? [imagePairs(pairs)] : []));
-  }
-
   function summaryOf(list) {
     const range = values => {
       const low = Math.min(...values), high = Math.max(...values);
@@ -199,13 +183,11 @@ const page = (() => {
     showSpeedups(list);
     showPareto(list);
     showStages(list);
-    showImages(chosen);
     find('#means').replaceChildren(sortableTable({
       caption: 'Renderers, as chosen above', columns: recordColumns(list), rows: list, filter: true, sort: 4}));
     find('#missing').textContent = [
       ...(find('#pareto').hidden ? ['errors against float64'] : []),
       ...(find('#speedups').hidden ? ['a baseline'] : []),
-      ...(find('#images').hidden ? ['images (swiftgs bench --images)'] : []),
     ].map((text, i) => (i === 0 ? 'Not in these files: ' : '') + text).join('; ');
     charts.refresh(false);
   }

@@ -106,7 +106,7 @@ void Drawing::draw(const Camera& camera, bool count) {
   renderer_->render(camera, settings, frame_);
   depth_range_.reset();
   if (plane_.empty()) return;
-  PlanePicture shown = std::move(pictures_of_planes(frame_).at(0));
+  PlanePicture shown = picture_of_plane(frame_);
   plane_picture_ = std::move(shown.picture), depth_range_ = shown.range;
 }
 
