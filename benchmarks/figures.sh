@@ -3,8 +3,8 @@
 #
 # Saves the plots of a page of `swiftgs report` as SVG files on a white ground: pareto-SCENE.svg, stages-SCENE.svg and
 # speedup-SCENE.svg, with the backend behind the scene where the page has several; scaling-gaussians-SCENE.svg,
-# scaling-pixels-SCENE.svg, scaling-threads-SCENE.svg, scaling-occupancy-SCENE.svg, and each of these with -memory; of hard frames stability-cpu.svg,
-# stability-serial.svg and stability-gpu.svg.
+# scaling-pixels-SCENE.svg, scaling-threads-SCENE.svg and scaling-occupancy-SCENE.svg; of hard frames
+# stability-cpu.svg, stability-serial.svg and stability-gpu.svg.
 #   benchmarks/figures.sh REPORT.html FOLDER
 # Chromium draws them: `chromium` or its like in PATH, or the program that SWIFTGS_BROWSER names. Its profile, some
 # megabytes in a new folder for temporary files, is left there, and the last line says where.

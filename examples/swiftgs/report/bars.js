@@ -25,7 +25,7 @@ const bars = (() => {
     const segments = [], totals = [];
     for (const record of sorted) {
       let from = 0;
-      const tip = tipOf(record, null);
+      const tip = tipOf(record, {});
       for (const stage of stats.stages) {
         const to = from + record.ms[stage].median;
         segments.push({label: record.label, stage, from, to, tip});
@@ -74,13 +74,13 @@ const bars = (() => {
   }
 
   /// How many times quicker than the baseline, by rasterizer and within it by sort.
-  function speedups(records, baseline, clock, look) {
+  function speedups(records, baseline, look) {
     const {theme} = look;
     const rasters = inOrder(records.map(record => record.raster)), sorts = inOrder(records.map(record => record.sort));
     const values = records.map(record => {
-      const times = stats.speedup(record, record.among, baseline, clock);
+      const times = stats.speedup(record, record.among, baseline);
       return {raster: record.raster, sort: record.sort, times, text: times.toFixed(2) + '×',
-              tip: tipOf(record, clock, {'speed-up': times.toFixed(3) + '×'})};
+              tip: tipOf(record, {'speed-up': times.toFixed(3) + '×'})};
     });
     const band = bands(look, rasters, {step: 17 * sorts.length + 10, padding: 0.12});
     const palette = {standard: theme.quiet, early: theme.stages.raster, adaptive: theme.stages.project};

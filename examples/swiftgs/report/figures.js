@@ -19,15 +19,14 @@ function figuresOfScene(scene, rows, files) {
     const add = (kind, what, specify) =>
       figures.push({name: `${kind}-${name}`, title: `${what}: ${where}`, specify, from: files[records[0].file]});
     const known = stats.withError(records), front = stats.pareto(known);
-    const choice = {clock: 'total', shape: 'bounds'};
-    if (known.length) add('pareto', 'Run time against error', look => plots.pareto(known, front, choice, look));
+    if (known.length) add('pareto', 'Run time against error', look => plots.pareto(known, front, look));
     const few = choices.quickest(records, 12).map(record => ({...record, label: record.short}));
     add('stages', 'Stages', look => bars.stagesStacked(few, look));
     const bounds = style.inOrder(records.map(one => one.bounds)).pop();
     const compared = records.filter(one => one.bounds === bounds && stats.speedup(one, list, baseline) !== null);
     if (compared.length > 1)
       add('speedup', `Speed-up over ${baseline} with ${bounds}`,
-          look => bars.speedups(compared, baseline, 'total', look));
+          look => bars.speedups(compared, baseline, look));
   }
   return figures;
 }
@@ -41,14 +40,11 @@ const seriesTitle = series => [series.scene, ...series.held,
 function figuresOfGrowth(rows, files) {
   return Object.entries(scaling.quantities).flatMap(([name, quantity]) => {
     const all = scaling.series(rows, name);
-    return stats.distinct(all, one => one.scene).flatMap(scene => {
+    return stats.distinct(all, one => one.scene).map(scene => {
       const series = all.find(one => one.scene === scene);
       const title = [series.renderer, `${seriesTitle(series)}, ${machineOf(series, files)}`];
-      const figure = (more, plot) =>
-        ({name: `scaling-${name}-${scene}${more}`, title, specify: look => plot(series, quantity, look),
-          from: files[series.file]});
-      const times = figure('', scalingPlots.times), memory = figure('-memory', scalingPlots.memory);
-      return series.points.some(point => point.memory > 0) ? [times, memory] : [times];
+      return {name: `scaling-${name}-${scene}`, title, specify: look => scalingPlots.times(series, quantity, look),
+              from: files[series.file]};
     });
   });
 }

@@ -5,7 +5,7 @@
 const page = (() => {
   const data = JSON.parse(document.getElementById('data').textContent);
   const rows = stats.rowsOf(data.files);
-  const wanted = {clock: 'total', shape: 'bounds', show: 'few', baseline: '', bounds: ''};
+  const wanted = {show: 'few', baseline: '', bounds: ''};
   const few = 20;
 
   const find = (selector, root = document) => root.querySelector(selector);
@@ -59,7 +59,7 @@ const page = (() => {
 
   const recordColumns = list => filled([
     word('renderer', record => record.label), ms('project'), ms('sort'), ms('raster'), ms('total'), ms('wall'),
-    number('speed-up', record => stats.speedup(record, record.among, wanted.baseline, wanted.clock)),
+    number('speed-up', record => stats.speedup(record, record.among, wanted.baseline)),
     number('PSNR dB', record => record.psnr, format.psnr), number('SSIM', record => record.ssim, format.ssim),
     number('largest error', record => record.max_abs), number('visible', record => record.visible, format.count),
     number('intersections', record => record.intersections, format.count),
@@ -67,43 +67,13 @@ const page = (() => {
     number('memory', record => record.bytes, format.bytes),
   ], list);
 
-  function rowColumns() {
-    const several = key => new Set(rows.map(key)).size > 1;
-    const either = (condition, column) => condition ? [column] : [];
-    const amount = (title, name, text) => number(title, row => row[name] ?? null, text);
-    return filled([
-      word('renderer', row => row.renderer), word('scene', row => row.scene),
-      number('Gaussians', row => row.gaussians, format.count),
-      ...either(several(row => row.enlarge), number('enlarged', row => row.enlarge)),
-      word('view', row => row.view),
-      {title: 'size', value: row => row.width * row.height, text: choices.sizeOf, number: true},
-      ...either(several(row => row.conventions), word('conventions', row => row.conventions)),
-      ...either(several(row => row.threads), number('threads', row => row.threads)),
-      number('frames', row => row.frames, String),
-      ...stats.durations.map(name => ms(name)), number('PSNR dB', row => row.psnr, format.psnr),
-      amount('SSIM', 'ssim', format.ssim), amount('largest error', 'max_abs'),
-      amount('PSNR with the same cut', 'cut_psnr_db', format.psnr),
-      amount('photo PSNR', 'photo_psnr_db', format.psnr), amount('photo SSIM', 'photo_ssim', format.ssim),
-      amount('visible', 'visible', format.count), amount('intersections', 'intersections', format.count),
-      amount('blended pairs', 'contributing_pairs', format.count),
-      ...stats.stages.map(stage => number(`${stage} memory`, row => row.bytes?.[stage] ?? null, format.bytes)),
-      amount('device memory', 'device_bytes', format.bytes), amount('host memory', 'host_bytes', format.bytes),
-      ...either(data.files.length > 1, word('file', row => data.files[row.file].file)),
-    ], rows);
-  }
-
   function showPareto(list) {
     const section = find('#pareto');
-    const known = stats.withError(list, wanted.clock);
+    const known = stats.withError(list);
     section.hidden = known.length === 0;
     if (section.hidden) return;
-    setChoosers(find('.choosers', section), [
-      ...chooser('Time', [{value: 'total', title: 'frame, the backend\'s clock'}, {value: 'wall', title: 'wall clock'}],
-                 wanted.clock, value => wanted.clock = value),
-      ...chooser('Shape', simple(['bounds', 'sort']), wanted.shape, value => wanted.shape = value),
-    ]);
-    const front = stats.pareto(known, wanted.clock);
-    charts.draw(find('.chart', section), look => plots.pareto(known, front, wanted, look));
+    const front = stats.pareto(known);
+    charts.draw(find('.chart', section), look => plots.pareto(known, front, look));
     const left = list.length - known.length;
     find('.note', section).textContent = 'Over several views PSNR is that of the mean squared error. ' +
       `A slower renderer is on the front if it is more exact by ${stats.worth} dB or more.` +
@@ -143,7 +113,7 @@ const page = (() => {
     const section = find('#speedups');
     const words = choices.baselines(list);
     if (!words.includes(wanted.baseline)) wanted.baseline = words[0];
-    const compared = list.filter(record => stats.speedup(record, list, wanted.baseline, wanted.clock) !== null);
+    const compared = list.filter(record => stats.speedup(record, list, wanted.baseline) !== null);
     section.hidden = compared.length < 2;
     if (section.hidden) return;
     const bounds = style.inOrder(compared.map(record => record.bounds));
@@ -153,7 +123,7 @@ const page = (() => {
       ...chooser('Bounds', simple(bounds), wanted.bounds, value => wanted.bounds = value),
     ]);
     const panels = choices.panels(compared.filter(record => record.bounds === wanted.bounds), data.files);
-    showPanels(section, panels, (panel, look) => bars.speedups(panel.records, wanted.baseline, wanted.clock, look));
+    showPanels(section, panels, (panel, look) => bars.speedups(panel.records, wanted.baseline, look));
   }
 
   function showGrowth() {
@@ -194,11 +164,7 @@ const page = (() => {
 
   showMachines();
   find('#tables').hidden = find('#choosers').hidden = find('#summary').hidden = rows.length === 0;
-  if (rows.length > 0) {
-    render();
-    find('#rows').replaceChildren(sortableTable(
-      {caption: 'All rows', columns: rowColumns(), rows, filter: true, sort: 0}));
-  }
+  if (rows.length > 0) render();
   showGrowth();
   charts.refresh(false);
   if (location.hash === '#figures') writeFigures(rows, data.files, data.stress);

@@ -51,10 +51,9 @@ const plots = (() => {
     return undefined;
   }
 
-  const tipOf = (record, clock, more) => ({
+  const tipOf = (record, more) => ({
     title: record.label,
-    ...Object.fromEntries(['project', 'sort', 'raster', 'total', 'wall'].map(
-      name => [name + (name === clock ? ' (shown)' : ''), format.short(record.ms[name].median) + ' ms'])),
+    ...Object.fromEntries(stats.durations.map(name => [name, format.short(record.ms[name].median) + ' ms'])),
     PSNR: record.psnr === null ? 'not measured' : format.psnr(record.psnr) + ' dB',
     ...(record.max_abs === null ? {} : {'largest error': format.short(record.max_abs)}),
     ...(record.intersections === null ? {} : {intersections: format.count(record.intersections)}),
@@ -81,16 +80,16 @@ const plots = (() => {
   }
 
   /// Every record a point: time across, PSNR up. `front` is numbered in the order of the list beside the plot.
-  function pareto(records, front, {clock, shape}, look) {
+  function pareto(records, front, look) {
     const {theme} = look, error = errorScale(records);
-    const place = record => ({x: record.ms[clock].median, y: record.psnr === Infinity ? error.infinite : record.psnr});
-    const tip = record => tipOf(record, clock, front.includes(record) ? {'Pareto front': 'yes'} : {});
+    const place = record => ({x: record.ms.total.median, y: record.psnr === Infinity ? error.infinite : record.psnr});
+    const tip = record => tipOf(record, front.includes(record) ? {'Pareto front': 'yes'} : {});
     const values = records.map(
-      record => ({...place(record), raster: record.raster, shape: record[shape], tip: tip(record)}));
+      record => ({...place(record), raster: record.raster, shape: record.bounds, tip: tip(record)}));
     const ends = front.map((record, i) => ({...place(record), number: String(i + 1), label: record.label}));
     const domain = logDomain(values.map(value => value.x));
     const rasters = inOrder(records.map(record => record.raster));
-    const words = inOrder(records.map(record => record[shape]));
+    const words = inOrder(records.map(record => record.bounds));
     const x = {scale: 'x', field: 'x'}, y = {scale: 'y', field: 'y'};
     const infinite = error.infinite;
     return {
@@ -103,7 +102,7 @@ const plots = (() => {
         {name: 'shape', type: 'ordinal', domain: words, range: style.shapes(words)},
       ],
       axes: [
-        {orient: 'bottom', scale: 'x', title: `${clock === 'wall' ? 'Wall clock' : 'Frame'}, ms (log)`, grid: true,
+        {orient: 'bottom', scale: 'x', title: 'Frame, ms (log)', grid: true,
          values: logTicks(domain, look.narrow ? 5 : 11), format: '~g'},
         {orient: 'left', scale: 'y', title: 'PSNR against float64, dB', grid: true, format: '~f', values: error.ticks},
         ...(infinite === null ? [] : [{orient: 'left', scale: 'y', values: [infinite], domain: false,
@@ -111,7 +110,7 @@ const plots = (() => {
       ],
       legends: [
         legend(look, 2, {fill: 'colour', title: 'rasterizer', symbolType: 'circle'}),
-        legend(look, 1, {shape: 'shape', title: shape, symbolFillColor: theme.quiet, symbolStrokeColor: theme.quiet}),
+        legend(look, 1, {shape: 'shape', title: 'bounds', symbolFillColor: theme.quiet, symbolStrokeColor: theme.quiet}),
       ],
       marks: [
         {type: 'line', name: 'front_line', interactive: false, from: {data: 'front'},

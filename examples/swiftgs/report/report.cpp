@@ -51,8 +51,7 @@ void report(const ReportOptions& options) {
 constexpr const char* report_help =
     R"(RESULTS are files that swiftgs bench or swiftgs stress wrote. The page holds everything that it
 shows and works without a network: run time against error with the Pareto front, stage times,
-speed-ups, growth with fitted exponents, normalised errors on hard frames, and all rows of bench as a
-table.
+speed-ups, growth with fitted exponents, normalised errors on hard frames, and a table of all renderers.
 
 Example:
   swiftgs bench builtin --json results.json

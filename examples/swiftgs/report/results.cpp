@@ -36,8 +36,7 @@ constexpr Needed members_of_row[] = {
     {Kind::amount, "gaussians threads frames"},
     {Kind::positive, "enlarge width height scale"},
     {Kind::number_or_nothing,
-     "psnr_db ssim max_abs cut_psnr_db photo_psnr_db photo_ssim visible intersections contributing_pairs "
-     "device_bytes host_bytes"}};
+     "psnr_db ssim max_abs visible intersections contributing_pairs device_bytes host_bytes"}};
 
 constexpr Needed members_of_stress_row[] = {
     {Kind::text, "family severity_label renderer backend sort raster bounds"},
@@ -45,8 +44,6 @@ constexpr Needed members_of_stress_row[] = {
     {Kind::positive, "width height seeds"},
     {Kind::number_or_nothing,
      "severity strict_normalised_error normalised_error psnr_db max_abs ambiguity worst_seed"}};
-
-constexpr Needed members_of_bytes[] = {{Kind::amount, "project sort raster"}};
 
 constexpr const char* durations[] = {"project", "sort", "raster", "total", "wall"};
 
@@ -101,8 +98,6 @@ void check_members(const Json& value, const Needed (&members)[n], const std::str
 
 void check_row(const Json& row, const std::string& where) {
   check_members(row, members_of_row, where);
-  if (const auto bytes = row.find("bytes"); bytes != row.end())  // older files have none
-    check_members(*bytes, members_of_bytes, where + ".bytes");
   const Json ms = row.value("ms", Json());
   check_object(ms, where + ".ms");
   for (const char* duration : durations)

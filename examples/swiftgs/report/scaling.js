@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 'use strict';
 
-// How time and memory grow with one quantity while the others are held: series of points, and exponents fitted to them.
+// How time grows with one quantity while the others are held: series of points, and exponents fitted to them.
 // No document is needed here.
 const scaling = (() => {
-  /// Of the buffers of each stage; `memory` is their sum, or without them what the renderer's memory grew by.
-  const memoryOf = Object.fromEntries(stats.stages.map(stage => [stage, `${stage} memory`]));
-  const stageMemory = Object.values(memoryOf);
-  const curves = [...stats.stages, 'total', 'memory', ...stageMemory];
+  const curves = [...stats.stages, 'total'];
   const tileSide = 16;
   const tilesOf = row => Math.ceil(row.width / tileSide) * Math.ceil(row.height / tileSide);
 
@@ -60,14 +57,11 @@ const scaling = (() => {
     return {exponent, factor: Math.exp(my - exponent * mx)};
   }
 
-  /// With the memory of each stage if `knowsStages`.
-  function pointOf(level, rows, value, knowsStages) {
+  function pointOf(rows, value) {
     const [record] = stats.records(rows);
-    const point = {level, x: stats.mean(rows.map(value)), memory: record.bytes};
-    for (const name of [...stats.stages, 'total']) point[name] = record.ms[name].median;
-    if (!knowsStages) return point;
-    for (const stage of stats.stages) point[memoryOf[stage]] = record.stageBytes[stage];
-    return {...point, memory: stats.sum(Object.values(record.stageBytes))};
+    const point = {x: stats.mean(rows.map(value))};
+    for (const curve of curves) point[curve] = record.ms[curve].median;
+    return point;
   }
 
   /// One series from rows that differ in level and view alone, over the views that all levels have; null with
@@ -77,16 +71,14 @@ const scaling = (() => {
     const views = [...levels.values()].map(some => new Set(some.map(row => row.view)));
     const shared = [...views[0]].filter(view => views.every(set => set.has(view)));
     if (levels.size < 3 || !shared.length) return null;
-    const knowsStages = rows.every(row => row.bytes);
-    const points = [...levels].map(([level, some]) => pointOf(
-      level, some.filter(row => shared.includes(row.view)), quantity.value, knowsStages)).sort((a, b) => a.x - b.x);
+    const points = [...levels.values()].map(
+      some => pointOf(some.filter(row => shared.includes(row.view)), quantity.value)).sort((a, b) => a.x - b.x);
     if (new Set(points.map(point => point.x)).size < 3) return null;
     const fits = {};
     for (const curve of curves) fits[curve] = fit(points.map(point => [point.x, point[curve]]));
     const {file, scene, conventions, renderer, backend} = rows[0];
     return {file, scene, conventions, renderer, backend, views: shared.length, points, fits,
-            memoryCurves: knowsStages ? [...stageMemory, 'memory'] : ['memory'], held: textsOf(rows[0], quantity.held),
-            rank: rank(rows[0], points)};
+            held: textsOf(rows[0], quantity.held), rank: rank(rows[0], points)};
   }
 
   function compareRanks(a, b) {
@@ -103,5 +95,5 @@ const scaling = (() => {
       .sort(compareRanks);
   }
 
-  return {quantities, series};
+  return {curves, quantities, series};
 })();

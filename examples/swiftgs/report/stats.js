@@ -71,8 +71,7 @@ const stats = (() => {
   }
 
   /// What `rows` of one renderer give together: means over views, and the worst of the largest differences.
-  /// `bytes` is what processes and devices grew by; `stageBytes` what the buffers of each stage hold, null where a row
-  /// is older than these numbers.
+  /// `bytes` is what processes and devices grew by.
   function meanOf(rows) {
     const first = rows[0];
     const ms = Object.fromEntries(durations.map(name => [name, meanDuration(rows.map(row => row.ms[name]))]));
@@ -87,8 +86,6 @@ const stats = (() => {
       measured: known(rows.map(row => row.psnr)).length,
       visible: of('visible'), intersections: of('intersections'), contributing_pairs: of('contributing_pairs'),
       bytes: device === null && host === null ? null : (device ?? 0) + (host ?? 0),
-      stageBytes: rows.every(row => row.bytes) ?
-          Object.fromEntries(stages.map(name => [name, mean(rows.map(row => row.bytes[name]))])) : null,
     };
   }
 
@@ -98,17 +95,16 @@ const stats = (() => {
   }
 
   /// Those that a logarithmic axis of time and one of PSNR can show.
-  const withError = (list, clock = 'total') =>
-    list.filter(record => record.psnr !== null && record.ms[clock].median > 0);
+  const withError = list => list.filter(record => record.psnr !== null && record.ms.total.median > 0);
 
   /// A slower record has to be more exact by this much to be worth its time, in decibels.
   const worth = 1;
 
   /// The records that are worth their time: none of those at most as slow is as exact within `worth`, and equals share
   /// a place. Quickest first.
-  function pareto(list, clock = 'total') {
-    const time = record => record.ms[clock].median;
-    const sorted = withError(list, clock).sort((a, b) => time(a) - time(b) || b.psnr - a.psnr);
+  function pareto(list) {
+    const time = record => record.ms.total.median;
+    const sorted = withError(list).sort((a, b) => time(a) - time(b) || b.psnr - a.psnr);
     let best = -Infinity, last = null;
     return sorted.filter(record => {
       const equal = last !== null && record.psnr === last.psnr && time(record) === time(last);
@@ -125,9 +121,9 @@ const stats = (() => {
   }
 
   /// How many times quicker than the baseline `words`, null where that was not measured.
-  function speedup(record, list, words, clock = 'total') {
+  function speedup(record, list, words) {
     const baseline = baselineOf(record, list, words);
-    return baseline && record.ms[clock].median > 0 ? baseline.ms[clock].median / record.ms[clock].median : null;
+    return baseline && record.ms.total.median > 0 ? baseline.ms.total.median / record.ms.total.median : null;
   }
 
   return {durations, stages, sum, mean, known, meanPsnr, psnrOf, rowsOf, distinct, groupsOf, caseOf, withMostThreads,

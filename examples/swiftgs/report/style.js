@@ -38,16 +38,14 @@ const style = (() => {
                       'axis-shared-float-cholesky': '#4fbf9f', 'axis-shared-threshold-half-split': '#b3470b',
                       'axis-shared-threshold-float-split': '#1556c0',
                       'axis-shared-threshold-float-cholesky': '#00704f'},
-            stages: {project: '#8e6bbf', sort: '#e0a030', raster: '#2b7fc4', total: '#1f2328',
-                     memory: '#b0356b'}},
+            stages: {project: '#8e6bbf', sort: '#e0a030', raster: '#2b7fc4', total: '#1f2328'}},
     dark: {background: '#14181d', text: '#e6edf3', quiet: '#9aa5b1', line: '#333b45', mark: '#e6edf3',
            rasters: {'per-pixel': '#a5b0bb',
                      'axis-shared-half-split': '#b8692f', 'axis-shared-float-split': '#3d6fc4',
                      'axis-shared-float-cholesky': '#23806a', 'axis-shared-threshold-half-split': '#ffa65c',
                      'axis-shared-threshold-float-split': '#7db4ff',
                      'axis-shared-threshold-float-cholesky': '#4fe0b4'},
-           stages: {project: '#b295e0', sort: '#e8b04a', raster: '#58a6ee', total: '#e6edf3',
-                    memory: '#ee7fb0'}},
+           stages: {project: '#b295e0', sort: '#e8b04a', raster: '#58a6ee', total: '#e6edf3'}},
   };
   /// For words that have no colour of their own.
   const others = ['#d03a9c', '#a08000', '#7a5af5', '#00889a', '#c03030'];

@@ -15,10 +15,9 @@ function element(name, attributes = {}, ...children) {
 
 /// A table that a click on a heading sorts. `columns` are {title, value, text, number}: `value` gives what is sorted
 /// by, `text` what is shown. With `filter` only rows remain that hold all words of a field, in any column.
-function sortableTable({caption, columns, rows, filter = false, sort = null, page = 100}) {
-  let order = sort, down = false, words = [], limit = page;
+function sortableTable({caption, columns, rows, filter = false, sort = null}) {
+  let order = sort, down = false, words = [];
   const body = element('tbody'), status = element('p', {class: 'quiet', 'aria-live': 'polite'});
-  const more = element('button', {type: 'button', onclick: () => { limit += 4 * page; fill(); }}, 'Show more rows');
   const arrows = [];
 
   const naming = columns.findIndex(column => !column.number);  // what rows go by
@@ -36,13 +35,10 @@ function sortableTable({caption, columns, rows, filter = false, sort = null, pag
   function fill() {
     const found = lines.filter(line => words.every(word => line.all.includes(word)));
     if (order !== null) found.sort(compare);
-    body.replaceChildren(...found.slice(0, limit).map(({shown}) => element('tr', {}, ...shown.map(
+    body.replaceChildren(...found.map(({shown}) => element('tr', {}, ...shown.map(
       (text, i) => element(i === naming ? 'th' : 'td', {class: columns[i].number ? 'number' : null,
                                                         scope: i === naming ? 'row' : null}, text)))));
-    const count = Math.min(limit, found.length);
-    status.textContent = (count < found.length ? `${count} of ` : '') + `${found.length} rows` +
-      (words.length ? ` with these words, ${rows.length} in all` : '');
-    more.hidden = found.length <= limit;
+    status.textContent = `${found.length} rows` + (words.length ? ` with these words, ${rows.length} in all` : '');
     arrows.forEach(({heading, arrow}, i) => {
       heading.setAttribute('aria-sort', i !== order ? 'none' : down ? 'descending' : 'ascending');
       arrow.textContent = i !== order ? '' : down ? '▼' : '▲';
@@ -59,7 +55,6 @@ function sortableTable({caption, columns, rows, filter = false, sort = null, pag
   });
   const field = element('input', {type: 'search', placeholder: 'words that a row holds', oninput: event => {
     words = event.target.value.toLowerCase().split(/\s+/).filter(Boolean);
-    limit = page;
     fill();
   }});
   const head = element('thead', {}, element('tr', {}, ...headings));
@@ -67,6 +62,5 @@ function sortableTable({caption, columns, rows, filter = false, sort = null, pag
   fill();
   return element('div', {class: 'table'},
     ...(filter ? [element('label', {class: 'filter'}, 'Filter ', field), status] : []),
-    element('div', {class: 'scroll', tabindex: '0', role: 'region', 'aria-label': caption}, table),
-    ...(filter ? [more] : []));
+    element('div', {class: 'scroll', tabindex: '0', role: 'region', 'aria-label': caption}, table));
 }
