@@ -42,7 +42,7 @@ vec3 direction(const Quaternion& q, int axis) {
 }
 
 /// Makes pieces of `parts` copies of a Gaussian, from number `first` on.
-void split(Scene& scene, std::size_t first, std::size_t parts) {
+void divide(Scene& scene, std::size_t first, std::size_t parts) {
   const vec3 mean = scene.means[first], scale = scene.scales[first];
   const int axis = scale.x >= scale.y && scale.x >= scale.z ? 0 : scale.y >= scale.z ? 1 : 2;
   const double n = double(parts);
@@ -83,7 +83,7 @@ Scene with_count(const Scene& scene, std::size_t count, std::uint32_t seed) {
   Scene result = subset(scene, sources);
   for (std::size_t first = 0, next = 0; first < count; first = next) {
     while (next < count && sources[next] == sources[first]) ++next;
-    split(result, first, next - first);
+    divide(result, first, next - first);
   }
   return result;
 }
