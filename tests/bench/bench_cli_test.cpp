@@ -135,7 +135,7 @@ TEST_CASE("bench: rows say how they were measured, and errors are of the views t
 
 TEST_CASE("bench: --model says how scenes were trained, for frames and for what they are compared with") {
   const TemporaryFolder place;
-  const std::string bench = "builtin:500 --views 0" + one, model = "antialiased=yes,blur=0.5,order=distance";
+  const std::string bench = "builtin:500 --views 0" + one, model = "blur=0.5,antialiased=yes,order=distance";
   const Json as_usual = measured(place, bench), changed = measured(place, bench + " --model " + model);
   CHECK(as_usual.at("scenes")[0].at("model") == "");
   CHECK(changed.at("scenes")[0].at("model") == model);
