@@ -3,20 +3,13 @@
 
 // Bars: times of stages, and speed-ups. Records and looks are as in plots.js.
 const bars = (() => {
-  const {base, legend, tipOf} = plots, {inOrder} = style;
+  const {base, legend, tipOf} = plots, {inOrder, theme} = style;
 
-  /// Bands down the page with their names: on an axis, or above the bars where there is no room beside them.
-  function bands(look, names, {step, padding}) {
-    const height = names.length * (look.narrow ? step + 16 : step);
-    const top = look.narrow ? 16 : 0;
-    const scale = {name: 'band', type: 'band', domain: names, range: 'height', paddingInner: look.narrow ? 0 : padding};
-    const axes = look.narrow ? [] : [{orient: 'left', scale: 'band', ticks: false, domain: false, labelPadding: 6}];
-    const labels = !look.narrow ? [] : [{type: 'text', name: 'names', interactive: false,
-      from: {data: 'of_names'}, encode: {update: {
-        x: {value: 2}, y: {scale: 'band', field: 'data', offset: 12}, text: {field: 'data'}, fontSize: {value: 11},
-        fill: {value: look.theme.quiet}}}}];
-    const data = look.narrow ? [{name: 'of_names', values: names}] : [];
-    return {height, top, scale, axes, labels, data};
+  /// Bands down the page with their names on an axis.
+  function bands(names, {step, padding}) {
+    return {height: names.length * step,
+            scale: {name: 'band', type: 'band', domain: names, range: 'height', paddingInner: padding},
+            axis: {orient: 'left', scale: 'band', ticks: false, domain: false, labelPadding: 6}};
   }
 
   /// The stages of each record, quickest first, on one axis, with the interval of the total.
@@ -34,23 +27,20 @@ const bars = (() => {
       const {median, low, high} = record.ms.total;
       totals.push({label: record.label, low, high, median, text: format.short(median) + ' ms', tip});
     }
-    const {theme} = look, band = bands(look, sorted.map(record => record.label), {step: 20, padding: 0.25});
+    const band = bands(sorted.map(record => record.label), {step: 20, padding: 0.25});
     const most = Math.max(...totals.map(total => Math.max(total.median, total.high ?? 0)));
-    const y = {scale: 'band', field: 'label', offset: band.top};
-    const height = {scale: 'band', band: 1, offset: look.narrow ? -20 : 0};
-    const middle = {scale: 'band', field: 'label', band: 0.5, offset: look.narrow ? 6 : 0};
-    const axis = {scale: 'x', grid: true, tickCount: look.narrow ? 4 : 8};
+    const y = {scale: 'band', field: 'label'}, height = {scale: 'band', band: 1};
+    const middle = {scale: 'band', field: 'label', band: 0.5};
     return {
       ...base(look, `Times of the stages of ${records.length} renderers, quickest first`, band.height),
       data: [{name: 'of_segments', values: segments}, {name: 'of_totals', values: totals},
-             {name: 'of_intervals', values: totals.filter(total => total.low !== null && total.high !== null)},
-             ...band.data],
+             {name: 'of_intervals', values: totals.filter(total => total.low !== null && total.high !== null)}],
       scales: [
         band.scale,
-        {name: 'x', domain: [0, most * (look.narrow ? 1.22 : 1.1)], range: 'width', nice: false},
+        {name: 'x', domain: [0, most * 1.1], range: 'width', nice: false},
         {name: 'colour', type: 'ordinal', domain: stats.stages, range: stats.stages.map(stage => theme.stages[stage])},
       ],
-      axes: [{...axis, orient: 'bottom', title: 'ms a frame'}, ...band.axes],
+      axes: [{orient: 'bottom', scale: 'x', title: 'ms a frame', grid: true, tickCount: 8}, band.axis],
       legends: [legend(look, 4, {fill: 'colour', orient: 'top', symbolType: 'square'})],
       marks: [
         {type: 'rect', name: 'segments', from: {data: 'of_segments'},
@@ -61,50 +51,47 @@ const bars = (() => {
          encode: {update: {x: {scale: 'x', field: 'low'}, x2: {scale: 'x', field: 'high'}, y: middle,
                            stroke: {value: theme.mark}, strokeWidth: {value: 2.5}, strokeCap: {value: 'butt'}}}},
         {type: 'rule', name: 'medians', interactive: false, from: {data: 'of_totals'},
-         encode: {update: {x: {scale: 'x', field: 'median'}, y: {...middle, offset: (middle.offset ?? 0) - 5},
-                           y2: {...middle, offset: (middle.offset ?? 0) + 5}, stroke: {value: theme.mark},
+         encode: {update: {x: {scale: 'x', field: 'median'}, y: {...middle, offset: -5},
+                           y2: {...middle, offset: 5}, stroke: {value: theme.mark},
                            strokeWidth: {value: 2}}}},
         {type: 'text', name: 'totals', interactive: false, from: {data: 'of_totals'},
          encode: {update: {x: {scale: 'x', signal: 'max(datum.median, datum.high)', offset: 6}, y: middle,
                            text: {field: 'text'}, baseline: {value: 'middle'}, fontSize: {value: 11},
                            fill: {value: theme.text}}}},
-        ...band.labels,
       ],
     };
   }
 
   /// How many times quicker than the baseline, by rasterizer and within it by sort.
   function speedups(records, baseline, look) {
-    const {theme} = look;
     const rasters = inOrder(records.map(record => record.raster)), sorts = inOrder(records.map(record => record.sort));
     const values = records.map(record => {
       const times = stats.speedup(record, record.among, baseline);
       return {raster: record.raster, sort: record.sort, times, text: times.toFixed(2) + '×',
               tip: tipOf(record, {'speed-up': times.toFixed(3) + '×'})};
     });
-    const band = bands(look, rasters, {step: 17 * sorts.length + 10, padding: 0.12});
+    const band = bands(rasters, {step: 17 * sorts.length + 10, padding: 0.12});
     const palette = {standard: theme.quiet, early: theme.stages.raster, adaptive: theme.stages.project};
     const colours = sorts.map((sort, i) => palette[sort] ?? Object.values(theme.stages)[i % 3]);
     const most = Math.max(1, ...values.map(value => value.times));
-    const group = look.narrow ? {scale: 'band', band: 1, offset: -20} : {scale: 'band', band: 1};
     const bar = {scale: 'sort', field: 'sort'}, middle = {scale: 'sort', field: 'sort', band: 0.5};
     return {
       ...base(look, `Speed-up of ${records.length} renderers over ${baseline}`, band.height),
-      data: [{name: 'of_bars', values}, ...band.data],
+      data: [{name: 'of_bars', values}],
       scales: [
         band.scale,
-        {name: 'x', domain: [0, most * (look.narrow ? 1.18 : 1.08)], range: 'width', nice: false},
+        {name: 'x', domain: [0, most * 1.08], range: 'width', nice: false},
         {name: 'colour', type: 'ordinal', domain: sorts, range: colours},
       ],
       axes: [{orient: 'bottom', scale: 'x', title: 'times as quick as the baseline', grid: true, tickCount: 6},
-             ...band.axes],
+             band.axis],
       legends: [legend(look, sorts.length, {fill: 'colour', title: 'sort', orient: 'top', columns: sorts.length,
                                             symbolType: 'square'})],
       marks: [
         {type: 'group', from: {facet: {data: 'of_bars', name: 'of_raster', groupby: 'raster'}},
-         encode: {update: {y: {scale: 'band', field: 'raster', offset: band.top}, height: group,
+         encode: {update: {y: {scale: 'band', field: 'raster'}, height: {scale: 'band', band: 1},
                            width: {signal: 'width'}}},
-         signals: [{name: 'height', update: `bandwidth('band') - ${look.narrow ? 20 : 0}`}],
+         signals: [{name: 'height', update: "bandwidth('band')"}],
          scales: [{name: 'sort', type: 'band', domain: sorts, range: 'height', paddingInner: 0.12}],
          marks: [
            {type: 'rect', name: 'bars', from: {data: 'of_raster'},
@@ -119,7 +106,6 @@ const bars = (() => {
          encode: {update: {x: {scale: 'x', value: 1}, y: {value: 0}, y2: {signal: 'height'},
                            stroke: {value: theme.mark},
                            strokeDash: {value: [4, 3]}}}},
-        ...band.labels,
       ],
     };
   }

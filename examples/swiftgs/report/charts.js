@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 'use strict';
 
-// Draws specifications with Vega, anew when the width of the page or its colours change.
+// Draws specifications with Vega, anew when the width of the page changes.
 const charts = (() => {
   const vega = (() => {
     const {transforms} = modules.get('vega-dataflow');
@@ -24,17 +24,13 @@ const charts = (() => {
     tip.style.top = (below + height > innerHeight ? above : below) + 'px';
   }
 
-  function lookOf(width) {
-    return {width, narrow: width < 640, theme: style.themes[style.themeName()]};
-  }
-
   function drawOne(place) {
     const one = drawn.get(place);
     const width = Math.floor(place.clientWidth);
     if (width === 0) return;
     if (one.view) one.view.finalize();
     one.width = width;
-    one.view = new vega.View(vega.parse(one.specify(lookOf(width))), {renderer: 'svg', container: place, hover: true});
+    one.view = new vega.View(vega.parse(one.specify({width})), {renderer: 'svg', container: place, hover: true});
     one.view.tooltip(showTip).run();
     place.setAttribute('aria-label', one.view.description());
   }
@@ -46,13 +42,13 @@ const charts = (() => {
     drawOne(place);
   }
 
-  /// Forgets what is no longer in the page, and draws again what has another width than before, or all.
-  function refresh(everything) {
+  /// Forgets what is no longer in the page, and draws again what has another width than before.
+  function refresh() {
     for (const [place, one] of drawn) {
       if (!place.isConnected) {
         one.view?.finalize();
         drawn.delete(place);
-      } else if (everything || Math.floor(place.clientWidth) !== one.width) {
+      } else if (Math.floor(place.clientWidth) !== one.width) {
         drawOne(place);
       }
     }
@@ -61,14 +57,12 @@ const charts = (() => {
   let waiting = 0;
   addEventListener('resize', () => {
     clearTimeout(waiting);
-    waiting = setTimeout(() => refresh(false), 120);
+    waiting = setTimeout(refresh, 120);
   });
-  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => refresh(true));
 
-  /// The text of an SVG file, on white, with a title of its own. Places are rounded to hundredths of a pixel.
+  /// The text of an SVG file, with a title of its own. Places are rounded to hundredths of a pixel.
   async function svgOf(specify, title) {
-    const look = {width: 900, narrow: false, theme: style.themes.light, title};
-    const svg = await new vega.View(vega.parse(specify(look)), {renderer: 'none'}).toSVG();
+    const svg = await new vega.View(vega.parse(specify({width: 900, title})), {renderer: 'none'}).toSVG();
     const rounded = number => String(Number(Number(number).toFixed(2)));
     return svg.replace(/ (?:d|transform)="[^"]*"/g, places => places.replace(/-?\d+\.\d{3,}(?!\d*e)/g, rounded));
   }

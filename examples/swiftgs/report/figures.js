@@ -20,7 +20,7 @@ function figuresOfScene(scene, rows, files) {
       figures.push({name: `${kind}-${name}`, title: `${what}: ${where}`, specify, from: files[records[0].file]});
     const known = stats.withError(records), front = stats.pareto(known);
     if (known.length) add('pareto', 'Run time against error', look => plots.pareto(known, front, look));
-    const few = choices.quickest(records, 12).map(record => ({...record, label: record.short}));
+    const few = choices.quickest(records, 12);
     add('stages', 'Stages', look => bars.stagesStacked(few, look));
     const bounds = style.inOrder(records.map(one => one.bounds)).pop();
     const compared = records.filter(one => one.bounds === bounds && stats.speedup(one, list, baseline) !== null);

@@ -5,8 +5,7 @@
 const page = (() => {
   const data = JSON.parse(document.getElementById('data').textContent);
   const rows = stats.rowsOf(data.files);
-  const wanted = {show: 'few', baseline: '', bounds: ''};
-  const few = 20;
+  const wanted = {baseline: '', bounds: ''};
 
   const find = (selector, root = document) => root.querySelector(selector);
 
@@ -95,18 +94,11 @@ const page = (() => {
     });
   }
 
-  const shortNamed = records => records.map(record => ({...record, label: record.short}));
-
   function showStages(list) {
     const section = find('#stages');
     section.hidden = false;
     const panels = choices.panels(list, data.files);
-    const some = panels.some(panel => choices.quickest(panel.records, few).length < panel.records.length);
-    setChoosers(find('.choosers', section), !some ? [] : chooser('Show',
-      [{value: 'few', title: `the ${few} quickest and the baselines`}, {value: 'all', title: 'all'}], wanted.show,
-      value => wanted.show = value));
-    showPanels(section, panels, (panel, look) => bars.stagesStacked(
-      shortNamed(wanted.show === 'all' ? panel.records : choices.quickest(panel.records, few)), look));
+    showPanels(section, panels, (panel, look) => bars.stagesStacked(choices.quickest(panel.records, 20), look));
   }
 
   function showSpeedups(list) {
@@ -159,13 +151,13 @@ const page = (() => {
       ...(find('#pareto').hidden ? ['errors against float64'] : []),
       ...(find('#speedups').hidden ? ['a baseline'] : []),
     ].map((text, i) => (i === 0 ? 'Not in these files: ' : '') + text).join('; ');
-    charts.refresh(false);
+    charts.refresh();
   }
 
   showMachines();
   find('#tables').hidden = find('#choosers').hidden = find('#summary').hidden = rows.length === 0;
   if (rows.length > 0) render();
   showGrowth();
-  charts.refresh(false);
+  charts.refresh();
   if (location.hash === '#figures') writeFigures(rows, data.files, data.stress);
 })();

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 'use strict';
 
-// Specifications for Vega from the records of stats.js. `look` is {width, theme, narrow}, and a `title` where no
+// Specifications for Vega from the records of stats.js. `look` is {width}, and a `title` where no
 // heading is near; a plot's height follows from what it shows. Marks that stand for measurements
 // have names, which Vega makes classes.
 const plots = (() => {
-  const {inOrder} = style;
+  const {inOrder, theme} = style;
 
   /// What all plots share.
   function base(look, description, height) {
-    const {theme} = look, font = 'system-ui, sans-serif';
+    const font = 'system-ui, sans-serif';
     const title = {text: look.title, anchor: 'start', color: theme.text, font, fontSize: 14, offset: 12};
     const text = {labelColor: theme.quiet, titleColor: theme.text, labelFont: font, titleFont: font};
     return {
@@ -21,7 +21,7 @@ const plots = (() => {
                tickColor: theme.line, gridColor: theme.line, gridOpacity: 0.7, labelLimit: 420, titlePadding: 8},
         legend: {...text, labelFontSize: 12, titleFontSize: 12, titleFontWeight: 600, labelLimit: 420,
                  columnPadding: 16, rowPadding: 3, offset: 10,
-                 layout: {bottom: {direction: look.narrow ? 'vertical' : 'horizontal', margin: 20}}},
+                 layout: {bottom: {direction: 'horizontal', margin: 20}}},
         text: {font},
       },
     };
@@ -81,7 +81,7 @@ const plots = (() => {
 
   /// Every record a point: time across, PSNR up. `front` is numbered in the order of the list beside the plot.
   function pareto(records, front, look) {
-    const {theme} = look, error = errorScale(records);
+    const error = errorScale(records);
     const place = record => ({x: record.ms.total.median, y: record.psnr === Infinity ? error.infinite : record.psnr});
     const tip = record => tipOf(record, front.includes(record) ? {'Pareto front': 'yes'} : {});
     const values = records.map(
@@ -98,12 +98,12 @@ const plots = (() => {
       scales: [
         {name: 'x', type: 'log', domain, range: 'width', nice: false},
         {name: 'y', domain: error.domain, range: 'height', zero: false, nice: false},
-        {name: 'colour', type: 'ordinal', domain: rasters, range: style.colours(rasters, theme)},
+        {name: 'colour', type: 'ordinal', domain: rasters, range: style.colours(rasters)},
         {name: 'shape', type: 'ordinal', domain: words, range: style.shapes(words)},
       ],
       axes: [
         {orient: 'bottom', scale: 'x', title: 'Frame, ms (log)', grid: true,
-         values: logTicks(domain, look.narrow ? 5 : 11), format: '~g'},
+         values: logTicks(domain, 11), format: '~g'},
         {orient: 'left', scale: 'y', title: 'PSNR against float64, dB', grid: true, format: '~f', values: error.ticks},
         ...(infinite === null ? [] : [{orient: 'left', scale: 'y', values: [infinite], domain: false,
           encode: {labels: {update: {text: {value: '∞'}, fontSize: {value: 18}}}}}]),

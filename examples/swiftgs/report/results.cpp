@@ -89,7 +89,7 @@ template <std::size_t n>
 void check_members(const Json& value, const Needed (&members)[n], const std::string& where) {
   check_object(value, where);
   for (const Needed& needed : members)
-    for (const std::string_view text : split(needed.names, ' ')) {
+    for (const std::string_view text : cli::split(needed.names, ' ')) {
       const std::string name(text);
       if (!is_of(value.value(name, Json()), needed.kind))
         refuse(where + "." + name, expected_of(needed.kind));

@@ -8,7 +8,6 @@ const scalingPlots = (() => {
 
   /// The times of one series from scaling.js.
   function times(series, quantity, look) {
-    const {theme} = look;
     const shown = scaling.curves.filter(name => series.points.some(point => point[name] > 0));
     const label = name => series.fits[name] ? `${name}: exponent ${exponentText(series.fits[name])}` : name;
     const values = shown.flatMap(name => series.points.filter(point => point[name] > 0).map(point => (
@@ -28,11 +27,11 @@ const scalingPlots = (() => {
       scales: [
         {name: 'x', type: 'log', domain: x, range: 'width', nice: false},
         {name: 'y', type: 'log', domain: y, range: 'height', nice: false},
-        {name: 'colour', type: 'ordinal', domain: labels, range: shown.map(name => theme.stages[name])},
+        {name: 'colour', type: 'ordinal', domain: labels, range: shown.map(name => style.theme.stages[name])},
       ],
       axes: [
         {orient: 'bottom', scale: 'x', title: `${quantity.title} (log)`, grid: true, format: '~s',
-         values: plots.logTicks(x, look.narrow ? 5 : 8)},
+         values: plots.logTicks(x, 8)},
         {orient: 'left', scale: 'y', title: 'ms a frame (log)', grid: true, format: '~g',
          values: plots.logTicks(y, 9)},
       ],

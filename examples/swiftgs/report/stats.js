@@ -126,6 +126,6 @@ const stats = (() => {
     return baseline && record.ms.total.median > 0 ? baseline.ms.total.median / record.ms.total.median : null;
   }
 
-  return {durations, stages, sum, mean, known, meanPsnr, psnrOf, rowsOf, distinct, groupsOf, caseOf, withMostThreads,
-          meanDuration, records, withError, worth, pareto, baselineOf, speedup};
+  return {durations, stages, mean, rowsOf, distinct, groupsOf, caseOf, withMostThreads, records, withError, worth,
+          pareto, speedup};
 })();

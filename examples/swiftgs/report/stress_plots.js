@@ -27,7 +27,7 @@ const stressPlots = (() => {
 
   /// One panel as a group of Vega at `box`, {x, y, width, height}.
   function panel(one, box, [low, high], look) {
-    const {theme} = look, places = stress.places(one.severities);
+    const places = stress.places(one.severities);
     const at = new Map(places.map(place => [place.severity, place.x]));
     const values = one.curves.flatMap(curve => curve.points.map(row => (
       {raster: curve.raster, place: at.get(row.severity),
@@ -61,10 +61,10 @@ const stressPlots = (() => {
       marks: [
         {type: 'text', name: 'names', interactive: false, encode: {update: {
           x: {value: 0}, y: {value: -8}, text: {value: `${one.family}: strict normalised error`}, fontSize: {value: 12},
-          fontWeight: {value: 600}, fill: {value: theme.text}}}},
+          fontWeight: {value: 600}, fill: {value: style.theme.text}}}},
         ...stress.limits.map(limit => (
           {type: 'rule', interactive: false, encode: {update: {
-            x: {value: 0}, x2: {value: width}, y: {scale: 'y', value: limit}, stroke: {value: theme.mark},
+            x: {value: 0}, x2: {value: width}, y: {scale: 'y', value: limit}, stroke: {value: style.theme.mark},
             strokeDash: {value: [4, 3]}, strokeWidth: {value: 1}}}})),
         {type: 'group', from: {facet: {data: 'values', name: 'curve', groupby: 'raster'}}, marks: [
           {type: 'line', name: 'curves', interactive: false, from: {data: 'curve'},
@@ -79,7 +79,7 @@ const stressPlots = (() => {
 
   /// Panels of each family side by side in as many columns as fit.
   function normalised(list, look) {
-    const {theme} = look, least = 250;
+    const least = 250;
     const columns = Math.max(1, Math.min(4, Math.floor(look.width / least)));
     const box = {width: Math.floor((look.width - 8) / columns), height: 190};
     const curves = list.flatMap(one => one.curves), rasters = style.inOrder(curves.map(curve => curve.raster));
@@ -88,7 +88,7 @@ const stressPlots = (() => {
       ...plots.base(look,
                     `Errors of ${rasters.length} rasterizers on ${list.length} families of hard frames`,
                     box.height * Math.ceil(list.length / columns)),
-      scales: [{name: 'colour', type: 'ordinal', domain: rasters, range: style.colours(rasters, theme)}],
+      scales: [{name: 'colour', type: 'ordinal', domain: rasters, range: style.colours(rasters)}],
       legends: [plots.legend(look, 3, {stroke: 'colour', title: 'rasterizer', orient: 'top', symbolType: 'stroke',
                                        symbolStrokeWidth: 3})],
       marks: list.map((one, i) => panel(

@@ -31,21 +31,13 @@ const format = (() => {
 })();
 
 const style = (() => {
-  const themes = {
-    light: {background: '#ffffff', text: '#1f2328', quiet: '#59636e', line: '#d9dee3', mark: '#1f2328',
-            rasters: {'per-pixel': '#6e7781',
-                      'axis-shared-half-split': '#f0883e', 'axis-shared-float-split': '#6ea8fe',
-                      'axis-shared-float-cholesky': '#4fbf9f', 'axis-shared-threshold-half-split': '#b3470b',
-                      'axis-shared-threshold-float-split': '#1556c0',
-                      'axis-shared-threshold-float-cholesky': '#00704f'},
-            stages: {project: '#8e6bbf', sort: '#e0a030', raster: '#2b7fc4', total: '#1f2328'}},
-    dark: {background: '#14181d', text: '#e6edf3', quiet: '#9aa5b1', line: '#333b45', mark: '#e6edf3',
-           rasters: {'per-pixel': '#a5b0bb',
-                     'axis-shared-half-split': '#b8692f', 'axis-shared-float-split': '#3d6fc4',
-                     'axis-shared-float-cholesky': '#23806a', 'axis-shared-threshold-half-split': '#ffa65c',
-                     'axis-shared-threshold-float-split': '#7db4ff',
-                     'axis-shared-threshold-float-cholesky': '#4fe0b4'},
-           stages: {project: '#b295e0', sort: '#e8b04a', raster: '#58a6ee', total: '#e6edf3'}},
+  const theme = {
+    background: '#ffffff', text: '#1f2328', quiet: '#59636e', line: '#d9dee3', mark: '#1f2328',
+    rasters: {'per-pixel': '#6e7781',
+              'axis-shared-half-split': '#f0883e', 'axis-shared-float-split': '#6ea8fe',
+              'axis-shared-float-cholesky': '#4fbf9f', 'axis-shared-threshold-half-split': '#b3470b',
+              'axis-shared-threshold-float-split': '#1556c0', 'axis-shared-threshold-float-cholesky': '#00704f'},
+    stages: {project: '#8e6bbf', sort: '#e0a030', raster: '#2b7fc4', total: '#1f2328'},
   };
   /// For words that have no colour of their own.
   const others = ['#d03a9c', '#a08000', '#7a5af5', '#00889a', '#c03030'];
@@ -54,7 +46,7 @@ const style = (() => {
     standard: 'triangle-up', early: 'circle', adaptive: 'cross',
   };
   const otherShapes = ['triangle-down', 'triangle-left', 'triangle-right', 'stroke'];
-  const order = [...Object.keys(themes.light.rasters), 'standard', 'early', 'adaptive',
+  const order = [...Object.keys(theme.rasters), 'standard', 'early', 'adaptive',
                  'three-sigma-square', 'opacity-box', 'ellipse', 'cuda', 'cpu', 'serial'];
 
   /// The words of a kind in a fixed order, unknown ones last.
@@ -69,10 +61,9 @@ const style = (() => {
     return words.map(word => own[word] ?? spare[used++ % spare.length]);
   }
 
-  const themeName = () => matchMedia('(prefers-color-scheme: dark)').matches ? 'dark' : 'light';
   return {
-    themes, themeName, inOrder,
-    colours: (words, theme) => assign(words, theme.rasters, others),
+    theme, inOrder,
+    colours: words => assign(words, theme.rasters, others),
     shapes: words => assign(words, shapes, otherShapes),
   };
 })();
