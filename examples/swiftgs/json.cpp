@@ -41,13 +41,6 @@ Json object_of(const RenderResult& result) {
 
 }  // namespace
 
-std::string to_json(const Comparison& comparison) {
-  return text_of({{"psnr_db", comparison.psnr_db},
-                  {"ssim", comparison.ssim},
-                  {"max_abs", comparison.max_abs},
-                  {"notes", comparison.notes}});
-}
-
 std::string to_json(const ResultHead& head, const std::vector<RenderResult>& results) {
   const auto row = [](const RenderResult& result) { return text_of(object_of(result)); };
   return document_of(head, {{"rows", array_of(results, row)}});

@@ -12,12 +12,6 @@
 
 namespace swiftgs::cli {
 
-/// How two images differ. JSON has no infinity: `psnr_db` of equal images is written as null.
-struct Comparison {
-  double psnr_db = 0, ssim = 0, max_abs = 0;
-  std::vector<std::string> notes{};  ///< as `say_notes` says them
-};
-
 /// One frame of `check`, against the reference.
 struct CheckResult {
   std::string renderer, scene, view;
@@ -48,8 +42,6 @@ struct RenderResult {
                     self.height, self.scale, self.batch, self.image, self.ms, self.counts);
   }
 };
-
-std::string to_json(const Comparison& comparison);
 
 /// The document of `render --json`.
 std::string to_json(const ResultHead& head, const std::vector<RenderResult>& results);

@@ -4,7 +4,10 @@
 #include <algorithm>
 
 namespace swiftgs::cli {
+namespace {
 
+/// How many characters are to be added, left out, replaced or swapped with their neighbour to make one word
+/// of the other.
 std::size_t edits_between(std::string_view a, std::string_view b) {
   // Rows of the table of distances between beginnings of `a` and of `b`: the last three.
   std::vector<std::size_t> before_last(b.size() + 1), last(b.size() + 1), row(b.size() + 1);
@@ -20,8 +23,6 @@ std::size_t edits_between(std::string_view a, std::string_view b) {
   }
   return last[b.size()];
 }
-
-namespace {
 
 std::string lower(std::string_view text) {
   std::string result(text);

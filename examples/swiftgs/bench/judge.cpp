@@ -2,8 +2,9 @@
 #include "bench/judge.hpp"
 
 #include <algorithm>
-#include <cmath>
+#include <functional>
 #include <future>
+#include <string_view>
 #include <utility>
 
 #include <swiftgs/metrics.hpp>
@@ -19,15 +20,6 @@ PhotoErrors photo_errors(const Image& photo, const Values& colour) {
   std::transform(colour.begin(), colour.end(), shown.begin(),
                  [](auto value) { return std::clamp(float(value), 0.0f, 1.0f); });
   return {psnr(shown, photo.pixels), ssim(photo.width, photo.height, 3, shown, photo.pixels)};
-}
-
-/// A hash of the bits of a frame's colours.
-std::uint64_t hash_of(const Frame& frame) {
-  // FNV-1a, a float at a time.
-  std::uint64_t hash = 0xcbf29ce484222325u;
-  for (const float value : frame.colour)
-    hash = (hash ^ __builtin_bit_cast(std::uint32_t, value)) * 0x100000001b3u;
-  return hash;
 }
 
 }  // namespace
@@ -47,7 +39,9 @@ void Judge::render_reference() {
 }
 
 Judge::Verdict Judge::of(const Frame& frame, bool cut) {
-  const std::pair key(hash_of(frame), cut);
+  const std::string_view bits(reinterpret_cast<const char*>(frame.colour.data()),
+                              frame.colour.size() * sizeof(float));
+  const std::pair key(std::hash<std::string_view>()(bits), cut);
   if (const auto found = known_.find(key); found != known_.end()) return found->second;
   Verdict verdict;
   std::future<PhotoErrors> photo;

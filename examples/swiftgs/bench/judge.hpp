@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <map>
 #include <memory>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include <swiftgs/conventions.hpp>
@@ -44,8 +45,8 @@ class Judge {
   Camera camera_;
   RenderSettings settings_;
   std::optional<Image> photo_;
-  std::vector<double> truth_, cut_truth_;  ///< colours; the second when it is first asked for
-  std::map<std::pair<std::uint64_t, bool>, Verdict> known_;  ///< by the frame's hash and `cut`
+  std::vector<double> truth_, cut_truth_;                  ///< colours; the second when it is first asked for
+  std::map<std::pair<std::size_t, bool>, Verdict> known_;  ///< by the frame's hash and `cut`
 };
 
 }  // namespace swiftgs::cli

@@ -2,8 +2,11 @@
 #include "bench/lists.hpp"
 
 #include <algorithm>
-#include <charconv>
+#include <optional>
 #include <stdexcept>
+#include <string_view>
+
+#include "number_text.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -12,13 +15,12 @@ template <class Number>
 std::vector<Number> parsed(const std::string& option, const std::string& text, const char* expected) {
   std::vector<Number> numbers;
   for (const std::string& part : list_of(option, text)) {
-    Number number{};
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), number);
-    if (error != std::errc() || end != part.data() + part.size())
+    const std::optional<Number> number = parse<Number>(part);
+    if (!number)
       throw std::invalid_argument(option + " '" + text + "': expected " + expected + " separated by commas");
-    if (std::find(numbers.begin(), numbers.end(), number) != numbers.end())
+    if (std::find(numbers.begin(), numbers.end(), *number) != numbers.end())
       throw std::invalid_argument(option + " '" + text + "': expected every value once");
-    numbers.push_back(number);
+    numbers.push_back(*number);
   }
   return numbers;
 }
@@ -26,12 +28,8 @@ std::vector<Number> parsed(const std::string& option, const std::string& text, c
 }  // namespace
 
 std::vector<std::string> list_of(const std::string& option, const std::string& text) {
-  std::vector<std::string> parts(1);
-  for (const char c : text)
-    if (c == ',')
-      parts.emplace_back();
-    else
-      parts.back() += c;
+  const std::vector<std::string_view> split_text = split(text, ',');
+  const std::vector<std::string> parts(split_text.begin(), split_text.end());
   if (std::any_of(parts.begin(), parts.end(), [](const std::string& part) { return part.empty(); }))
     throw std::invalid_argument(option + " '" + text + "': expected values separated by commas");
   for (auto part = parts.begin(); part != parts.end(); ++part)

@@ -2,7 +2,6 @@
 #include "bench/table.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <limits>
 #include <map>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -10,10 +9,8 @@
 
 namespace swiftgs::cli {
 
-/// Whether `name` matches `pattern`, in which `*` stands for any text and `?` for one character.
-bool matches(std::string_view pattern, std::string_view name);
-
-/// The renderers that can run here and match one of `patterns`, which commas separate. Throws
+/// The renderers that can run here and match one of `patterns`, which commas separate, as file names match a
+/// shell's. Throws
 /// `std::invalid_argument` with an example of a valid name if one of them matches none.
 std::vector<RendererEntry> renderers_matching(const std::string& patterns);
 

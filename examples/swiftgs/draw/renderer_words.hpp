@@ -19,10 +19,7 @@ struct RendererWords {
     }
   }
 
-  /// With another sort.
-  std::string with_sort(std::string_view other) const {
-    return backend + "/" + std::string(other) + "/" + raster + "/" + bounds;
-  }
+  std::string name() const { return backend + "/" + sort + "/" + raster + "/" + bounds; }
 };
 
 }  // namespace swiftgs::cli

@@ -11,7 +11,7 @@
 #include <swiftgs/metrics.hpp>
 
 #include "commands.hpp"
-#include "json.hpp"
+#include "json_text.hpp"
 #include "notes.hpp"
 
 namespace swiftgs::cli {
@@ -44,10 +44,11 @@ void compare(const CompareOptions& options) {
   if (shape_of(a) != shape_of(b))
     throw std::invalid_argument(options.b + ": expected " + shape_of(a) + " as in " + options.a + ", found " +
                                 shape_of(b));
-  const Comparison comparison{psnr(a.pixels, b.pixels),
-                              ssim(a.width, a.height, a.channels, a.pixels, b.pixels),
-                              max_abs_difference(a.pixels, b.pixels), notes};
-  std::printf("%s\n", to_json(comparison).c_str());
+  const Json differences{{"psnr_db", psnr(a.pixels, b.pixels)},
+                         {"ssim", ssim(a.width, a.height, a.channels, a.pixels, b.pixels)},
+                         {"max_abs", max_abs_difference(a.pixels, b.pixels)},
+                         {"notes", notes}};
+  std::printf("%s\n", text_of(differences).c_str());
 }
 
 constexpr const char* compare_help =

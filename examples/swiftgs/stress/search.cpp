@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "hard_frames/search.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstdio>
-#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>

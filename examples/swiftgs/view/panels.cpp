@@ -75,7 +75,7 @@ void renderer_panel(Viewer& viewer, bool& changed) {
   other |= choose("sort", Words::all().sort, words.sort, viewer.escapes);
   other |= choose("raster", Words::all().raster, words.raster, viewer.escapes);
   other |= choose("bounds", Words::all().bounds, words.bounds, viewer.escapes);
-  if (other) attempt(viewer, [&] { viewer.drawing.use(words.with_sort(words.sort)), changed = true; });
+  if (other) attempt(viewer, [&] { viewer.drawing.use(words.name()), changed = true; });
 
   std::string plane = viewer.plane.empty() ? "colour" : viewer.plane;
   std::vector<std::string> planes;

@@ -2,7 +2,6 @@
 #include "view/viewer.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <filesystem>
 #include <stdexcept>
