@@ -237,7 +237,7 @@ class Bench {
     return indices;
   }
 
-  /// Kinds take turns.
+  /// Kinds alternate.
   std::vector<Taken> take(const std::vector<Frames>& kinds) {
     std::vector<Taken> taken(kinds.size());
     for (int round = 0; round <= rounds; ++round)

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // One frame over ranks: mpirun -n 4 11_mpi_frame [SCENE.ply]. Each rank holds a part of the scene and draws a
-// band of the image; rank 0 collects it. No rank ever holds the whole scene.
+// strip of the image; rank 0 collects it. No rank ever holds the whole scene.
 #include <cstdio>
 #include <functional>
 #include <utility>
@@ -31,7 +31,7 @@ int draw(const char* file, Ranks& ranks) {
     renderer.render(part.view(), builtin_camera(), {}, frame);
     if (ranks.rank() != 0) continue;
     const FrameCounters& counters = renderer.counters();
-    std::printf("frame %d: %.2f MB in %llu messages, slowest band %.2f times the mean\n", k,
+    std::printf("frame %d: %.2f MB in %llu messages, slowest strip %.2f times the mean\n", k,
                 1e-6 * double(counters.sent_bytes()), static_cast<unsigned long long>(counters.messages()),
                 counters.imbalance());
   }

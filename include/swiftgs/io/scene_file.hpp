@@ -32,8 +32,8 @@ struct SceneReadOptions {
   SpzFrame spz_frame = SpzFrame::specified;
   int level = 0;  ///< of detail, in a streamed SOG: 0 is the finest; 0 or more for any file
   Progress progress{};
-  /// Reads these Gaussians alone. A binary PLY, compressed or not, and a `.splat` are read nowhere else, a
-  /// text PLY not behind them. An SPZ is unpacked as a whole, and the part is decoded.
+  /// Reads these Gaussians alone: no other bytes of a binary PLY, compressed or not, and of a `.splat`, and
+  /// none after the part of a text PLY. An SPZ is unpacked as a whole, and the part is decoded.
   ScenePart part{};
 };
 
