@@ -90,6 +90,10 @@ class Benchmarks(unittest.TestCase):
                       "paper-accuracy", "paper-pruned"):
             self.assertRegex(page, rf"<!-- table: {table}( \w+)? -->\n\n[^<]+\| --- \|[^<]+<!-- end -->")
 
+    def test_stored_results_stay_small(self):
+        stored = (ROOT / "benchmarks/results").rglob("*")
+        self.assertLess(sum(path.stat().st_size for path in stored if path.is_file()), 3_000_000)
+
     def test_no_script_deletes_folders_with_what_is_in_them(self):
         """But one: systems to test packages in, whose names stand in the line before."""
         allowed = '  rm -rf --one-file-system "$source/build/release_check/roots/$1"'
