@@ -81,6 +81,26 @@ TEST_CASE("cli notes: info lists them in its table") {
   CHECK(json_in(place / "info.json")["notes"] == json({not_read, left_out}));
 }
 
+TEST_CASE("cli notes: rows of zeros are told of, hide nothing and are not written on") {
+  const TemporaryFolder place;
+  const swiftgs::Scene scene = swiftgs::make_builtin_scene(50);
+  write_scene(place / "whole.ply", scene);
+  std::string content = content_of(place / "whole.ply");
+  const std::size_t row = (content.size() - content.find("end_header\n") - 11) / 50;
+  content.replace(content.find("vertex 50"), 9, "vertex 90");
+  place.write("holes.ply", content + std::string(40 * row, '\0'));
+  const std::string note = "holes.ply: Gaussians whose quaternion is no rotation are left out: 40.";
+  run(place, "render whole.ply --scale 0.05 --out whole");
+  CHECK(run_noting(place, "render holes.ply --scale 0.05 --out holes").err == "swiftgs: " + note + "\n");
+  CHECK(content_of(place / "holes/0.png") == content_of(place / "whole/0.png"));
+  CHECK(run_noting(place, "convert holes.ply out.ply --json out.json").err == "swiftgs: " + note + "\n");
+  CHECK(json_in(place / "out.json")["notes"] == json::array({note}));
+  CHECK(swiftgs::load_scene(place / "out.ply").size() == 50);
+  check_holds(run(place, "info holes.ply --json info.json").out,
+              {"dropped         40 of 90\n", "note            " + note.substr(11) + "\n"});
+  CHECK(json_in(place / "info.json")["dropped"] == 40);
+}
+
 TEST_CASE("cli notes: compare says that alpha is not compared") {
   const TemporaryFolder place;
   place.write("a.png", png({.colour = png_grey_alpha, .rows = std::string("\0\xff\0", 3)}));
