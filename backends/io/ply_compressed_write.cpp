@@ -115,12 +115,12 @@ WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene
   progress.report(0);
   WrittenScene written = written_whole("compressed PLY", scene);
   const std::vector<ChunkRow> rows = order_in_chunks(scene);
-  written.gaussians = rows.size();
-  if (rows.size() > scene.size())
+  written.gaussians = rows.size(), written.added = rows.size() - scene.size();
+  if (written.added > 0)
     written.notes.push_back(
         "Gaussians of opacity 0 are added, so that those far from the rest have chunks of "
         "their own: " +
-        std::to_string(rows.size() - scene.size()) + ".");
+        std::to_string(written.added) + ".");
   note_clamped_fields(scene, written.notes);
   progress.report(0.3);
   const std::vector<ChunkRanges> chunks = ranges_of(scene, rows);

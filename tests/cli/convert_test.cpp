@@ -131,6 +131,18 @@ TEST_CASE("cli convert: what a format leaves out is told of the file that is wri
   CHECK(result["notes"].size() >= 2);
 }
 
+TEST_CASE("cli convert: Gaussians that fill chunks beside strays are no Gaussians of the scene") {
+  const TemporaryFolder place;
+  swiftgs::Scene scene = swiftgs::make_builtin_scene(1000);
+  scene.means[5].x = 1e6f;
+  write_scene(place / "a.ply", scene);
+  const Outcome outcome = run_noting(place, "convert a.ply b.compressed.ply --json b.json");
+  check_holds(outcome.out, {"\nwritten          1000          0 "});
+  CHECK(contains(outcome.err, "chunks of their own: 25.\n"));
+  check_members(json_in(place / "b.json")["output"], R"({"stored": 1000, "gaussians": 1000})");
+  CHECK(swiftgs::load_scene(place / "b.compressed.ply").size() == 1025);
+}
+
 TEST_CASE("cli convert: the largest losses of what was written are told") {
   const Place place;
   const Outcome exact = run(place, "convert a.ply b.ply --json b.json");

@@ -91,6 +91,7 @@ TEST_CASE("strays: a compressed PLY gives them chunks of their own") {
     CHECK(lost(scene, strayed.scene(), step) == 0);
     const std::size_t strays = (count + every - 1) / every, added = (256 - (count - strays) % 256) % 256;
     CHECK(strayed.gaussians == count + added);
+    CHECK(strayed.added == added);
     const Scene found = strayed.scene();
     REQUIRE(found.size() == count + added);
     const auto shows = [](float opacity) { return opacity > 0; };

@@ -251,7 +251,7 @@ void convert(const ConvertOptions& options) {
                    .format = std::move(written.format),
                    .bytes = written.bytes,
                    .stored = scene.size(),
-                   .gaussians = written.gaussians,
+                   .gaussians = written.gaussians - written.added,
                    .sh_degree = written.sh_degree,
                    .model = text_of(written.model),
                    .seconds = seconds_since(begin)};

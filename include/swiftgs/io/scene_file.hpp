@@ -120,6 +120,7 @@ struct WrittenScene {
   std::string format;       ///< as `SceneFile::format`
   std::uint64_t bytes = 0;  ///< of the file
   std::size_t gaussians = 0;
+  std::size_t added = 0;  ///< of them; of opacity 0, to fill chunks of a compressed PLY
   int sh_degree = 0;
   RenderingModel model{};
   LargestLosses losses{};
