@@ -184,8 +184,8 @@ TEST_CASE("report: a page draws what files hold and its figures are saved") {
                               "/benchmarks/figures.sh' '" +
                               folder + "/page.html' '" + folder + "/figures' >'" + folder + "/listed.txt'";
   REQUIRE(std::system(command.c_str()) == 0);
-  for (const std::string name : {"pareto-made", "stages-made", "speedup-made", "scaling-gaussians-grown",
-                                 "stability-cpu"}) {
+  for (const std::string name :
+       {"pareto-made", "stages-made", "speedup-made", "scaling-gaussians-grown", "stability-cpu"}) {
     const std::string svg = content_of(place / ("figures/" + name + ".svg"));
     CAPTURE(name);
     CHECK(svg.starts_with("<svg "));
