@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Counts what a frame takes, by its downloaded splats and tile lists.
+// Downloads a frame's splats and tile lists and counts its contributing pairs, stopped pixels and hidden
+// intersections.
 #include <algorithm>
 #include <cstddef>
 #include <future>

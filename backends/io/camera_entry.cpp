@@ -69,8 +69,8 @@ std::optional<double> coefficient_in(const JsonEntry& entry, const char* key) {
 }
 
 /// The coefficient `key` of a camera of the COLMAP model `model`, which may be unknown. Some programs write
-/// coefficients that the model does not have; they mean what they mean in THIN_PRISM_FISHEYE. Null if that
-/// model does not have it either.
+/// coefficients that the model lacks: these are taken as those of THIN_PRISM_FISHEYE. Null if that model
+/// lacks the coefficient too.
 double* coefficient_of(Distortion& distortion, std::string_view key, std::string_view model) {
   const ColmapModel* const known = colmap_model(model);
   double* const own = known ? coefficient_of(distortion, *known, key) : nullptr;

@@ -136,7 +136,7 @@ struct SplatAttributes;
 SWIFTGS_API void gather_attributes(Cuda& cuda, const SplatAttributes& from, const PlacedScenes& scenes,
                                    const Views& views, AttributeRow* to);
 
-/// Blends a raster block on the host, and counts what it takes.
+/// Blends a raster block on the host and writes its counts.
 using CountRasterBlock = void (*)(const RasterJob& job, const RasterBlocks& blocks, std::size_t block);
 /// Downloads what `job` was rasterized from, and counts on all cores of the host. Waits.
 SWIFTGS_API FrameCounted count_frame(const Cuda& cuda, const RasterJob& job, CountRasterBlock count);

@@ -67,7 +67,7 @@ struct SceneStorage<Cuda> {
   static auto buffers(auto& self) { return std::tie(self.stored); }
 };
 
-/// For operations of which `Epochs` keeps running sums alone.
+/// Stands for counts in an operation that needs only the running sums of `Epochs`.
 struct NoCounts {};
 
 /// Memory for the blocks of a projection whose chunks a view may show.
