@@ -5,7 +5,6 @@
 #include <iterator>
 #include <map>
 #include <type_traits>
-#include <utility>
 #include <variant>
 #include <vector>
 
