@@ -12,6 +12,8 @@
 #define SWIFTGS_TEST_RASTER_PIXELS
 #include "policies/blending_test.cpp"
 
+namespace swiftgs::test::blending_test {
+
 namespace {
 
 /// A rasterizer of the caller, of which no backend knows more than the scalar form.
@@ -200,3 +202,5 @@ SWIFTGS_DEVICE_CASE("cuda raster: raster blocks come in the order of their lists
     CHECK(kernels::order_raster_blocks(cuda, {{}, ranges.span()}, RasterBlocks({1, count})) != nullptr);
   }
 }
+
+}  // namespace swiftgs::test::blending_test
