@@ -14,6 +14,7 @@
 #include <hwy/highway.h>
 
 #include <swiftgs/plane/picks.hpp>
+#include <swiftgs/raster/blend.hpp>
 #include <swiftgs/raster/raster.hpp>
 
 #include "batch-inl.hpp"

@@ -15,6 +15,7 @@
 #include <hwy/highway.h>
 
 #include <swiftgs/frame.hpp>
+#include <swiftgs/raster/blend.hpp>
 #include <swiftgs/raster/raster.hpp>
 
 HWY_BEFORE_NAMESPACE();

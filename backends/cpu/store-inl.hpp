@@ -16,6 +16,7 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
+#include <swiftgs/raster/blend.hpp>
 #include <swiftgs/store_pixel.hpp>
 #include <swiftgs/view.hpp>
 

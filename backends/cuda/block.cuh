@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <swiftgs/raster/store.hpp>
+
 #include "pixel.cuh"
 
 namespace swiftgs {

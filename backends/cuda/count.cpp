@@ -10,6 +10,7 @@
 
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/hidden_intersections.hpp>
+#include <swiftgs/raster/blend.hpp>
 
 namespace swiftgs {
 namespace {

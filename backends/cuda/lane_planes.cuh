@@ -5,6 +5,8 @@
 
 #include <cuda_pipeline_primitives.h>
 
+#include <swiftgs/raster/store.hpp>
+
 #include "list_traversal.cuh"
 #include "segment_picks.hpp"
 

@@ -12,7 +12,7 @@
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/lens/limits.hpp>
-#include <swiftgs/view_constants.hpp>
+#include <swiftgs/view.hpp>
 
 namespace swiftgs::reference {
 

@@ -23,7 +23,7 @@ class SWIFTGS_API AnyContributions {
 };
 
 /// `AnyContributions` on backend `B`.
-template <BackendPolicy B>
+template <FunctorBackend B>
 class ContributionsOn final : public AnyContributions {
  public:
   explicit ContributionsOn(std::shared_ptr<const Scene> scene) : contributions_(std::move(scene)) {}

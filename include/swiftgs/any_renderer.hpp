@@ -18,6 +18,7 @@
 #include <swiftgs/message.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/scene_arrays.hpp>
+#include <swiftgs/stage_table.hpp>
 #include <swiftgs/type_list.hpp>
 
 namespace swiftgs {
@@ -166,9 +167,10 @@ struct RendererEntry {
 template <class B>
 class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
  public:
-  AnyRendererOn(std::string name, const BackendOptions& options, StagePolicies<B> policies)
+  AnyRendererOn(std::string name, const BackendOptions& options, const StageTable<B>& table,
+                std::unique_ptr<SortStage<B>> sort)
       : name_(std::move(name)),
-        renderer_(make_backend(std::type_identity<B>(), options), std::move(policies)) {}
+        renderer_(make_backend(std::type_identity<B>(), options), table, std::move(sort)) {}
 
   std::string_view name() const override { return name_; }
   void set_scene(std::shared_ptr<const Scene> scene, HarmonicsKept kept) override {
@@ -343,8 +345,8 @@ template <class B, class... Sorts, class... Rasters, class... Bounds>
 void append_renderers(std::vector<RendererEntry>& table, TypeList<Sorts...>, TypeList<Rasters...>,
                       TypeList<Bounds...>) {
   using MakeSort = std::unique_ptr<SortStage<B>> (*)();
-  const std::vector<BoundsStages<B>> all_bounds{BoundsStages<B>::template of<Bounds>()...};
-  const std::vector<RasterStage<B>> all_rasters{RasterStage<B>::template of<Rasters>()...};
+  const std::vector<BoundsStages<B>> all_bounds{bounds_stages<B, Bounds>()...};
+  const std::vector<RasterStage<B>> all_rasters{raster_stage<B, Rasters>()...};
   const auto append = [&](std::string_view sort, const std::vector<MakeSort>& within) {
     for (const RasterStage<B>& raster : all_rasters)
       for (std::size_t k = 0; k < all_bounds.size(); ++k) {
@@ -353,7 +355,7 @@ void append_renderers(std::vector<RendererEntry>& table, TypeList<Sorts...>, Typ
         for (const std::string_view word : {sort, raster.name, bounds.name}) name.append("/").append(word);
         const auto make = [=, make_sort = within[k]](const BackendOptions& options) {
           return std::unique_ptr<AnyRenderer>(std::make_unique<AnyRendererOn<B>>(
-              name, options, StagePolicies<B>{bounds, make_sort(), raster}));
+              name, options, StageTable<B>{bounds, raster, common_stages<B>()}, make_sort()));
         };
         table.push_back({name, B::usable(), !B::reaches_host_memory, make});
       }

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <tuple>
 
 #include <swiftgs/backend.hpp>
 #include <swiftgs/placed_scene.hpp>
@@ -97,7 +96,7 @@ struct GatherAttributes {
 };
 
 /// Writes attributes of all splats to `to`, @shape{splats, rows}, on hosts. A device overloads this.
-template <BackendPolicy B>
+template <FunctorBackend B>
 requires(bool(B::reaches_host_memory)) void gather_attributes(B& b, const SplatAttributes& from,
                                                               const PlacedScenes& scenes, const Views& views,
                                                               AttributeRow* to) {
@@ -105,53 +104,5 @@ requires(bool(B::reaches_host_memory)) void gather_attributes(B& b, const SplatA
     b.for_each(from.splats.count(), GatherAttributes<Scenes>{from, of, views.each.data, to});
   });
 }
-
-/// Most attributes that one view asks for.
-inline int attribute_count(Span<const View> views) {
-  int most = 0;
-  for (const View& view : views) most = std::max(most, attribute_count(view));
-  return most;
-}
-
-/// Rasterizes frames that may ask for attributes.
-template <class B>
-class AttributeStage {
- public:
-  /// Calls rasterize(job) as often as it takes: once for frames of up to `AttributesView::most` attributes.
-  template <class Rasterize>
-  void draw(B& b, const PlacedScenes& scenes, RasterJob job, const Rasterize& rasterize) {
-    const int count = attribute_count(job.views.each), most = int(AttributesView::most);
-    each_.reset(AttributesView::kept_rows_for(count) * job.splats.size());
-    AttributeRow* const rows = each_.data();
-    AttributesView attributes{.first_row = rows, .first_stride = AttributesView::rows_for(count)};
-    if (count > most) {
-      AttributeRow* const kept = rows + AttributesView::most_rows * job.splats.size();
-      gather_attributes(b, {job.splats, 0, 1}, scenes, job.views, kept);
-      attributes.first_row = kept, attributes.first_stride = 1;
-    }
-    const auto gather = [&](int first) {
-      attributes.data = rows, attributes.rows = AttributesView::rows_for(count - first);
-      attributes.first = first;
-      gather_attributes(b, {job.splats, first, attributes.rows}, scenes, job.views, rows);
-      return attributes;
-    };
-    if (count == 0) rasterize(job);
-    for (int first = 0; first < count; first += most, job.counts = nullptr, job.only_attributes = true) {
-      job.attributes = gather(first);
-      rasterize(job);
-    }
-  }
-
-  /// Takes the memory of such frames, on hosts.
-  void reserve(const Views& views, const Reservation& reserved) {
-    const unsigned rows = AttributesView::kept_rows_for(attribute_count(views.each));
-    if (rows != 0) each_.reset_exactly(rows * reserved.capacity.splats);
-  }
-
-  static auto buffers(auto& self) { return std::tie(self.each_); }
-
- private:
-  typename B::template Buffer<AttributeRow> each_;
-};
 
 }  // namespace swiftgs

@@ -134,7 +134,7 @@ struct AnyIndexed {
 };
 }  // namespace detail
 
-/// Policy: where memory lives and how loops run. A backend is an object; its results do not depend on its
+/// Policy: where memory lives. A backend is an object; its results do not depend on its
 /// number of threads.
 /// - `device_name()`: model of the processor or device, with the number of threads if that is a choice.
 /// - `Buffer<T>`: memory that grows and that the backend's loops can reach (`GrowingBuffer`).
@@ -146,17 +146,11 @@ struct AnyIndexed {
 /// - `memory_hook()`: where renderers take memory from; only for a backend that has a choice.
 /// - `trim()`, `reserve_sort(pairs)`: gives back the memory that it keeps for later calls, and takes what
 /// sorts of so many pairs need of it; only for a backend that keeps any.
-/// - `for_each(n, f)`: f(i) for every i in [0, n), in any order. Complete when it returns, or in stream
-/// order. `n` is a `Count`, as is that of `sort_pairs`.
-/// - `exclusive_scan(counts)`: sums in place, returns the total.
-/// - `sort_pairs(pairs, n, bits)`: stable ascending sort by the low `bits` bits; the result is in `keys` and
-/// `values`.
 /// - `now()`, `milliseconds(from, to)`: points on the backend's own clock; no value before the backend has
 /// reached `to`.
 template <class B>
-concept BackendPolicy = requires(B b, const Scene& scene, Span<std::uint32_t> counts,
-                                 Pairs<B, std::uint32_t>& narrow, Pairs<B, std::uint64_t>& wide,
-                                 typename B::TimePoint time, Span<const std::uint32_t> from) {
+concept BackendPolicy = requires(B b, const Scene& scene, typename B::TimePoint time,
+                                 Span<const std::uint32_t> from) {
   { B::name } -> std::convertible_to<std::string_view>;
   { B::usable() } -> std::same_as<bool>;
   { b.device_name() } -> std::same_as<std::string>;
@@ -164,12 +158,25 @@ concept BackendPolicy = requires(B b, const Scene& scene, Span<std::uint32_t> co
   { b.upload(scene).view() } -> std::same_as<SceneView>;
   b.download(from, static_cast<std::uint32_t*>(nullptr));
   b.wait();
+  { b.now() } -> std::same_as<typename B::TimePoint>;
+  { b.milliseconds(time, time) } -> std::same_as<std::optional<double>>;
+};
+
+/// A backend whose loops run functors of C++. All stages have generic forms for it; any other backend has
+/// stages of its own, which see the addresses of buffers alone.
+/// - `for_each(n, f)`: f(i) for every i in [0, n), in any order. Complete when it returns, or in stream
+/// order. `n` is a `Count`, as is that of `sort_pairs`.
+/// - `exclusive_scan(counts)`: sums in place, returns the total.
+/// - `sort_pairs(pairs, n, bits)`: stable ascending sort by the low `bits` bits; the result is in `keys` and
+/// `values`.
+template <class B>
+concept FunctorBackend = BackendPolicy<B> &&
+    requires(B b, Span<std::uint32_t> counts, Pairs<B, std::uint32_t>& narrow,
+             Pairs<B, std::uint64_t>& wide) {
   b.for_each(Count(), detail::AnyIndexed{});
   { b.exclusive_scan(counts) } -> std::same_as<std::uint64_t>;
   b.sort_pairs(narrow, Count(), int{});
   b.sort_pairs(wide, Count(), int{});
-  { b.now() } -> std::same_as<typename B::TimePoint>;
-  { b.milliseconds(time, time) } -> std::same_as<std::optional<double>>;
 };
 
 }  // namespace swiftgs

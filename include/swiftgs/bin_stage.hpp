@@ -25,7 +25,7 @@ struct FindFootprint {
 
 /// What the last `project` and `bin` found. On a host, splats above the capacity count as visible, but their
 /// intersections do not count. Backends overload this.
-template <BackendPolicy B>
+template <FunctorBackend B>
 requires(bool(B::reaches_host_memory)) FrameReport
     await_report(B&, const Splats<B>& splats, const Footprints<B>& footprints, const Limits& limits) {
   FrameReport report{splats.visible, footprints.intersections, 0};
@@ -39,7 +39,7 @@ requires(bool(B::reaches_host_memory)) FrameReport
 /// Backends overload this. If projection found the footprints, the overload only learns their numbers. A
 /// device waits only if the limits have no capacity of intersections; otherwise `await_report` tells the
 /// numbers.
-template <BackendPolicy B, BoundsPolicy Bounds>
+template <FunctorBackend B, BoundsPolicy Bounds>
 requires(bool(B::reaches_host_memory)) void bin(B& b, const FramePlan& plan, const Bounds& bounds,
                                                 Splats<B>& splats, Footprints<B>& footprints) {
   footprints.views = plan.views;

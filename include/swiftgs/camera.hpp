@@ -6,6 +6,7 @@
 #include <string>
 
 #include <swiftgs/finite.hpp>
+#include <swiftgs/frame.hpp>
 #include <swiftgs/lens.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/message.hpp>
@@ -51,9 +52,6 @@ inline constexpr double min_focal_length = 1e-6, max_focal_length = 1e12, max_pr
 
 /// How far the products of a rotation's rows may be from 1 and 0.
 inline constexpr double max_rotation_error = 1e-3;
-
-/// Largest image side @units{pixels}.
-inline constexpr int max_image_side = 1 << 16;
 
 /// Pixels of a full turn, of a camera whose lens is equirectangular.
 inline double turn_of(const Camera& camera) { return 6.283185307179586 * camera.fx; }

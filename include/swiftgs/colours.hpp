@@ -38,6 +38,21 @@ struct ColoursView {
   SWIFTGS_HD bool some_hidden() const { return hidden && *hidden != 0; }
 };
 
+/// Colours that `shade` evaluates. A backend specialises this class if its `shade` returns before the colours
+/// are evaluated: `finish`, called once, orders later work after the colours and returns them. Without a call
+/// of `finish` the destructor orders later work.
+template <class B>
+class [[nodiscard]] Shading {
+ public:
+  explicit Shading(const ColoursView& colours) : colours_(colours) {}
+  ColoursView finish() { return colours_; }
+  /// Stream that evaluates the colours if it is not the backend's own: work that waits for it reads them.
+  void* stream() const { return nullptr; }
+
+ private:
+  ColoursView colours_;
+};
+
 /// Storage of one frame's colours on backend `B`.
 template <class B>
 struct Colours {

@@ -25,11 +25,13 @@
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/error.hpp>
-#include <swiftgs/modelled_views.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
+#include <swiftgs/raster/blend.hpp>
 #include <swiftgs/sort/early.hpp>
+#include <swiftgs/stage_table.hpp>
 #include <swiftgs/stages.hpp>
+#include <swiftgs/view.hpp>
 
 namespace swiftgs {
 
@@ -150,7 +152,7 @@ struct AddRasterBlockContributions {
 };
 
 /// Adds the weights of all raster blocks, on hosts. A device overloads this. Throws as `raster_blocks_of`.
-template <BackendPolicy B>
+template <FunctorBackend B>
 requires(bool(B::reaches_host_memory)) void add_contributions(B& b, const ContributionJob& job) {
   const RasterBlocks blocks = raster_blocks_of(job.raster);
   b.for_each(blocks.size(), AddRasterBlockContributions{job, blocks});
@@ -162,7 +164,7 @@ requires(bool(B::reaches_host_memory)) void add_contributions(B& b, const Contri
 ///
 /// Stages and memory are a renderer's. Frames do not draw Gaussians whose colour is not finite. To leave
 /// these Gaussians out too, it evaluates colours, but not for a scene alone with numbers below 1e36.
-template <BackendPolicy B>
+template <FunctorBackend B>
 class Contributions {
  public:
   /// Uploads `scene` to `backend`. Throws as `upload` does, and `CapacityError` beyond 2^32 - 1 Gaussians.
@@ -190,12 +192,12 @@ class Contributions {
     if (pixels > max_contribution_pixels)
       throw CapacityError("pixels of all views", pixels, max_contribution_pixels);
 
-    check_ready(stages_.backend());
-    const Span<const View> parts = modelled_.of(parts_.of({&view, 1}), scenes_);
-    const FramePlan plan(store_views(stages_.backend(), parts, views_), scenes_);
+    const FramePlan plan = plan_frame(stages_.backend(), scenes_, {&view, 1}, plan_memory_,
+                                      [](const PlacedScenes&, Span<const View> views) { return views; });
     const bool shaded = colours_may_overflow_ || centre_is_extreme(view.camera);
     const auto add = [&](const RasterJob& job) { add_contributions(stages_.backend(), {job, sums_.data()}); };
-    stages_.run(plan, shaded, add, [](std::size_t) {});
+    NoHooks none;
+    stages_.run(plan, shaded, none, add);
     pixels_ = pixels;
   }
 
@@ -212,9 +214,9 @@ class Contributions {
 
  private:
   explicit Contributions(B backend)
-      : stages_(std::move(backend), BoundsStages<B>::template of<Ellipse>(),
+      : stages_(std::move(backend), {bounds_stages<B, Ellipse>(), {}, common_stages<B>()},
                 std::make_unique<SortStageOf<B, EarlySort, Ellipse>>()) {
-    use_memory_of(stages_.backend(), sums_, views_, scene_storage_);
+    use_memory_of(stages_.backend(), sums_, scene_storage_, plan_memory_.views, plan_memory_.scenes);
   }
 
   /// Sets all sums to 0.
@@ -236,9 +238,7 @@ class Contributions {
   SceneStorage<B> scene_storage_;
   PlacedScenes scenes_;               ///< `own_`, or in `scene_storage_`
   bool colours_may_overflow_ = true;  ///< unknown of placed scenes, so assumed
-  PanoramaParts parts_;
-  ModelledViews modelled_;
-  ViewStorage<B> views_;
+  PlanMemory<B> plan_memory_;
   typename B::template Buffer<std::uint64_t> sums_;
   std::uint64_t pixels_ = 0;
 };

@@ -50,6 +50,9 @@ struct Frame {
   std::size_t pixels() const { return std::size_t(width) * height; }
 };
 
+/// Largest image side @units{pixels}.
+inline constexpr int max_image_side = 1 << 16;
+
 /// In `id` and `median_id` of a pixel without a Gaussian.
 inline constexpr std::uint32_t no_gaussian = 0xffffffff;
 

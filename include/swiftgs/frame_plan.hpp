@@ -6,9 +6,12 @@
 #include <cstdint>
 #include <string>
 
+#include <swiftgs/backend.hpp>
 #include <swiftgs/count.hpp>
 #include <swiftgs/message.hpp>
+#include <swiftgs/modelled_views.hpp>
 #include <swiftgs/placed_scene.hpp>
+#include <swiftgs/raster/passes.hpp>
 #include <swiftgs/render_input.hpp>
 #include <swiftgs/span.hpp>
 #include <swiftgs/views.hpp>
@@ -66,11 +69,12 @@ struct FramePlan {
   Views views;
   PlacedScenes scenes;
   Limits limits;
+  RasterPasses passes;
 
   /// Throws `std::invalid_argument` as `validate` does of each placed scene, as `require_features`, and for a
   /// view that shows scenes which the frame does not have.
   FramePlan(const Views& of_views, const PlacedScenes& of_scenes, const Limits& within = {})
-      : views(of_views), scenes(of_scenes), limits(within) {
+      : views(of_views), scenes(of_scenes), limits(within), passes(attribute_count(of_views.each)) {
     for (const PlacedScene& placed : scenes.each()) validate(placed);
     for (const View& view : views) check_shown(scenes, view);
   }
@@ -87,5 +91,26 @@ struct FramePlan {
     return all;
   }
 };
+
+/// Memory of plans. What a plan points to holds until the next plan that uses the same memory.
+template <class B>
+struct PlanMemory {
+  PanoramaParts parts;
+  ModelledViews modelled;  ///< of the views in `parts`
+  ViewStorage<B> views;
+  SceneStorage<B> scenes;
+};
+
+/// Plans a frame of valid views: cuts panoramas, gives views the models of their scenes, lets `choose(scenes,
+/// views)` choose tiles, and stores all where loops of the backend read it. Throws `std::invalid_argument`
+/// where nothing can be rendered, and `CapacityError` beyond the limits of a frame.
+template <class B, class Choose>
+FramePlan plan_frame(B& b, const PlacedScenes& scenes, Span<const View> views, PlanMemory<B>& memory,
+                     const Choose& choose) {
+  views = memory.modelled.of(memory.parts.of(views), scenes);
+  check_ready(b);
+  const PlacedScenes stored = store_scenes(b, scenes, views, memory.scenes);
+  return FramePlan(store_views(b, choose(stored, views), memory.views), stored);
+}
 
 }  // namespace swiftgs

@@ -63,6 +63,17 @@ SWIFTGS_HD Real dot(const Vector3<Real>& a, const Vector3<Real>& b) {
   return std::fma(a.x, b.x, std::fma(a.y, b.y, a.z * b.z));
 }
 
+/// a b - c d, the first product not rounded.
+template <class Real>
+SWIFTGS_HD Real difference_of_products(Real a, Real b, Real c, Real d) {
+  return std::fma(a, b, -(c * d));
+}
+template <class Real>
+SWIFTGS_HD Vector3<Real> cross(const Vector3<Real>& a, const Vector3<Real>& b) {
+  return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
+          difference_of_products(a.x, b.y, a.y, b.x)};
+}
+
 /// a b + c, rounded once.
 SWIFTGS_HD inline double multiply_add(double a, double b, double c) { return std::fma(a, b, c); }
 

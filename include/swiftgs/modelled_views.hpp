@@ -9,7 +9,7 @@
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/span.hpp>
 #include <swiftgs/srgb.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/views.hpp>
 
 namespace swiftgs {
 

@@ -18,7 +18,7 @@
 #include <swiftgs/raster/raster.hpp>
 #include <swiftgs/splats.hpp>
 #include <swiftgs/tiles.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/views.hpp>
 
 namespace swiftgs {
 
@@ -140,7 +140,7 @@ struct PickPixel {
 };
 
 /// Picks at the pixels of `job`, on hosts. A device overloads this.
-template <BackendPolicy B>
+template <FunctorBackend B>
 requires(bool(B::reaches_host_memory)) void pick_pixels(B& b, const PickJob& job) {
   b.for_each(std::size_t(job.width) * std::size_t(job.height), PickPixel{job});
 }

@@ -3,31 +3,38 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <stdexcept>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include <swiftgs/frame_renderer.hpp>
 #include <swiftgs/message.hpp>
 #include <swiftgs/pick.hpp>
-#include <swiftgs/stages.hpp>
 #include <swiftgs/views.hpp>
 
 namespace swiftgs {
 
-/// Picks in the last frame of `Stages`, which still holds its splats, colours and tile lists.
+/// Picks in the last frame of a renderer, whose stages still hold its splats, colours and tile lists.
 template <class B>
-class PickStage {
+class Picker {
  public:
-  /// The pixels of `rectangle`, by rows; complete when it returns. `views` were drawn, cut into `parts`.
-  /// Throws `std::invalid_argument` for an unknown view, and for a rectangle that does not lie in its frame.
-  std::vector<PickedPixel> pick(Stages<B>& stages, const Views& views, const PanoramaParts& parts,
-                                const PickRectangle& rectangle) {
-    check(views, parts, rectangle);
+  /// The pixels of `rectangle`, by rows; complete when it returns. Throws `std::logic_error` if there is no
+  /// last frame, `std::invalid_argument` for an unknown view and for a rectangle that does not lie in its
+  /// frame, and `DeviceError` on a device.
+  std::vector<PickedPixel> pick(FrameRenderer<B>& renderer, const PickRectangle& rectangle) {
+    Stages<B>& stages = renderer.stages();
+    check_ready(stages.backend());
+    const LastFrame& last = renderer.last();
+    const Views& views = last.views;
+    if (last.kind == LastFrame::Kind::none || views.size() == 0)
+      throw std::logic_error("pick: expected a frame before");
+    check(last, rectangle);
     std::vector<PickedPixel> picked(std::size_t(rectangle.width) * std::size_t(rectangle.height));
     picked_.reset(picked.size());
     int left = 0;  // of the part in the whole frame
     for (std::size_t i = 0; i < views.size(); ++i) {
-      if (parts.owner(std::uint32_t(i)) != rectangle.view) continue;
+      if (owner_of(last.owners, i) != rectangle.view) continue;
       const int begin = std::max(rectangle.x, left), width = views[i].frame.width;
       const int end = std::min(rectangle.x + rectangle.width, left + width);
       if (begin < end)
@@ -44,14 +51,15 @@ class PickStage {
   static auto buffers(auto& self) { return std::tie(self.picked_); }
 
  private:
-  static void check(const Views& views, const PanoramaParts& parts, const PickRectangle& rectangle) {
+  static void check(const LastFrame& last, const PickRectangle& rectangle) {
+    const Views& views = last.views;
     int width = 0, height = 0;
     for (std::size_t i = 0; i < views.size(); ++i)
-      if (parts.owner(std::uint32_t(i)) == rectangle.view)
+      if (owner_of(last.owners, i) == rectangle.view)
         width += views[i].frame.width, height = views[i].frame.height;
     if (width == 0)
       detail::refuse("pick: the view is number ", rectangle.view, ", expected less than ",
-                     parts.owner(std::uint32_t(views.size() - 1)) + 1);
+                     owner_of(last.owners, views.size() - 1) + 1);
     validate(rectangle, width, height);
   }
 

@@ -18,7 +18,6 @@
 #include <swiftgs/math.hpp>
 #include <swiftgs/message.hpp>
 #include <swiftgs/placing.hpp>
-#include <swiftgs/project.hpp>
 #include <swiftgs/render_input.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/similarity.hpp>

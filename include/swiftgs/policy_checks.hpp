@@ -7,6 +7,7 @@
 #include <swiftgs/backend.hpp>
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/sort/sort.hpp>
+#include <swiftgs/stage_table.hpp>
 #include <swiftgs/stages.hpp>
 
 namespace swiftgs::detail {

@@ -42,17 +42,6 @@ struct ProjectedShape {
   bool visible = false;
 };
 
-/// a b - c d, the first product not rounded.
-template <class Real>
-SWIFTGS_HD Real difference_of_products(Real a, Real b, Real c, Real d) {
-  return std::fma(a, b, -(c * d));
-}
-template <class Real>
-SWIFTGS_HD Vector3<Real> cross(const Vector3<Real>& a, const Vector3<Real>& b) {
-  return {difference_of_products(a.y, b.z, a.z, b.y), difference_of_products(a.z, b.x, a.x, b.z),
-          difference_of_products(a.x, b.y, a.y, b.x)};
-}
-
 /// Columns of the rotation matrix of `q` as it is given, unit or not.
 template <class Real>
 struct LocalAxes {

@@ -67,7 +67,7 @@ namespace detail {
 /// The loops of `project`, which appends the splats of one view and placed scene after the other. Not
 /// inlined: a compiler may fuse multiplications and additions differently in each copy, and all conservative
 /// bounds must draw the same bits.
-template <BackendPolicy B>
+template <FunctorBackend B>
 [[gnu::noinline]] void project_splats(B& b, const FramePlan& plan, ProjectScratch<B>& scratch,
                                       Splats<B>& splats) {
   const Views& views = plan.views;
@@ -101,7 +101,7 @@ template <BackendPolicy B>
 ///
 /// Backends overload this. An overload may also find `footprints` within `bounds` while it has the shapes;
 /// the backend's `bin` then only settles their number.
-template <BackendPolicy B, BoundsPolicy Bounds>
+template <FunctorBackend B, BoundsPolicy Bounds>
 void project(B& b, const FramePlan& plan, const Bounds&, ProjectScratch<B>& scratch, Splats<B>& splats,
              Footprints<B>&) {
   detail::project_splats(b, plan, scratch, splats);

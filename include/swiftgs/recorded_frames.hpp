@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -9,46 +10,75 @@
 #include <vector>
 
 #include <swiftgs/backend.hpp>
+#include <swiftgs/frame_capacity.hpp>
 #include <swiftgs/frame_plan.hpp>
+#include <swiftgs/frame_renderer.hpp>
 #include <swiftgs/message.hpp>
 #include <swiftgs/modelled_views.hpp>
 #include <swiftgs/placed_scene.hpp>
-#include <swiftgs/plane/attributes.hpp>
+#include <swiftgs/raster/passes.hpp>
+#include <swiftgs/stages.hpp>
 #include <swiftgs/tiles.hpp>
-#include <swiftgs/view.hpp>
 #include <swiftgs/views.hpp>
 
 namespace swiftgs {
 
 /// Views and placed scenes of recorded frames on backend `B`, and their reservation. Until the next
-/// reservation, only data that replayed work reads from memory may change.
+/// reservation, only data that replayed work reads from memory may change. Its members take one renderer.
 template <class B>
 class RecordedFrames {
  public:
-  const Views& views() const { return views_; }
-  const PanoramaParts& parts() const { return parts_; }
-  const PlacedScenes& scenes() const { return scenes_; }
+  /// Takes all memory that `record` needs for frames of `views` and `scenes`. `set_views` may later set other
+  /// views of the same sizes, `set_scenes` move placed scenes, and a scene alone may change. The default
+  /// capacity is an eighth more than the views show now, at most all Gaussians in all views and
+  /// `max_intersections`. A capacity counts intersections with the tiles of these views; frames that are not
+  /// recorded may use coarser tiles, and their `statistics` are then too small. Draws nothing and waits. If
+  /// it throws, `record` is refused until it succeeds.
+  void reserve(FrameRenderer<B>& renderer, const PlacedScenes& scenes, Span<const View> views,
+               Capacity capacity = {}) {
+    renderer.note({});
+    Stages<B>& stages = renderer.stages();
+    prepare(stages.backend(), scenes, views);
+    FramePlan plan(views_, scenes_);
+    const auto rehearse = [&](const Capacity& within) {
+      plan.limits = {within, false};
+      NoHooks none;
+      stages.run(plan, none);
+      return stages.report(plan);
+    };
+    if (capacity.splats == 0 || capacity.intersections == 0) {
+      // A host counts only the intersections of splats within the capacity.
+      const FrameReport report = rehearse(B::reaches_host_memory ? Capacity{} : Capacity{1, 1});
+      check_intersections(report.intersections);
+      if (capacity.splats == 0) capacity.splats = with_spare(report.visible);
+      if (capacity.intersections == 0) capacity.intersections = with_spare(report.intersections);
+    }
+    capacity.splats = std::min(capacity.splats, std::max<std::size_t>(plan.candidates(), 1));
+    capacity.intersections = std::min(capacity.intersections, std::size_t(max_intersections));
+    const Reservation reserved{scenes_.gaussians(), scenes_.chunks(), views_.size(), views_.tiles, capacity};
+    if constexpr (B::reaches_host_memory) {
+      stages.reserve(reserved, plan.passes);
+    } else {
+      // Twice, because buffers change places.
+      for (int k = 0; k < 2; ++k) rehearse(capacity);
+      renderer.expect(capacity);
+    }
+    reserved_ = reserved;
+  }
 
-  /// Takes what to reserve for. Nothing is reserved until `reserve`.
-  void prepare(B& b, const PlacedScenes& scenes, Span<const View> views) {
-    reserved_.reset();
-    for (const PlacedScene& placed : scenes.each()) validate(placed);
-    take_views(b, views, scenes);
-    scenes_ = {}, alone_ = scenes.is_alone();
-    models_.clear();
-    for (const PlacedScene& placed : scenes.each()) models_.push_back(placed.scene.model);
-    scenes_ =
-        store_scenes(b, scenes, views_.each, scene_storage_, alone_ ? ViewAccess::any : ViewAccess::stored);
-  }
-  Reservation reservation(const Capacity& capacity) const {
-    return {scenes_.gaussians(), scenes_.chunks(), views_.size(), views_.tiles, capacity};
-  }
-  void reserve(const Reservation& reserved) { reserved_ = reserved; }
-  /// Throws `std::invalid_argument`, and changes nothing, for invalid views and for views that differ from
-  /// the reserved ones in more than may change.
+  /// Sets the views that `record` renders, in stream order. Recorded work that runs again renders them too.
+  /// Between `reserve` calls, cameras, conventions, backgrounds, formats and the addresses of planes may
+  /// change; lenses and orders may change if a reserved view is no pinhole or takes another depth than z.
+  /// Throws `std::invalid_argument`, and changes nothing, if more changes: the number of views, a size, which
+  /// placed scenes show, which planes a frame has, whether it converts colours, as frames of linear scenes
+  /// do.
   void set_views(B& b, Span<const View> views) { take_views(b, views, scenes_); }
 
-  /// Takes placed scenes, and throws likewise.
+  /// Sets what `record(renderer, report)` renders, in stream order: the placed scenes of the latest
+  /// `reserve`, moved, clipped, tinted or made fainter, or others of as many Gaussians and of the same
+  /// models. Recorded work that runs again renders them too. Throws `std::invalid_argument`, and changes
+  /// nothing, if more changes, or if `reserve` was for a scene alone (one placed scene where it stands by
+  /// itself is that).
   void set_scenes(B& b, const PlacedScenes& scenes) {
     for (const PlacedScene& placed : scenes.each()) validate(placed);
     detail::require_for_render(reserved_.has_value(), "reserve before set_scenes");
@@ -66,12 +96,16 @@ class RecordedFrames {
     scenes_ = store_scenes(b, scenes, views_.each, scene_storage_, ViewAccess::stored);
   }
 
-  /// Placed scenes in memory of the backend; null on a device for a scene alone.
+  /// The placed scenes that `record(renderer, report)` renders, in memory of the backend, until the next
+  /// `reserve`: work in stream order may write poses, opacities, clips and tints there, and nothing else, for
+  /// frames that are recorded or run again later. A device does not draw a scene that is not valid (NaN, no
+  /// rotation), see `refused_scenes`; a host throws. Null on a device for a scene alone.
   PlacedScene* stored_scenes() {
     if (!B::reaches_host_memory && !scenes_.is_stored()) return nullptr;
     return const_cast<PlacedScene*>(scenes_.reachable());
   }
-  /// Indices of placed scenes that the last frame refused to draw. Waits for the frame.
+  /// Indices of placed scenes that the last recorded frame should have shown and refused to draw. Waits for
+  /// the frame.
   std::vector<std::size_t> refused_scenes(const B& b) const {
     std::vector<std::size_t> refused;
     if (!scenes_.is_stored()) return refused;
@@ -80,6 +114,63 @@ class RecordedFrames {
     for (std::size_t i = 0; i < now.size(); ++i)
       if (now[i].refused != 0) refused.push_back(i);
     return refused;
+  }
+
+  /// Renders the views that were set. It never waits, allocates or queries the device, so a CUDA graph may
+  /// capture it. Writes what the frame took to `report`, in memory that the backend reaches. A frame above
+  /// the capacity draws nothing. Call `reserve` before. On hosts the frame is complete when it returns.
+  /// Throws `std::invalid_argument` where nothing can be rendered, and `CapacityError` where `reserve` was
+  /// called for fewer Gaussians.
+  ///
+  /// Calls `before_raster()` between sort and rasterization, which alone reads the occluder and the
+  /// image below: let the stream wait there until both are drawn. A host does not call it for a frame above
+  /// the capacity.
+  ///
+  /// A captured graph works in the renderer's memory. It must not be launched again after `reserve`, the
+  /// renderer's `trim` or a larger frame of `render_into`, which move that memory.
+  template <class BeforeRaster>
+  void record(FrameRenderer<B>& renderer, const SceneView& scene, FrameReport* report,
+              const BeforeRaster& before_raster) {
+    for (const View& view : views_.each)
+      detail::require_for_render(PlacedScenes(scene).shown(view).size == 1, "views that show the scene");
+    record_scenes(renderer, scene, report, before_raster);
+  }
+  /// Renders the scenes of `reserve` or `set_scenes` likewise.
+  template <class BeforeRaster>
+  void record(FrameRenderer<B>& renderer, FrameReport* report, const BeforeRaster& before_raster) {
+    record_scenes(renderer, scenes_, report, before_raster);
+  }
+
+  static auto buffers(auto& self) { return std::tie(self.view_storage_, self.scene_storage_); }
+
+ private:
+  template <class BeforeRaster>
+  void record_scenes(FrameRenderer<B>& renderer, const PlacedScenes& scenes, FrameReport* report,
+                     const BeforeRaster& before_raster) {
+    struct Hooks final : FrameHooks {
+      const BeforeRaster& call;
+      explicit Hooks(const BeforeRaster& of) : call(of) {}
+      void before_raster(RasterJob&) override { call(); }
+    };
+    const FramePlan frame = plan(scenes, report);
+    renderer.note({});
+    Hooks hooks(before_raster);
+    renderer.stages().run(frame, hooks);
+    if constexpr (B::reaches_host_memory)
+      if (report->overflowed != 0) return;  // its lists were not made
+    renderer.note({LastFrame::Kind::recorded, views_, parts_.owners(), {}});
+  }
+
+  /// Takes what to reserve for. Nothing is reserved until `reserve` ends.
+  void prepare(B& b, const PlacedScenes& scenes, Span<const View> views) {
+    reserved_.reset();
+    for (const PlacedScene& placed : scenes.each()) validate(placed);
+    take_views(b, views, scenes);
+    scenes_ = {}, alone_ = scenes.is_alone();
+    models_.clear();
+    for (const PlacedScene& placed : scenes.each()) models_.push_back(placed.scene.model);
+    scenes_ =
+        store_scenes(b, scenes, views_.each, scene_storage_, alone_ ? ViewAccess::any : ViewAccess::stored);
   }
 
   /// A frame of `scenes` that reports to `report`. Throws `std::invalid_argument` if nothing is reserved, and
@@ -93,9 +184,6 @@ class RecordedFrames {
     return FramePlan(views_, scenes, {reserved_->capacity, true, report});
   }
 
-  static auto buffers(auto& self) { return std::tie(self.view_storage_, self.scene_storage_); }
-
- private:
   void take_views(B& b, Span<const View> views, const PlacedScenes& scenes) {
     for (const View& view : views) validate(view), detail::check_tiles(view);
     PanoramaParts parts;

@@ -23,9 +23,8 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class Renderer : pub
   static constexpr std::string_view name = name_storage.view();
 
   explicit Renderer(B backend = B(), Sort sort = Sort())
-      : BoundRenderer<B>(std::move(backend),
-                         {BoundsStages<B>::template of<Bounds>(), std::make_unique<OwnSort>(std::move(sort)),
-                          RasterStage<B>::template of<Raster>()}) {}
+      : BoundRenderer<B>(std::move(backend), stage_table<B, Raster, Bounds>(),
+                         std::make_unique<OwnSort>(std::move(sort))) {}
 
   Sort& sort() { return static_cast<OwnSort&>(this->stages().sort()).sort; }
   const Sort& sort() const { return const_cast<Renderer&>(*this).sort(); }

@@ -106,6 +106,6 @@ inline Serial make_backend(std::type_identity<Serial>, const BackendOptions& opt
   return options.memory ? Serial(*options.memory) : Serial();
 }
 
-static_assert(BackendPolicy<Serial>);
+static_assert(FunctorBackend<Serial>);
 
 }  // namespace swiftgs

@@ -63,24 +63,9 @@ struct SWIFTGS_API ClearWord {
   SWIFTGS_HD void operator()(std::size_t) const { *word = 0; }
 };
 
-/// Colours that `shade` evaluates. A backend specialises this class if its `shade` returns before the colours
-/// are evaluated: `finish`, called once, orders later work after the colours and returns them. Without a call
-/// of `finish` the destructor orders later work.
-template <class B>
-class [[nodiscard]] Shading {
- public:
-  explicit Shading(const ColoursView& colours) : colours_(colours) {}
-  ColoursView finish() { return colours_; }
-  /// Stream that evaluates the colours if it is not the backend's own: work that waits for it reads them.
-  void* stream() const { return nullptr; }
-
- private:
-  ColoursView colours_;
-};
-
 /// Evaluates the colours of `splats`, which were projected by `plan`. The sort does not read them: a backend
 /// may run this beside it.
-template <BackendPolicy B>
+template <FunctorBackend B>
 Shading<B> shade(B& b, const FramePlan& plan, const Splats<B>& splats, Colours<B>& colours) {
   colours.each.reset(splats.count), colours.hidden.reset(1);
   b.for_each(1, ClearWord{colours.hidden.data()});

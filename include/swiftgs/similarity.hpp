@@ -5,7 +5,6 @@
 
 #include <glm/matrix.hpp>
 
-#include <swiftgs/camera.hpp>
 #include <swiftgs/finite.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/message.hpp>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -11,55 +10,24 @@
 #include <utility>
 
 #include <swiftgs/backend.hpp>
-#include <swiftgs/bin_stage.hpp>
-#include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/colours.hpp>
 #include <swiftgs/footprint.hpp>
 #include <swiftgs/frame_plan.hpp>
-#include <swiftgs/hidden_intersections.hpp>
-#include <swiftgs/project_stage.hpp>
 #include <swiftgs/raster/raster.hpp>
-#include <swiftgs/shade_stage.hpp>
 #include <swiftgs/sort/sort.hpp>
 #include <swiftgs/splats.hpp>
-#include <swiftgs/statistics.hpp>
 #include <swiftgs/tiles.hpp>
 
 /// @file
-/// The five stages of a frame on one backend: project, shade, bin, sort, rasterize. A policy enters as one
+/// The stages of a frame on one backend: project, shade, bin, sort, gather, rasterize. A policy enters as a
 /// function or object that is bound to it at run time, so all combinations of policies share these classes.
+/// `<swiftgs/stage_table.hpp>` makes the functions of policies.
 
 namespace swiftgs {
 
-namespace detail {
-// Overloads of a backend are found where these are instantiated.
-template <class Bounds, class B>
-void project_within(B& b, const FramePlan& plan, ProjectScratch<B>& scratch, Splats<B>& splats,
-                    Footprints<B>& footprints) {
-  project(b, plan, Bounds{}, scratch, splats, footprints);
-}
-template <class Bounds, class B>
-void bin_within(B& b, const FramePlan& plan, Splats<B>& splats, Footprints<B>& footprints) {
-  bin(b, plan, Bounds{}, splats, footprints);
-}
-template <class R, class B>
-void rasterize_by(B& b, const RasterJob& job) {
-  rasterize(b, R{}, job);
-}
-template <class R, class B>
-FrameCounted count_by(B& b, const RasterJob& job) {
-  if constexpr (B::reaches_host_memory) {
-    FrameCounted counted{.intersections_hidden = count_hidden(job)};
-    const std::size_t blocks = raster_blocks_of(job).size();
-    for (std::size_t block = 0; block < blocks; ++block) counted.raster += job.counts[block];
-    return counted;
-  } else if constexpr (requires { count_frame(b, R{}, job); }) {
-    return count_frame(b, R{}, job);
-  } else {
-    return {};
-  }
-}
-}  // namespace detail
+struct FrameCounted;
+template <class B>
+struct ProjectScratch;
 
 /// The stages that depend on bounds.
 template <class B>
@@ -68,19 +36,6 @@ struct BoundsStages {
   bool conservative;
   void (*project)(B&, const FramePlan&, ProjectScratch<B>&, Splats<B>&, Footprints<B>&);
   void (*bin)(B&, const FramePlan&, Splats<B>&, Footprints<B>&);
-
-  template <BoundsPolicy Bounds>
-  static BoundsStages of() {
-    return {Bounds::name, Bounds::conservative, &detail::project_within<Bounds, B>,
-            &detail::bin_within<Bounds, B>};
-  }
-};
-
-/// Policy `R` rasterizes on backend `B`, by its own kernel or by an overload that the backend offers.
-template <class R, class B>
-concept RastersOn = BackendPolicy<B> && requires(B& b, R raster, const RasterJob& job) {
-  { R::name } -> std::convertible_to<std::string_view>;
-  rasterize(b, raster, job);
 };
 
 /// The stage that depends on the rasterizer.
@@ -92,12 +47,25 @@ struct RasterStage {
   /// What a job took that was rasterized: with `counts` on hosts, while a device's lists are blended anew on
   /// the host by `R::Kernel`. Waits.
   FrameCounted (*count)(B&, const RasterJob&);
+};
 
-  template <RastersOn<B> R>
-  static RasterStage of() {
-    return {R::name, swiftgs::may_gain_by_coarse_tiles<B, R>, &detail::rasterize_by<R, B>,
-            &detail::count_by<R, B>};
-  }
+/// Stages that no policy chooses.
+template <class B>
+struct CommonStages {
+  /// Evaluates the colours of splats, maybe beside what follows until `Shading::finish`.
+  Shading<B> (*shade)(B&, const FramePlan&, const Splats<B>&, Colours<B>&);
+  /// What the last `project` and `bin` found. Waits for it on a device.
+  FrameReport (*report)(B&, Splats<B>&, Footprints<B>&, const Limits&);
+  /// Writes the attributes of a pass, @shape{splats, rows}.
+  void (*gather)(B&, const FramePlan&, const SplatsView&, const RasterPass&, AttributeRow*);
+};
+
+/// How backend `B` runs the stages of a frame.
+template <class B>
+struct StageTable {
+  BoundsStages<B> bounds;
+  RasterStage<B> raster;
+  CommonStages<B> common;
 };
 
 /// A sort within bounds, and the memory that it works in.
@@ -115,91 +83,104 @@ class SortStage {
   virtual void trim(const B& b) = 0;
 };
 
-/// The sort stage of policy `Sort`.
-template <class B, class Sort, class Bounds>
-class SortStageOf final : public SortStage<B> {
+/// What a driver adds to a frame.
+class FrameHooks {
  public:
-  explicit SortStageOf(Sort policy = Sort()) : sort(std::move(policy)) {}
-  void build(B& b, const SortJob& job, TileLists<B>& lists) override {
-    sort.build(b, job, Bounds{}, scratch_, lists);
-  }
-  bool decided() const override {
-    if constexpr (requires { sort.measured().has_value(); })
-      return sort.measured().has_value();
-    else
-      return true;
-  }
-  std::size_t bytes() const override { return bytes_of(scratch_); }
-  void use_memory(const B& b) override { use_memory_of(b, scratch_); }
-  void reserve(B& b, const Reservation& reserved) override { reserve_parts(b, reserved, scratch_); }
-  void trim(const B& b) override { trim_parts(b, scratch_); }
+  /// Called before the first stage with 0, after `bin` with 1, after the sort with 2, and at the end with 3.
+  virtual void mark(std::size_t) {}
+  /// Called between sort and rasterization, which alone reads occluders and the image below. A host does not
+  /// call it for a frame above its capacity.
+  virtual void before_raster(RasterJob&) {}
+  /// Called when the lists of `job` were rasterized, with the attributes of the first pass.
+  virtual void after_raster(const RasterJob&) {}
 
-  Sort sort;
+ protected:
+  ~FrameHooks() = default;
+};
 
- private:
-  typename Sort::template Scratch<B> scratch_;
+/// Hooks that do nothing.
+struct NoHooks final : FrameHooks {};
+
+/// Memory that a renderer keeps for its stages, the scene excluded. @units{bytes}
+struct StageMemory {
+  std::size_t project = 0;  ///< splats, footprints and colours included
+  std::size_t sort = 0;     ///< tile lists included
+  std::size_t raster = 0;   ///< attributes, frames and picks that the renderer keeps
+
+  std::size_t total() const { return project + sort + raster; }
 };
 
 /// Runs the stages of a frame, in the only place where their order stands, and owns the memory between them.
 template <class B>
 class Stages {
  public:
-  Stages(B backend, const BoundsStages<B>& bounds, std::unique_ptr<SortStage<B>> sort)
-      : backend_(std::move(backend)), bounds_(bounds), sort_(std::move(sort)) {
+  Stages(B backend, const StageTable<B>& table, std::unique_ptr<SortStage<B>> sort)
+      : backend_(std::move(backend)), table_(table), sort_(std::move(sort)) {
     std::apply([&](auto&... parts) { use_memory_of(backend_, parts...); }, parts());
     sort_->use_memory(backend_);
   }
 
   B& backend() { return backend_; }
   const B& backend() const { return backend_; }
+  const StageTable<B>& table() const { return table_; }
   SortStage<B>& sort() { return *sort_; }
-  bool conservative() const { return bounds_.conservative; }
 
-  /// Starts all stages; the last is `rasterize(job)`. Calls mark(k) before the first, k = 0, after `bin`,
-  /// after the sort, and at the end. A host leaves sort and rasterization out if the frame does not fit the
-  /// limits of its plan. Without `shaded`, no colours are evaluated.
-  template <class Rasterize, class Mark>
-  void run(const FramePlan& plan, bool shaded, const Rasterize& rasterize, const Mark& mark) {
-    mark(0);
+  /// Starts all stages. A host leaves sort and rasterization out if the frame does not fit the limits of its
+  /// plan.
+  void run(const FramePlan& plan, FrameHooks& hooks) {
+    run(plan, true, hooks, [&](RasterJob& job) {
+      rows_.reset(plan.passes.kept_rows() * job.splats.size());
+      if (plan.passes.size() > 1) gather(plan, job, {.rows = 1}, kept_row(job));
+      for (std::size_t k = 0; k < plan.passes.size(); ++k) rasterize(plan, plan.passes[k], job);
+    });
+  }
+
+  /// The same with `use(job)` in place of rasterization. Without `shaded`, no colours are evaluated.
+  template <class Use>
+  void run(const FramePlan& plan, bool shaded, FrameHooks& hooks, const Use& use) {
+    hooks.mark(0);
     project(plan);
     std::optional<Shading<B>> shading;
     // void: nvcc takes the reference that emplace returns for a discarded `Shading`.
-    if (shaded) (void)shading.emplace(shade(backend_, plan, splats_, colours_));
+    if (shaded) (void)shading.emplace(table_.common.shade(backend_, plan, splats_, colours_));
     const auto colours = [&] { return shading ? shading->finish() : ColoursView{}; };
-    draw(plan, splats_, footprints_, colours, rasterize, mark);
+    run_behind(plan, splats_, footprints_, colours, hooks, use);
   }
 
   /// The first stage alone.
   void project(const FramePlan& plan) {
-    bounds_.project(backend_, plan, project_scratch_, splats_, footprints_);
+    table_.bounds.project(backend_, plan, project_scratch_, splats_, footprints_);
   }
 
   /// The stages after `shade`, of the caller's splats. Asks for `colours()` after the sort.
-  template <class Colours, class Rasterize, class Mark>
-  void draw(const FramePlan& plan, Splats<B>& splats, Footprints<B>& footprints, const Colours& colours,
-            const Rasterize& rasterize, const Mark& mark) {
-    bounds_.bin(backend_, plan, splats, footprints);
-    mark(1);
+  template <class Colours, class Use>
+  void run_behind(const FramePlan& plan, Splats<B>& splats, Footprints<B>& footprints, const Colours& colours,
+                  FrameHooks& hooks, const Use& use) {
+    table_.bounds.bin(backend_, plan, splats, footprints);
+    hooks.mark(1);
     if constexpr (B::reaches_host_memory)
-      if (await_report(backend_, splats, footprints, plan.limits).overflowed != 0) return;
+      if (table_.common.report(backend_, splats, footprints, plan.limits).overflowed != 0) return;
 
     sort_->build(backend_, {splats.view(), footprints.view(), plan.key(), plan.use()}, lists_);
-    mark(2);
-    rasterize(RasterJob{
-        .splats = splats.view(), .colours = colours(), .lists = lists_.view(), .views = plan.views});
-    mark(3);
+    hooks.mark(2);
+    RasterJob job{.splats = splats.view(), .colours = colours(), .lists = lists_.view(), .views = plan.views};
+    hooks.before_raster(job);
+    use(job);
+    hooks.after_raster(job);
+    hooks.mark(3);
   }
 
   /// Numbers of splats and intersections of the last frame. Waits for them on a device.
   FrameReport report(const FramePlan& plan) {
-    return await_report(backend_, splats_, footprints_, plan.limits);
+    return table_.common.report(backend_, splats_, footprints_, plan.limits);
   }
   /// Sets the intersections of a frame that `report` told the host about.
   void set_intersections(std::uint64_t intersections) { lists_.intersections = std::size_t(intersections); }
 
   /// Takes the memory of such frames, on hosts.
-  void reserve(const Reservation& reserved) {
+  void reserve(const Reservation& reserved, const RasterPasses& passes) {
     std::apply([&](auto&... parts) { reserve_parts(backend_, reserved, parts...); }, parts());
+    if (passes.kept_rows() != 0) rows_.reset_exactly(passes.kept_rows() * reserved.capacity.splats);
     sort_->reserve(backend_, reserved);
   }
   /// Gives all memory back.
@@ -210,7 +191,8 @@ class Stages {
   /// @units{bytes}
   StageMemory memory() const {
     return {.project = bytes_of(project_scratch_, splats_, footprints_, colours_),
-            .sort = sort_->bytes() + bytes_of(lists_)};
+            .sort = sort_->bytes() + bytes_of(lists_),
+            .raster = bytes_of(rows_)};
   }
 
   /// The last frame's splats, footprints, tile lists and, if it had any, colours.
@@ -222,16 +204,43 @@ class Stages {
   const FrameTiles& tiles() const { return footprints_.views.tiles; }
 
  private:
-  auto parts() { return std::tie(project_scratch_, splats_, footprints_, colours_, lists_); }
+  auto parts() { return std::tie(project_scratch_, splats_, footprints_, colours_, lists_, rows_); }
+
+  /// Where the first row of each splat lies if a frame has several passes.
+  AttributeRow* kept_row(const RasterJob& job) {
+    return rows_.data() + AttributesView::most_rows * job.splats.size();
+  }
+  void gather(const FramePlan& plan, const RasterJob& job, const RasterPass& pass, AttributeRow* to) {
+    table_.common.gather(backend_, plan, job.splats, pass, to);
+  }
+
+  /// Leaves the attributes of the base pass in `base`.
+  void rasterize(const FramePlan& plan, const RasterPass& pass, RasterJob& base) {
+    RasterJob job = base;
+    job.only_attributes = !pass.is_base;
+    if (!pass.is_base) job.counts = nullptr;
+    if (pass.rows != 0) {
+      const bool kept = plan.passes.size() > 1;
+      job.attributes = {.data = rows_.data(),
+                        .rows = pass.rows,
+                        .first = pass.first,
+                        .first_row = kept ? kept_row(job) : rows_.data(),
+                        .first_stride = kept ? 1 : pass.rows};
+      gather(plan, job, pass, rows_.data());
+    }
+    table_.raster.rasterize(backend_, job);
+    if (pass.is_base) base = job;
+  }
 
   B backend_;
-  BoundsStages<B> bounds_;
+  StageTable<B> table_;
   std::unique_ptr<SortStage<B>> sort_;
   ProjectScratch<B> project_scratch_;
   Splats<B> splats_;
   Footprints<B> footprints_;
   Colours<B> colours_;
   TileLists<B> lists_;
+  typename B::template Buffer<AttributeRow> rows_;  ///< of the passes of a frame
 };
 
 }  // namespace swiftgs

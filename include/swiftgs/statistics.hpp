@@ -14,6 +14,9 @@ struct FrameCounted {
   std::size_t intersections_hidden = 0;
 };
 
+/// Blends a raster block on the host and writes its counts.
+using CountRasterBlock = void (*)(const RasterJob& job, const RasterBlocks& blocks, std::size_t block);
+
 /// Counts of one frame.
 struct Statistics {
   std::size_t gaussians = 0;      ///< in the scene
@@ -30,15 +33,6 @@ struct Statistics {
   }
 
   double intersections_a_visible() const { return visible ? double(intersections) / double(visible) : 0.0; }
-};
-
-/// Memory that a renderer keeps for its stages, the scene excluded. @units{bytes}
-struct StageMemory {
-  std::size_t project = 0;  ///< splats, footprints and colours included
-  std::size_t sort = 0;     ///< tile lists included
-  std::size_t raster = 0;   ///< frames and picks that the renderer keeps
-
-  std::size_t total() const { return project + sort + raster; }
 };
 
 /// Durations of one frame's stages. `project` includes `bin`, and `shade` on hosts. A device evaluates

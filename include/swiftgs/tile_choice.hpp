@@ -7,7 +7,7 @@
 #include <swiftgs/frame_plan.hpp>
 #include <swiftgs/span.hpp>
 #include <swiftgs/tiles.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/views.hpp>
 
 namespace swiftgs {
 

@@ -4,60 +4,91 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/frame.hpp>
+#include <swiftgs/lens/limits.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/message.hpp>
 #include <swiftgs/round_to_nearest.hpp>
 #include <swiftgs/tiles.hpp>
 #include <swiftgs/view_constants.hpp>
+#include <swiftgs/views.hpp>
 
 namespace swiftgs {
 
-/// The thresholds of blending, from `Conventions`.
-struct BlendRules {
-  float alpha_min = 0;   ///< less alpha is skipped
-  float alpha_max = 0;   ///< more is cut
-  float stop_below = 0;  ///< a pixel ends before the splat that would bring its transmittance below this
-  float log2_alpha_min = 0;
-  float log2_relative_min = 0;  ///< log2(alpha_min / alpha_max)
-  float first_below = 0;        ///< the first splat that shows takes the transmittance below this
+inline BlendRules BlendRules::from(const Conventions& c) {
+  const float stop = c.stop + 0.0f;  // never -0: backends look at its sign
+  return {c.alpha_min,
+          c.alpha_max,
+          c.stop_at_equal ? std::nextafter(stop, 1.0f) : stop,
+          std::log2(c.alpha_min),
+          float(std::log2(double(c.alpha_min) / double(c.alpha_max))),
+          1 - c.first_alpha};
+}
 
-  static BlendRules from(const Conventions& c) {
-    const float stop = c.stop + 0.0f;  // never -0: backends look at its sign
-    return {c.alpha_min,
-            c.alpha_max,
-            c.stop_at_equal ? std::nextafter(stop, 1.0f) : stop,
-            std::log2(c.alpha_min),
-            float(std::log2(double(c.alpha_min) / double(c.alpha_max))),
-            1 - c.first_alpha};
+inline bool depth_is_distance(LensModel model, const Conventions& conventions) {
+  if (conventions.depth == Conventions::Depth::of_lens)
+    return model == LensModel::fisheye || model == LensModel::equirectangular;
+  return conventions.depth == Conventions::Depth::distance;
+}
+
+/// Throws `std::invalid_argument` for an invalid `camera` or `conventions`. What `conventions` leave to the
+/// scene is as of a scene that says nothing.
+inline ViewConstants view_constants(const Camera& camera, const Conventions& conventions) {
+  validate(camera);
+  validate(conventions);
+  ViewConstants v{};
+  const dvec3 centre = camera.centre();
+  for (int row = 0; row < 3; ++row) {
+    v.centre[row] = centre[row];
+    for (int column = 0; column < 3; ++column) {
+      v.rotation[row][column] = camera.rotation[column][row];
+      v.axes[row][column] = float(v.rotation[row][column]);
+    }
   }
-};
+  v.depth_scale = 1, v.opacity = 1;
+  v.fx = camera.fx, v.fy = camera.fy, v.cx = camera.cx, v.cy = camera.cy;
+  v.focal_x = float(v.fx), v.focal_y = float(v.fy);
+  v.set_pairs();
+  v.width = float(camera.width), v.height = float(camera.height);
+  v.left = v.top = 0, v.right = v.width, v.bottom = v.height;
 
-/// The placed scenes that a view shows: by default all of its frame.
-struct ShownScenes {
-  std::uint32_t first = 0, count = 0xffffffff;
-};
-
-/// One image of a frame, or a rectangle of one: from where, by which rules, and where to.
-struct View {
-  ViewConstants camera{};
-  BlendRules rules{};
-  vec3 background{0};  ///< as `RenderSettings::background`
-  TileGrid grid{};     ///< covers `frame`
-  FrameView frame{};
-  ShownScenes shows{};
-  // As of `Conventions`: `ModelledViews` takes what is left to the scenes from them.
-  bool order_of_scenes = false, colours_of_scenes = false;
-  ColourSpace colours = ColourSpace::srgb;
-  int panorama_part = 0;  ///< as of its camera: a frame draws a view that spans several parts as several
-
-  /// Pixel of the image that is the first of `frame`.
-  SWIFTGS_HD int left() const { return grid.columns.begin * grid.side; }
-  SWIFTGS_HD int top() const { return grid.rows.begin * grid.side; }
-};
+  const double half_x = 0.5 * camera.width / camera.fx, half_y = 0.5 * camera.height / camera.fy;
+  LensLimits tangents{.fold_squared = INFINITY};
+  if (conventions.clamp == Conventions::JacobianClamp::around_image) {
+    tangents.least_u = -(camera.cx / camera.fx + 0.3 * half_x);
+    tangents.most_u = (camera.width - camera.cx) / camera.fx + 0.3 * half_x;
+    tangents.least_v = -(camera.cy / camera.fy + 0.3 * half_y);
+    tangents.most_v = (camera.height - camera.cy) / camera.fy + 0.3 * half_y;
+  } else {
+    tangents.most_u = 1.3 * half_x, tangents.least_u = -tangents.most_u;
+    tangents.most_v = 1.3 * half_y, tangents.least_v = -tangents.most_v;
+  }
+  v.tan_x_min = float(tangents.least_u), v.tan_x_max = float(tangents.most_u);
+  v.tan_y_min = float(tangents.least_v), v.tan_y_max = float(tangents.most_v);
+  // A strict comparison serves both presets: z >= near is z > the float before near.
+  const float near_plane = std::fmax(conventions.near_plane, least_depth);
+  v.near_plane = conventions.cull_at_near ? near_plane : std::nextafter(near_plane, 0.0f);
+  // A depth that no float holds would be infinite, and 0 * depth not a number.
+  v.far_plane = std::fmin(conventions.far_plane, std::numeric_limits<float>::max());
+  v.blur_of_scene = !conventions.blur, v.antialiased_of_scene = !conventions.antialiased;
+  const Conventions whole = as_trained(conventions, {});
+  v.blur = *whole.blur, v.antialiased = *whole.antialiased;
+  v.min_compensation = conventions.min_compensation;
+  v.alpha_min = conventions.alpha_min;
+  v.lens = camera.lens;
+  v.depth_is_distance = depth_is_distance(camera.lens.model, conventions);
+  v.depth_along_ray = conventions.depth_at == Conventions::DepthAt::ray;
+  v.through_lens = !camera.lens.is_pinhole() || v.depth_is_distance;
+  v.limits = camera.lens.is_pinhole() ? tangents : lens_limits(camera, conventions);
+  if (*whole.order == SplatOrder::distance && !v.depth_is_distance) v.order_by_distance();
+  if (camera.lens.model == LensModel::equirectangular) v.turn = turn_of(camera);
+  v.panorama_middle = 0.5 * camera.width;
+  return v;
+}
 
 /// Where a frame that shows a part of an image begins in it. A multiple of `default_tile_side`, so that the
 /// part has the bits of the whole image. @units{pixels}

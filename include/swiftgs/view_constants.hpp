@@ -2,13 +2,11 @@
 #pragma once
 
 #include <cmath>
-#include <limits>
 #include <type_traits>
 
-#include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/float_pair.hpp>
-#include <swiftgs/lens/limits.hpp>
+#include <swiftgs/lens.hpp>
 #include <swiftgs/math.hpp>
 
 namespace swiftgs {
@@ -138,66 +136,5 @@ class PlacingConstants {
 
   const ViewConstants& v_;
 };
-
-inline bool depth_is_distance(LensModel model, const Conventions& conventions) {
-  if (conventions.depth == Conventions::Depth::of_lens)
-    return model == LensModel::fisheye || model == LensModel::equirectangular;
-  return conventions.depth == Conventions::Depth::distance;
-}
-
-/// Throws `std::invalid_argument` for an invalid `camera` or `conventions`. What `conventions` leave to the
-/// scene is as of a scene that says nothing.
-inline ViewConstants view_constants(const Camera& camera, const Conventions& conventions) {
-  validate(camera);
-  validate(conventions);
-  ViewConstants v{};
-  const dvec3 centre = camera.centre();
-  for (int row = 0; row < 3; ++row) {
-    v.centre[row] = centre[row];
-    for (int column = 0; column < 3; ++column) {
-      v.rotation[row][column] = camera.rotation[column][row];
-      v.axes[row][column] = float(v.rotation[row][column]);
-    }
-  }
-  v.depth_scale = 1, v.opacity = 1;
-  v.fx = camera.fx, v.fy = camera.fy, v.cx = camera.cx, v.cy = camera.cy;
-  v.focal_x = float(v.fx), v.focal_y = float(v.fy);
-  v.set_pairs();
-  v.width = float(camera.width), v.height = float(camera.height);
-  v.left = v.top = 0, v.right = v.width, v.bottom = v.height;
-
-  const double half_x = 0.5 * camera.width / camera.fx, half_y = 0.5 * camera.height / camera.fy;
-  LensLimits tangents{.fold_squared = INFINITY};
-  if (conventions.clamp == Conventions::JacobianClamp::around_image) {
-    tangents.least_u = -(camera.cx / camera.fx + 0.3 * half_x);
-    tangents.most_u = (camera.width - camera.cx) / camera.fx + 0.3 * half_x;
-    tangents.least_v = -(camera.cy / camera.fy + 0.3 * half_y);
-    tangents.most_v = (camera.height - camera.cy) / camera.fy + 0.3 * half_y;
-  } else {
-    tangents.most_u = 1.3 * half_x, tangents.least_u = -tangents.most_u;
-    tangents.most_v = 1.3 * half_y, tangents.least_v = -tangents.most_v;
-  }
-  v.tan_x_min = float(tangents.least_u), v.tan_x_max = float(tangents.most_u);
-  v.tan_y_min = float(tangents.least_v), v.tan_y_max = float(tangents.most_v);
-  // A strict comparison serves both presets: z >= near is z > the float before near.
-  const float near_plane = std::fmax(conventions.near_plane, least_depth);
-  v.near_plane = conventions.cull_at_near ? near_plane : std::nextafter(near_plane, 0.0f);
-  // A depth that no float holds would be infinite, and 0 * depth not a number.
-  v.far_plane = std::fmin(conventions.far_plane, std::numeric_limits<float>::max());
-  v.blur_of_scene = !conventions.blur, v.antialiased_of_scene = !conventions.antialiased;
-  const Conventions whole = as_trained(conventions, {});
-  v.blur = *whole.blur, v.antialiased = *whole.antialiased;
-  v.min_compensation = conventions.min_compensation;
-  v.alpha_min = conventions.alpha_min;
-  v.lens = camera.lens;
-  v.depth_is_distance = depth_is_distance(camera.lens.model, conventions);
-  v.depth_along_ray = conventions.depth_at == Conventions::DepthAt::ray;
-  v.through_lens = !camera.lens.is_pinhole() || v.depth_is_distance;
-  v.limits = camera.lens.is_pinhole() ? tangents : lens_limits(camera, conventions);
-  if (*whole.order == SplatOrder::distance && !v.depth_is_distance) v.order_by_distance();
-  if (camera.lens.model == LensModel::equirectangular) v.turn = turn_of(camera);
-  v.panorama_middle = 0.5 * camera.width;
-  return v;
-}
 
 }  // namespace swiftgs

@@ -10,13 +10,51 @@
 #include <tuple>
 #include <vector>
 
+#include <swiftgs/conventions.hpp>
 #include <swiftgs/error.hpp>
+#include <swiftgs/frame.hpp>
+#include <swiftgs/math.hpp>
 #include <swiftgs/message.hpp>
 #include <swiftgs/span.hpp>
 #include <swiftgs/tiles.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/view_constants.hpp>
 
 namespace swiftgs {
+
+/// The thresholds of blending, from `Conventions`.
+struct BlendRules {
+  float alpha_min = 0;   ///< less alpha is skipped
+  float alpha_max = 0;   ///< more is cut
+  float stop_below = 0;  ///< a pixel ends before the splat that would bring its transmittance below this
+  float log2_alpha_min = 0;
+  float log2_relative_min = 0;  ///< log2(alpha_min / alpha_max)
+  float first_below = 0;        ///< the first splat that shows takes the transmittance below this
+
+  static BlendRules from(const Conventions& c);  ///< defined by `<swiftgs/view.hpp>`
+};
+
+/// The placed scenes that a view shows: by default all of its frame.
+struct ShownScenes {
+  std::uint32_t first = 0, count = 0xffffffff;
+};
+
+/// One image of a frame, or a rectangle of one: from where, by which rules, and where to.
+struct View {
+  ViewConstants camera{};
+  BlendRules rules{};
+  vec3 background{0};  ///< as `RenderSettings::background`
+  TileGrid grid{};     ///< covers `frame`
+  FrameView frame{};
+  ShownScenes shows{};
+  // As of `Conventions`: `ModelledViews` takes what is left to the scenes from them.
+  bool order_of_scenes = false, colours_of_scenes = false;
+  ColourSpace colours = ColourSpace::srgb;
+  int panorama_part = 0;  ///< as of its camera: a frame draws a view that spans several parts as several
+
+  /// Pixel of the image that is the first of `frame`.
+  SWIFTGS_HD int left() const { return grid.columns.begin * grid.side; }
+  SWIFTGS_HD int top() const { return grid.rows.begin * grid.side; }
+};
 
 /// Most views that one frame may have.
 inline constexpr std::size_t max_views = std::size_t(1) << 16;
@@ -120,6 +158,11 @@ SWIFTGS_HD inline std::uint32_t view_of_tile(const View* views, std::uint32_t co
   return low;
 }
 
+/// Index of the view that part `i` was cut from.
+inline std::uint32_t owner_of(Span<const std::uint32_t> owners, std::size_t i) {
+  return owners.empty() ? std::uint32_t(i) : owners[i];
+}
+
 /// Views as a frame draws them: a panorama that spans several parts is several, side by side in its memory.
 class PanoramaParts {
  public:
@@ -147,8 +190,8 @@ class PanoramaParts {
     return {parts_.data(), parts_.size()};
   }
 
-  /// Index of the view that part `i` was cut from.
-  std::uint32_t owner(std::uint32_t i) const { return owners_.empty() ? i : owners_[i]; }
+  /// Indices of the views that the parts were cut from; none where no view is cut.
+  Span<const std::uint32_t> owners() const { return {owners_.data(), owners_.size()}; }
 
  private:
   static bool is_cut(const View& view) {

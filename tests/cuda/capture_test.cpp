@@ -178,7 +178,7 @@ SWIFTGS_DEVICE_CASE("cuda capture: a rasterizer is captured and draws the same p
   settings.count = false;  // to count, the host waits
   Picture<Cuda> picture(cuda, random_splats(500, 100, 70, 6), 100, 70, settings);
   PlanesOn<Cuda> expected(cuda, 100, 70, {true, true}), image(cuda, 100, 70, {true, true}, -1);
-  const auto raster = RasterStage<Cuda>::of<AxisSharedThreshold<FloatCholesky>>();
+  const auto raster = raster_stage<Cuda, AxisSharedThreshold<FloatCholesky>>();
   picture.draw(raster, expected.view());
   stream.wait();
   const Graph graph(stream, [&] {

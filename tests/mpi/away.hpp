@@ -16,6 +16,7 @@
 
 #include <swiftgs/mpi.hpp>
 #include <swiftgs/mpi/comm.hpp>
+#include <swiftgs/raster/blend.hpp>
 #include <swiftgs/serial.hpp>
 
 namespace swiftgs::test {

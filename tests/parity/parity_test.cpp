@@ -37,7 +37,7 @@ TEST_CASE("parity: cpu renderers give the same bits on 1 2 4 and 8 threads") {
   with_each_raster<Cpu>([&](const BoundRaster<Cpu>& raster) {
     check([&](int threads) { return renderer_with<Cpu>(raster, Cpu(threads)); });
   });
-  const auto raster = RasterStage<Cpu>::of<PerPixel>();
+  const auto raster = raster_stage<Cpu, PerPixel>();
   check(
       [&](int threads) { return renderer_with<Cpu, StandardSort, ThreeSigmaSquare>(raster, Cpu(threads)); });
   check([&](int threads) { return renderer_with<Cpu, AdaptiveSort, OpacityBox>(raster, Cpu(threads)); });

@@ -55,7 +55,7 @@ class ScriptedBackend : public Serial {
   int asked = 0;  ///< for points and for durations
   char last = 0;  ///< sort that ran: s or e
 };
-static_assert(BackendPolicy<ScriptedBackend>);
+static_assert(FunctorBackend<ScriptedBackend>);
 
 /// An adaptive sort, the frames that it is shown, and what it ran for each.
 struct Session {

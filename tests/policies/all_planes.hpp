@@ -2,7 +2,7 @@
 #pragma once
 
 #include <swiftgs/frame.hpp>
-#include <swiftgs/render_input.hpp>
+#include <swiftgs/render_settings.hpp>
 
 namespace swiftgs::test {
 

@@ -34,7 +34,7 @@ struct BoundRaster : RasterStage<B> {
 
   template <class Raster>
   static BoundRaster of() {
-    return {RasterStage<B>::template of<Raster>(), RasterStage<Serial>::of<Raster>()};
+    return {raster_stage<B, Raster>(), raster_stage<Serial, Raster>()};
   }
 };
 
@@ -54,7 +54,8 @@ void with_each_raster(const F& f) {
 template <class B, class Sort = EarlySort, class Bounds = Ellipse>
 BoundRenderer<B> renderer_with(const RasterStage<B>& raster, B backend = test::make_backend<B>()) {
   return {std::move(backend),
-          {BoundsStages<B>::template of<Bounds>(), std::make_unique<SortStageOf<B, Sort, Bounds>>(), raster}};
+          {bounds_stages<B, Bounds>(), raster, common_stages<B>()},
+          std::make_unique<SortStageOf<B, Sort, Bounds>>()};
 }
 
 /// Calls f(renderer, name) with a renderer of each rasterizer and the rasterizer's name.
@@ -218,8 +219,7 @@ Drawing draw(B& backend, const RasterStage<B>& raster, const SplatSet& splats, i
 template <class Raster, class Bounds = OpacityBox, class B>
 Drawing draw(B& backend, const SplatSet& splats, int width, int height, const DrawSettings& settings = {},
              int tile_side = default_tile_side) {
-  return draw<Bounds>(backend, RasterStage<B>::template of<Raster>(), splats, width, height, settings,
-                      tile_side);
+  return draw<Bounds>(backend, raster_stage<B, Raster>(), splats, width, height, settings, tile_side);
 }
 
 }  // namespace swiftgs::test

@@ -32,7 +32,7 @@ struct Two {
 template <class B, class Raster = AxisSharedThreshold<FloatCholesky>, class Sort = EarlySort,
           class Bounds = Ellipse>
 Two<B> two_with() {
-  const auto raster = RasterStage<B>::template of<Raster>();
+  const auto raster = raster_stage<B, Raster>();
   return {renderer_with<B, Sort, Bounds>(raster), renderer_with<B, Sort, Bounds>(raster)};
 }
 

@@ -12,7 +12,7 @@
 #include <swiftgs/frame.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/splats.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/views.hpp>
 
 namespace swiftgs {
 

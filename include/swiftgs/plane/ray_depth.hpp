@@ -11,26 +11,11 @@
 #include <swiftgs/lens/point.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/project.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/raster/passes.hpp>
 #include <swiftgs/view_constants.hpp>
+#include <swiftgs/views.hpp>
 
 namespace swiftgs {
-
-/// Depth as a plane over the image. All splats measure from the middle of the image, so the weighted sum of
-/// their planes is a plane too, and an image strip has the bits of the whole image.
-struct RayDepth {
-  static constexpr int terms = 3, squares = 6;
-
-  float middle = 0;    ///< in the middle of the image
-  float x = 0, y = 0;  ///< slopes @units{depth per pixel}
-
-  SWIFTGS_HD float at(vec2 place) const { return middle + (x * place.x + y * place.y); }
-  /// The k-th coefficient of the square of `at`.
-  SWIFTGS_HD float square(int k) const {
-    const float with[] = {middle, 2 * x, 2 * y, x, 2 * y, y}, of[] = {middle, middle, middle, x, x, y};
-    return with[k] * of[k];
-  }
-};
 
 /// The square at `place` of depths whose coefficients, or weighted sums of them, are `squares`.
 SWIFTGS_HD inline float sum_of_squares(const float* squares, vec2 place) {

@@ -34,7 +34,7 @@ struct DepthOrderScratch {
 
 /// Indices of the splats, nearest first, equal depths in index order; they lie in `scratch`. Backends
 /// overload this.
-template <class B>
+template <FunctorBackend B>
 const std::uint32_t* order_by_depth(B& b, const SplatsView& splats, DepthOrderScratch<B>& scratch) {
   const Count count = splats.count();
   Pairs<B, std::uint32_t>& pairs = scratch.pairs;

@@ -146,7 +146,7 @@ struct IntersectionScratch {
 /// Emits the intersections of all splats in the given order (index order when `order` is null) and returns
 /// how many there are. Keys of 64 bits hold tile above depth, narrower ones the tile alone. Throws
 /// `CapacityError` beyond `max_intersections`. Backends overload this.
-template <class B, class Bounds, class Key>
+template <FunctorBackend B, class Bounds, class Key>
 Count emit_intersections(B& b, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
                          IntersectionScratch<B>& scratch, Pairs<B, Key>& intersections) {
   check_footprints(job);
@@ -165,7 +165,7 @@ Count emit_intersections(B& b, const SortJob& job, const Bounds& bounds, const s
 
 /// Moves the sorted intersections to `lists`. The next frame reuses the old ids, and allocates nothing if it
 /// is no larger.
-template <class B, class Key>
+template <FunctorBackend B, class Key>
 void finish_lists(B& b, const FootprintsView& footprints, Count count, int tile_shift,
                   Pairs<B, Key>& intersections, TileLists<B>& lists) {
   const std::size_t tiles = footprints.views.tiles.size();
@@ -196,7 +196,7 @@ struct GroupScratch {
 
 /// Lists for every tile the splats that may touch it, in the given order: emits the intersections in that
 /// order and sorts them by tile alone, stably and by as few bits as the tiles need. Backends overload this.
-template <class B, class Bounds>
+template <FunctorBackend B, class Bounds>
 void group_by_tile(B& b, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
                    GroupScratch<B>& scratch, TileLists<B>& lists) {
   const Count count = emit_intersections(b, job, bounds, order, scratch.emission, scratch.intersections);

@@ -138,7 +138,7 @@ inline Cpu make_backend(std::type_identity<Cpu>, const BackendOptions& options) 
   return options.memory ? Cpu(options.threads, *options.memory) : Cpu(options.threads);
 }
 
-static_assert(BackendPolicy<Cpu>);
+static_assert(FunctorBackend<Cpu>);
 
 /// Visible splats of each task, before they are moved together.
 template <>

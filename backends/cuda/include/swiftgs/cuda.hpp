@@ -9,17 +9,19 @@
 #include <utility>
 
 #include <swiftgs/api.hpp>
-#include <swiftgs/bin_stage.hpp>
 #include <swiftgs/bounds/bounds.hpp>
+#include <swiftgs/colours.hpp>
 #include <swiftgs/cuda/stage_memory.hpp>
 #include <swiftgs/footprint.hpp>
+#include <swiftgs/frame_plan.hpp>
 #include <swiftgs/placed_scene.hpp>
-#include <swiftgs/project_stage.hpp>
 #include <swiftgs/raster/all.hpp>
-#include <swiftgs/shade_stage.hpp>
+#include <swiftgs/raster/raster.hpp>
 #include <swiftgs/sort/early.hpp>
 #include <swiftgs/sort/sort.hpp>
+#include <swiftgs/splats.hpp>
 #include <swiftgs/statistics.hpp>
+#include <swiftgs/views.hpp>
 
 namespace swiftgs {
 
@@ -136,16 +138,8 @@ struct SplatAttributes;
 SWIFTGS_API void gather_attributes(Cuda& cuda, const SplatAttributes& from, const PlacedScenes& scenes,
                                    const Views& views, AttributeRow* to);
 
-/// Blends a raster block on the host and writes its counts.
-using CountRasterBlock = void (*)(const RasterJob& job, const RasterBlocks& blocks, std::size_t block);
 /// Downloads what `job` was rasterized from, and counts on all cores of the host. Waits.
 SWIFTGS_API FrameCounted count_frame(const Cuda& cuda, const RasterJob& job, CountRasterBlock count);
-template <RasterPolicy R>
-FrameCounted count_frame(const Cuda& cuda, R, const RasterJob& job) {
-  return count_frame(cuda, job, [](const RasterJob& on_host, const RasterBlocks& blocks, std::size_t block) {
-    BlendRasterBlock<R>{on_host, blocks}(block);
-  });
-}
 
 struct PickJob;
 /// One warp per pixel, eight pixels of a row in a thread block.

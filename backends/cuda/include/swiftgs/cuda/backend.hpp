@@ -204,6 +204,6 @@ inline Cuda make_backend(std::type_identity<Cuda>, const BackendOptions& options
   return options.memory ? Cuda(options.stream, *options.memory) : Cuda(options.stream);
 }
 
-static_assert(BackendPolicy<Cuda>);
+static_assert(FunctorBackend<Cuda>);
 
 }  // namespace swiftgs

@@ -9,6 +9,7 @@
 #include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/raster/raster.hpp>
+#include <swiftgs/raster/store.hpp>
 
 namespace swiftgs::kernels {
 

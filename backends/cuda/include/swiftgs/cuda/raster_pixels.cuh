@@ -9,6 +9,7 @@
 #include <swiftgs/cuda/raster_block.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/raster/raster.hpp>
+#include <swiftgs/raster/store.hpp>
 #include <swiftgs/store_pixel.hpp>
 
 namespace swiftgs::kernels {

@@ -13,9 +13,9 @@
 
 #include <swiftgs/cuda/backend.hpp>
 #include <swiftgs/footprint.hpp>
-#include <swiftgs/project_stage.hpp>
 #include <swiftgs/sort/sort.hpp>
 #include <swiftgs/splats.hpp>
+#include <swiftgs/stages.hpp>
 #include <swiftgs/views.hpp>
 
 namespace swiftgs {

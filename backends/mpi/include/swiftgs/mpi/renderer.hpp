@@ -14,9 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include <swiftgs/attribute_stage.hpp>
 #include <swiftgs/message.hpp>
-#include <swiftgs/modelled_views.hpp>
 #include <swiftgs/mpi/counters.hpp>
 #include <swiftgs/mpi/direct_link.hpp>
 #include <swiftgs/mpi/identity.hpp>
@@ -27,6 +25,7 @@
 #include <swiftgs/mpi/strip_frames.hpp>
 #include <swiftgs/mpi/strips.hpp>
 #include <swiftgs/placed_scene.hpp>
+#include <swiftgs/render_settings.hpp>
 #include <swiftgs/renderer.hpp>
 #include <swiftgs/tile_choice.hpp>
 
@@ -138,12 +137,20 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr int most_ranks = 65535;
-  static constexpr int most_attributes = int(AttributesView::most);
 
   static auto parts(auto& self) {
-    return std::tie(self.whole_storage_, self.scene_storage_, self.shares_, self.colours_, self.exchange_,
-                    self.strip_storage_, self.strip_footprints_, self.frames_);
+    return std::tie(self.plan_memory_.views, self.plan_memory_.scenes, self.shares_, self.colours_,
+                    self.exchange_, self.strip_storage_, self.strip_footprints_, self.frames_);
   }
+
+  /// Points on the backend's clock between stages.
+  struct Points final : FrameHooks {
+    explicit Points(B& of) : b(of) {}
+    void mark(std::size_t point) override { each[point] = b.now(); }
+
+    B& b;
+    std::array<typename B::TimePoint, 4> each{};
+  };
 
   static std::uint64_t since(Clock::time_point begun) {
     return std::uint64_t(std::chrono::nanoseconds(Clock::now() - begun).count());
@@ -193,22 +200,17 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     if (!complete_) strip_plan_.reset(), tiles_ = {};
     complete_ = false;
     std::optional<FramePlan> whole;
-    failure.guard([&] {
-      views = modelled_.of(views, part);
-      scenes_ = store_scenes(backend(), part, views, scene_storage_);
-      mine.gaussians = scenes_.gaussians();
-      whole = project_part(views, mine);
-    });
+    failure.guard([&] { whole = project_part(part, views, mine); });
     mine.project_ns = since(begun);
     const bool indices = std::any_of(views.begin(), views.end(), [](const View& view) {
       return view.frame.id.data || view.frame.median_id.data;
     });
-    exchange_offers(
-        ranks_, shares_,
-        {.gaussians = indices ? std::uint32_t(mine.gaussians) : 0, .frame = views_identity(views)}, failure,
-        offers_);
+    exchange_offers(ranks_, shares_,
+                    {.gaussians = indices ? std::uint32_t(mine.gaussians) : 0,
+                     .frame = views_identity(whole ? whole->views.each : views)},
+                    failure, offers_);
     failure.guard([&] {
-      prepare_strips(views);
+      prepare_strips(*whole, views);
       place();
     });
     failure.agree(ranks_);
@@ -221,28 +223,28 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     failure.guard([&] { exchange_.stage_shapes(backend(), shares_.splats.view()); });
     exchange_.send_shapes(shapes, strips_);
     failure.guard([&] {
-      exchange_.find_attributes(backend(), scenes_, shares_.splats.view(), whole_, 0);
-      shading.emplace(shade(backend(), *whole, shares_.splats, colours_));
+      find_attributes(*whole, whole->passes[0]);
+      shading.emplace(one_.stages().table().common.shade(backend(), *whole, shares_.splats, colours_));
       exchange_.keep_shapes(backend(), shares_.splats.view());
     });
     if (!link_) {
       shapes.wait();  // MPI goes on in its own calls alone
       failure.guard([&] {
         shading->finish(), exchange_.stage_colours(backend());
-        exchange_.stage_attributes(backend(), 0);
+        exchange_.stage_attributes(backend(), whole->passes[0]);
       });
     }
-    exchange_.send_colours(colours), exchange_.send_attributes(colours, 0);
+    exchange_.send_colours(colours), exchange_.send_attributes(colours, whole->passes[0]);
     bool begun_colours = false;
     const auto begin_colours = [&] {
       if (!std::exchange(begun_colours, true)) colours.begin(link_ && shading ? shading->stream() : nullptr);
     };
     std::optional<RasterJob> drawn;
-    failure.guard([&] { drawn = draw_strip(shapes, begin_colours, *shading, colours, mine); });
+    failure.guard([&] { drawn = draw_strip(*whole, shapes, begin_colours, *shading, colours, mine); });
     begin_colours();  // where the strip has failed or shows nothing
     shapes.wait(), colours.wait();
-    for (int first = most_attributes; first < attribute_count(whole_.each); first += most_attributes)
-      draw_attributes(first, drawn, failure, mine);
+    for (std::size_t k = 1; k < whole->passes.size(); ++k)
+      draw_attributes(*whole, whole->passes[k], drawn, failure, mine);
     failure.guard(finish);
     mine.frame_ns = since(begun);
     mine.traffic = ranks_.traffic() - before;
@@ -275,15 +277,15 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
 
   /// Finds the splats of this rank's Gaussians in all views, and shares them out among the ranks. Returns the
   /// plan of these views.
-  FramePlan project_part(Span<const View> views, RankCounters& mine) {
-    check_ready(backend());
-    const Span<const View> parts = parts_.of(views);
-    key_ = FrameKey::of({}, parts);
-    whole_ = store_views(backend(), one_.may_gain_by_coarse_tiles() ? tiles_.choose(key_, parts) : parts,
-                         whole_storage_);
-    const std::uint32_t rows = whole_.tiles.rows;
+  FramePlan project_part(const PlacedScenes& part, Span<const View> views, RankCounters& mine) {
+    FramePlan plan =
+        plan_frame(backend(), part, views, plan_memory_, [&](const PlacedScenes&, Span<const View> cut) {
+          key_ = FrameKey::of({}, cut);
+          return one_.may_gain_by_coarse_tiles() ? tiles_.choose(key_, cut) : cut;
+        });
+    mine.gaussians = plan.scenes.gaussians();
+    const std::uint32_t rows = plan.views.tiles.rows;
     if (!strip_plan_ || strip_plan_->rows() != rows) strip_plan_.emplace(rows, ranks_.size());
-    FramePlan plan(whole_, scenes_);
     const FrameReport report = whole_capacity_.draw_until_it_fits([&](const Capacity& capacity) {
       // As many intersections as there may be: strips have their own, and these are not emitted.
       if (!B::reaches_host_memory) plan.limits = {{capacity.splats, std::size_t(max_intersections)}};
@@ -302,29 +304,37 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   }
 
   /// Whoever asked for `views` knows nothing of parts.
-  void prepare_strips(Span<const View> views) {
+  void prepare_strips(const FramePlan& plan, Span<const View> views) {
     const StripCuts& cuts = strip_plan_->cuts();
     strips_.clear();
     for (std::size_t r = 0; r + 1 < cuts.size(); ++r)
-      strips_.push_back(strip_of(whole_.each, cuts[r], cuts[r + 1]));
+      strips_.push_back(strip_of(plan.views.each, cuts[r], cuts[r + 1]));
     for (Strip& strip : strips_)
       for (ViewStrip& view_strip : strip.view_strips) {
-        const View& part = whole_[view_strip.view];
-        view_strip.view = parts_.owner(view_strip.view);
+        const View& part = plan.views[view_strip.view];
+        view_strip.view = owner_of(plan_memory_.parts.owners(), view_strip.view);
         view_strip.first_column = part.left() - views[view_strip.view].left();
       }
     exchange_.prepare_strips(backend(), strips_, shares_, colours_, {offers_.data(), offers_.size()},
-                             attribute_count(whole_.each));
+                             plan.passes);
     for (const ViewStrip& view_strip : strips_[std::size_t(ranks_.rank())].view_strips)
       drawn_.push_back({view_strip});
+  }
+
+  /// Finds the attributes of a pass for the splats that this rank shares.
+  void find_attributes(const FramePlan& plan, const RasterPass& pass) {
+    if (pass.rows != 0)
+      one_.stages().table().common.gather(backend(), plan, shares_.splats.view(), pass,
+                                          exchange_.attribute_rows());
   }
 
   /// Bins, sorts and rasterizes the splats of this rank's strip, with the first attributes. Its time counts
   /// this work alone: no messages, and only the last time where a strip is drawn again with more capacity.
   /// Returns the job that it rasterized; none if the strip shows nothing.
   template <class BeginColours>
-  std::optional<RasterJob> draw_strip(Exchange& shapes, const BeginColours& begin_colours,
-                                      Shading<B>& shading, Exchange& colours, RankCounters& mine) {
+  std::optional<RasterJob> draw_strip(const FramePlan& whole, Exchange& shapes,
+                                      const BeginColours& begin_colours, Shading<B>& shading,
+                                      Exchange& colours, RankCounters& mine) {
     Strip& strip = strips_[std::size_t(ranks_.rank())];
     Splats<B>& splats = exchange_.joined();
     mine.drawn = splats.count, mine.bytes = memory();
@@ -339,60 +349,58 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     exchange_.shapes_arrived(backend(), strip);
     bool arrived = false;
     AttributesView attributes;
-    std::array<typename B::TimePoint, 4> points{};
+    Points points(backend());
     typename B::TimePoint begun_raster{};
-    const auto mark = [&](std::size_t point) { points[point] = backend().now(); };
     const auto arriving_colours = [&] {
       if (!std::exchange(arrived, true)) {
         begin_colours();  // the host has had time for it since the sort began
         shading.finish();
         colours.join();
         exchange_.colours_arrived(backend(), colours_);
-        attributes = exchange_.attributes_arrived(backend(), 0);
+        attributes = exchange_.attributes_arrived(backend(), whole.passes[0]);
       }
       begun_raster = backend().now();
       return exchange_.colours();
     };
-    FramePlan plan(stored, scenes_);
+    FramePlan plan(stored, whole.scenes);
     std::optional<RasterJob> drawn;
     const FrameReport report = strip_capacity_.draw_until_it_fits([&](const Capacity& capacity) {
       splats.set_count(std::size_t(mine.drawn));
       if (!B::reaches_host_memory) plan.limits = {{0, capacity.intersections}};
-      mark(0);
-      one_.stages().draw(
-          plan, splats, strip_footprints_, arriving_colours,
-          [&](RasterJob job) {
-            job.attributes = attributes;
-            rasterize(backend(), Raster{}, job);
-            drawn = job;
-          },
-          mark);
+      points.mark(0);
+      one_.stages().run_behind(plan, splats, strip_footprints_, arriving_colours, points,
+                               [&](RasterJob& job) {
+                                 job.attributes = attributes;
+                                 one_.stages().table().raster.rasterize(backend(), job);
+                                 drawn = job;
+                               });
       shapes.wait(), colours.wait();  // sees faults of a link, which work that waits for messages would not
-      return await_report(backend(), splats, strip_footprints_, plan.limits);
+      return one_.stages().table().common.report(backend(), splats, strip_footprints_, plan.limits);
     });
     mine.intersections = report.intersections;
     backend().wait();
-    mine.strip_ns = ns(points[0], points[2]) + ns(begun_raster, points[3]);
+    mine.strip_ns = ns(points.each[0], points.each[2]) + ns(begun_raster, points.each[3]);
     mine.bytes = memory();
     return drawn;
   }
 
-  /// Draws attributes from the `first` on over the tile lists of `drawn`. Ranks that show nothing
-  /// or have failed take part too, because others wait for their attributes.
-  void draw_attributes(int first, std::optional<RasterJob>& drawn, Failure& failure, RankCounters& mine) {
+  /// Draws a later pass over the tile lists of `drawn`. Ranks that show nothing or have failed take part too,
+  /// because others wait for their attributes.
+  void draw_attributes(const FramePlan& whole, const RasterPass& pass, std::optional<RasterJob>& drawn,
+                       Failure& failure, RankCounters& mine) {
     failure.guard([&] {
-      exchange_.find_attributes(backend(), scenes_, shares_.splats.view(), whole_, first);
-      exchange_.stage_attributes(backend(), first);
+      find_attributes(whole, pass);
+      exchange_.stage_attributes(backend(), pass);
     });
     Exchange attributes(ranks_, link_.get());
-    exchange_.send_attributes(attributes, first);
+    exchange_.send_attributes(attributes, pass);
     attributes.begin();
     attributes.wait();
     failure.guard([&] {
       if (!drawn) return;
-      drawn->attributes = exchange_.attributes_arrived(backend(), first), drawn->only_attributes = true;
+      drawn->attributes = exchange_.attributes_arrived(backend(), pass), drawn->only_attributes = true;
       const auto begun = backend().now();
-      rasterize(backend(), Raster{}, *drawn);
+      one_.stages().table().raster.rasterize(backend(), *drawn);
       const auto end = backend().now();
       backend().wait();
       mine.strip_ns += ns(begun, end);
@@ -417,9 +425,8 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   Ranks ranks_;
   Renderer<B, Sort, Raster, Bounds> one_;  ///< draws for a rank alone; has the stages
   std::unique_ptr<DirectLink> link_;
-  ViewStorage<B> whole_storage_, strip_storage_;
-  SceneStorage<B> scene_storage_;
-  PlacedScenes scenes_;  ///< of this rank, in `scene_storage_`
+  PlanMemory<B> plan_memory_;  ///< of whole views, and of this rank's part
+  ViewStorage<B> strip_storage_;
   Footprints<B> strip_footprints_;
   Shares<B> shares_;
   Colours<B> colours_;  ///< of the shares
@@ -428,9 +435,6 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   std::optional<StripPlan> strip_plan_;
   TileChoice tiles_;
   FrameKey key_;                 ///< of the views alone
-  PanoramaParts parts_;          ///< of the views
-  ModelledViews modelled_;       ///< of the caller's views
-  Views whole_;                  ///< those parts, in `whole_storage_`
   std::vector<View> views_;      ///< of cameras
   std::uint32_t asked_for_ = 0;  ///< planes of `views_` point to it, and nobody reads it
   std::vector<Strip> strips_;    ///< of all ranks

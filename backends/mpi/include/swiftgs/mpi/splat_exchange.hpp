@@ -10,7 +10,6 @@
 #include <tuple>
 #include <vector>
 
-#include <swiftgs/attribute_stage.hpp>
 #include <swiftgs/colours.hpp>
 #include <swiftgs/mpi/exchange_loops.hpp>
 #include <swiftgs/mpi/offers.hpp>
@@ -18,7 +17,7 @@
 #include <swiftgs/mpi/shares.hpp>
 #include <swiftgs/mpi/staging.hpp>
 #include <swiftgs/mpi/strips.hpp>
-#include <swiftgs/plane/attributes.hpp>
+#include <swiftgs/raster/passes.hpp>
 #include <swiftgs/splats.hpp>
 
 namespace swiftgs {
@@ -32,11 +31,11 @@ class SplatExchange {
   void set_ranks(const Ranks& ranks, bool direct) { own_ = std::size_t(ranks.rank()), direct_ = direct; }
 
   /// Takes the memory for the splats that each rank offers, to join them to what this rank keeps of its
-  /// `shares`, and that for the `colours` of the shares and so many `attributes`. Not collective. Throws
-  /// `CapacityError`.
+  /// `shares`, and that for the `colours` of the shares and the attributes of `passes`. Not collective.
+  /// Throws `CapacityError`.
   void prepare_strips(B& b, const std::vector<Strip>& strips, Shares<B>& shares, Colours<B>& colours,
-                      Span<const Offer> offers, int attributes) {
-    attribute_count_ = attributes;
+                      Span<const Offer> offers, const RasterPasses& passes) {
+    passes_ = passes;
     from_ = {shares.begins.data(), shares.begins.size()};
     to_begins_.assign(1, 0);
     std::uint64_t gaussians = 0;
@@ -65,10 +64,11 @@ class SplatExchange {
       if (has_gaussians_) stage(gaussians_, numbered_, joined_.gaussians);
       stage(of_view_, shares.splats.of_view, joined_.of_view);
       stage(colours_, colours.each, joined_colours_.each);
-      attribute_rows_.reset(rows(0) * out);
-      joined_attribute_rows_.reset(AttributesView::kept_rows_for(attributes) * in);
+      const unsigned rows = passes[0].rows;
+      attribute_rows_.reset(rows * out);
+      joined_attribute_rows_.reset(passes.kept_rows() * in);
       attributes_.packed.reserve(b, attribute_rows_.span(), direct_);
-      attributes_.joined.reserve(b, {joined_attribute_rows_.data(), rows(0) * in}, direct_);
+      attributes_.joined.reserve(b, {joined_attribute_rows_.data(), rows * in}, direct_);
     } catch (const std::bad_alloc&) {
       throw std::runtime_error("out of memory for " + std::to_string(in) + " splats of a strip and " +
                                std::to_string(out) + " to send");
@@ -142,37 +142,34 @@ class SplatExchange {
                                                         joined_colours_.hidden.data()});
   }
 
-  /// The same for attributes of the frame from the `first` on, up to `AttributesView::most`.
-  void find_attributes(B& b, const PlacedScenes& part, const SplatsView& shares, const Views& views,
-                       int first) {
-    const SplatAttributes from{shares, first, rows(first)};
-    if (from.rows != 0) gather_attributes(b, from, part, views, attribute_rows_.data());
-  }
-  void stage_attributes(B& b, int first) {
+  /// The attributes of the shares in a pass, for the caller to fill. @shape{splats, rows}
+  AttributeRow* attribute_rows() { return attribute_rows_.data(); }
+  /// The same for them.
+  void stage_attributes(B& b, const RasterPass& pass) {
     for_others(from_, [&](std::size_t begin, std::size_t end) {
-      attributes_.packed.to_host(b, begin * rows(first), end * rows(first));
+      attributes_.packed.to_host(b, begin * pass.rows, end * pass.rows);
     });
   }
-  void send_attributes(Exchange& exchange, int first) {
-    if (rows(first) != 0)
+  void send_attributes(Exchange& exchange, const RasterPass& pass) {
+    if (pass.rows != 0)
       exchange.all_to_all(attributes_.packed.seen(), from_, attributes_.joined.seen(), to_begins(),
-                          rows(first) * sizeof(AttributeRow));
+                          pass.rows * sizeof(AttributeRow));
   }
-  AttributesView attributes_arrived(B& b, int first) {
-    if (rows(first) == 0) return {};
+  AttributesView attributes_arrived(B& b, const RasterPass& pass) {
+    if (pass.rows == 0) return {};
     for_others(to_begins(), [&](std::size_t begin, std::size_t end) {
-      attributes_.joined.from_host(b, begin * rows(first), end * rows(first));
+      attributes_.joined.from_host(b, begin * pass.rows, end * pass.rows);
     });
     const std::size_t begin = from_[own_], count = from_[own_ + 1] - begin;
     AttributeRow* const joined = joined_attribute_rows_.data();
-    const bool kept = attribute_count_ > int(AttributesView::most);  // later rows take the place of the first
+    const bool kept = passes_.size() > 1;  // later rows take the place of the first
     AttributeRow* const first_row = kept ? joined + AttributesView::most_rows * received() : joined;
-    b.for_each(received(), JoinAttributes{{attribute_rows_.data() + begin * rows(first), rows(first), first},
+    b.for_each(received(), JoinAttributes{{attribute_rows_.data() + begin * pass.rows, pass.rows, pass.first},
                                           count,
                                           std::size_t(to_begins_[own_]),
                                           joined,
-                                          kept && first == 0 ? first_row : nullptr});
-    return {joined, rows(first), first, first_row, kept ? 1 : rows(0)};
+                                          kept && pass.is_base ? first_row : nullptr});
+    return {joined, pass.rows, pass.first, first_row, kept ? 1 : pass.rows};
   }
 
   Splats<B>& joined() { return joined_; }
@@ -195,8 +192,6 @@ class SplatExchange {
   /// Numbers of splats in the shares and of joined splats.
   std::size_t sent() const { return std::size_t(from_[from_.size - 1]); }
   std::size_t received() const { return std::size_t(to_begins_.back()); }
-  /// Rows of a splat's attributes from the `first` on.
-  unsigned rows(int first) const { return AttributesView::rows_for(attribute_count_ - first); }
   Span<const std::uint64_t> to_begins() const { return {to_begins_.data(), to_begins_.size()}; }
 
   /// Calls f(begin, end) for the parts before and behind this rank's own.
@@ -222,7 +217,7 @@ class SplatExchange {
   typename B::template Buffer<AttributeRow> attribute_rows_,
       joined_attribute_rows_;  ///< @shape{splats, rows}
   Both<AttributeRow> attributes_;
-  int attribute_count_ = 0;               ///< that the frame asks for
+  RasterPasses passes_;                   ///< of the frame
   std::size_t own_ = 0;                   ///< this rank
   std::uint32_t gaussians_before_ = 0;    ///< of lower ranks
   Span<const std::uint64_t> from_{};      ///< `Shares::begins`

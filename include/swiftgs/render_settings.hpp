@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <vector>
+
+#include <swiftgs/camera.hpp>
+#include <swiftgs/conventions.hpp>
+#include <swiftgs/frame.hpp>
+#include <swiftgs/math.hpp>
+#include <swiftgs/message.hpp>
+#include <swiftgs/render_input.hpp>
+#include <swiftgs/span.hpp>
+#include <swiftgs/view.hpp>
+
+namespace swiftgs {
+
+/// What a frame is rendered with, beside scene and camera.
+struct RenderSettings {
+  Conventions conventions;
+  /// RGB in the frame's values before its `conversion`, sRGB-encoded of most scenes; shown where
+  /// transmittance is left; has no part in alpha.
+  vec3 background{0};
+  Outputs outputs;  ///< of `render`; `render_into` computes what its frame points to
+  /// Fill all of `Statistics`. A host takes some time for it; of a device's frame the host waits, downloads
+  /// splats and lists, and blends them anew, which may take seconds.
+  bool count = false;
+  bool time = false;  ///< take the `times` of the frame, which costs a device some microseconds
+};
+
+/// What a frame tells beside its images.
+struct Measures {
+  bool count = false;  ///< as `RenderSettings::count`
+  bool time = false;   ///< as `RenderSettings::time`
+};
+
+/// Throws `std::invalid_argument` where nothing can be rendered with `settings`.
+inline void validate(const RenderSettings& settings) {
+  validate(settings.conventions);
+  detail::require_finite_background(settings.background);
+  if (settings.outputs.features < 0)
+    detail::refuse("render: the number of features is ", settings.outputs.features, ", expected 0 or more");
+}
+
+/// Sets `views` to those through `cameras`, whose frames have sizes and no planes yet. Throws as `validate`
+/// and `make_view`.
+inline void make_views(Span<const Camera> cameras, const RenderSettings& settings, std::vector<View>& views) {
+  views.clear();
+  validate(settings);
+  for (const Camera& camera : cameras)
+    views.push_back(make_view(camera, settings.conventions, {.width = camera.width, .height = camera.height},
+                              settings.background));
+}
+
+}  // namespace swiftgs
