@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-#include <swiftgs/any_renderer.hpp>
+#include <swiftgs/renderer_table.hpp>
 #include <swiftgs/swiftgs.hpp>
 #include <swiftgs/thread_count.hpp>
 

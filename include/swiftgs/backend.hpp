@@ -115,6 +115,15 @@ struct MemoryUse {
   std::size_t in_use = 0, total = 0;
 };
 
+/// Memory that a renderer keeps for its stages, the scene excluded. @units{bytes}
+struct StageMemory {
+  std::size_t project = 0;  ///< splats, footprints and colours included
+  std::size_t sort = 0;     ///< tile lists included
+  std::size_t raster = 0;   ///< attributes, frames and picks that the renderer keeps
+
+  std::size_t total() const { return project + sort + raster; }
+};
+
 /// What a program gives to the backend of a renderer. Backends ignore what they have no use for.
 struct BackendOptions {
   int threads = 0;                     ///< of a host, 0 or more; 0: all

@@ -101,15 +101,6 @@ class FrameHooks {
 /// Hooks that do nothing.
 struct NoHooks final : FrameHooks {};
 
-/// Memory that a renderer keeps for its stages, the scene excluded. @units{bytes}
-struct StageMemory {
-  std::size_t project = 0;  ///< splats, footprints and colours included
-  std::size_t sort = 0;     ///< tile lists included
-  std::size_t raster = 0;   ///< attributes, frames and picks that the renderer keeps
-
-  std::size_t total() const { return project + sort + raster; }
-};
-
 /// Runs the stages of a frame, in the only place where their order stands, and owns the memory between them.
 template <class B>
 class Stages {

@@ -16,6 +16,7 @@
 
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/io/replace_file.hpp>
+#include <swiftgs/renderer_table.hpp>
 #include <swiftgs/serial.hpp>
 #include <swiftgs/swiftgs.hpp>
 

@@ -14,7 +14,7 @@ MOST_FILES, MOST_LINES = 40, 4500
 
 FEATURES = {
     "drivers": ["any_*.hpp", "bound_renderer.hpp", "contribution.hpp", "frame_planes.hpp", "measure.hpp", "pick*.hpp",
-                "pruning.hpp", "recorded_frames.hpp", "renderer.hpp", "render_settings.hpp", "resident_frames.hpp",
+                "pruning.hpp", "recorded_frames.hpp", "renderer*.hpp", "render_settings.hpp", "resident_frames.hpp",
                 "statistics.hpp", "hidden_intersections.hpp"],
     "planes": ["plane/*", "attribute_stage.hpp", "raster/store.hpp", "raster/blend.hpp"],
     "lenses": ["lens/*", "camera*.hpp", "view.hpp", "project.hpp"],

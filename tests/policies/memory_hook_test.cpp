@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
-#include <swiftgs/any_renderer.hpp>
 #include <swiftgs/contribution.hpp>
+#include <swiftgs/renderer_table.hpp>
 
 #include "policies/hooked.hpp"
 
