@@ -14,10 +14,12 @@
 #define SWIFTGS_NOINLINE __attribute__((noinline))
 
 #if defined(__CUDACC__)
-// GLM marks its functions for the device only when it has seen <cuda.h>, and then draws a warning for each
-// defaulted one.
-#include <cuda.h>
-#define GLM_FORCE_CUDA
+// GLM marks its functions for the device if it knows the version of CUDA, for which it would include
+// <cuda.h>. The runtime, which nvcc includes by itself, has the same number. GLM reads it once, at its first
+// inclusion. nvcc warns of each defaulted function that is marked.
+#pragma push_macro("CUDA_VERSION")
+#undef CUDA_VERSION
+#define CUDA_VERSION CUDART_VERSION
 #pragma nv_diagnostic push
 #pragma nv_diag_suppress 20012
 #endif
@@ -28,6 +30,7 @@
 #include <glm/vec4.hpp>
 #if defined(__CUDACC__)
 #pragma nv_diagnostic pop
+#pragma pop_macro("CUDA_VERSION")
 #endif
 
 namespace swiftgs {

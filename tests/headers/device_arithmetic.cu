@@ -5,6 +5,10 @@
 #include <swiftgs/contribution.hpp>
 #include <swiftgs/swiftgs.hpp>
 
+#if defined(GLM_FORCE_CUDA) || defined(CUDA_VERSION)
+#error "expected the library neither to define a macro of GLM nor to include <cuda.h>"
+#endif
+
 namespace {
 
 using namespace swiftgs;
