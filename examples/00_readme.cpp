@@ -7,7 +7,7 @@
 using namespace swiftgs;
 
 int main() {
-  Renderer<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer;
+  Renderer<Cpu> renderer;
   const Cpu::SceneOn scene = renderer.backend().upload(make_builtin_scene());
   write_png("frame.png", renderer.render(scene, builtin_camera()));
 }

@@ -18,9 +18,9 @@ int main() {
   constexpr std::size_t pitch = 3 * (2 * width + 24);  // in floats
   std::vector<float> image(pitch * 2 * height, -1.0f);
 
-  // Choose the policies by type. The renderer keeps the memory of its stages from frame to frame; the backend
-  // runs on as many threads as it is told, here on all.
-  Renderer<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer;
+  // The renderer keeps the memory of its stages from frame to frame; the backend runs on as many threads as
+  // it is told, here on all.
+  Renderer<Cpu> renderer;
 
   // A scene is uploaded once. This one needs no file; `load_scene` of <swiftgs/io/scene_file.hpp> reads one.
   const Cpu::SceneOn scene = renderer.backend().upload(make_builtin_scene(20'000));

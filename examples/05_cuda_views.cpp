@@ -133,7 +133,7 @@ int main(int argc, char** argv) try {
              "cudaMemset2DAsync");
 
   // One renderer for all: its memory serves each view in turn.
-  Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer{Cuda(stream.get())};
+  Renderer<Cuda> renderer{Cuda(stream.get())};
   const Region regions[] = {{eye(-1), 0, 0}, {eye(1), eye_width + gap, 0}, {overview(), 0, eye_height + gap}};
   RenderSettings settings;
   settings.time = true;

@@ -22,7 +22,7 @@
 #include <swiftgs/swiftgs.hpp>
 
 using namespace swiftgs;
-using Splatter = Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
+using Splatter = Renderer<Cuda>;
 
 namespace {
 

@@ -15,7 +15,7 @@
 using namespace swiftgs;
 
 int main() {
-  Renderer<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer;
+  Renderer<Cpu> renderer;
   const Cpu::SceneOn scene = renderer.backend().upload(make_builtin_scene(20'000));
   const Camera camera = builtin_camera(640, 360);
   const Frame before = renderer.render(scene, camera);

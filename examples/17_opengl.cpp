@@ -101,7 +101,7 @@ void run(const char* screenshot) {
   glTexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
   glBlendFunc(GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
 
-  Renderer<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer;
+  Renderer<Cpu> renderer;
   const Cpu::SceneOn scene = renderer.backend().upload(make_builtin_scene());
   const glm::vec3 target(0.02f, -1.16f, 0.02f), up(0, -1, 0);
   float turn = -0.26f, rise = 0.2f;

@@ -88,7 +88,7 @@ class Splats : public vtkProp {
  private:
   vtkNew<vtkUnsignedCharArray> image_;
   vtkNew<vtkFloatArray> depth_;
-  Renderer<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> splats_;
+  Renderer<Cpu> splats_;
   Cpu::SceneOn scene_ = splats_.backend().upload(make_builtin_scene());
   double bounds_[6] = {};
 };

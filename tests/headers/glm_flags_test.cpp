@@ -25,8 +25,8 @@ TEST_CASE("headers: a program with aligned GLM draws what the library's kernels 
   camera = transformed(camera, {.translation = glm::dvec3(0.01, 0.02, 0.03)});  // of the program's own type
   RenderSettings settings;
   settings.background = glm::vec3(0.2f, 0.4f, 0.8f);
-  Renderer<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> compiled;
-  Renderer<Serial, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> here;
+  Renderer<Cpu> compiled;
+  Renderer<Serial> here;
   const Frame theirs = compiled.render(compiled.backend().upload(scene), camera, settings);
   const Frame ours = here.render(here.backend().upload(scene), camera, settings);
   CHECK(psnr(theirs.colour, ours.colour) > 100);

@@ -67,7 +67,7 @@ int main(int argc, char** argv) {
       box_before_all.push_back(surface.depth == nowhere ? nowhere : 0);
     }
 
-  Renderer<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer;
+  Renderer<Cpu> renderer;
   const Cpu::SceneOn scene = renderer.backend().upload(make_builtin_scene());
   const auto compose = [&](const std::vector<float>& occluder) {
     Frame frame;

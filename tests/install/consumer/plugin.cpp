@@ -17,7 +17,7 @@ const swiftgs::Camera camera = swiftgs::scaled(swiftgs::builtin_camera(), 0.05);
 
 bool renders_by_type() {
   using namespace swiftgs;
-  Renderer<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer;
+  Renderer<Cpu> renderer;
   write_png("plugin.png", renderer.render(renderer.backend().upload(scene), camera));
   return read_image("plugin.png").width == camera.width;
 }
