@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -45,12 +44,12 @@ const ContributionsEntry& contribution_backend(std::string_view backend) {
   std::string names;
   for (const ContributionsEntry& entry : contribution_backends()) {
     if (entry.backend == backend && !entry.usable)
-      throw std::runtime_error("backend '" + std::string(backend) + "' cannot run on this machine");
+      throw Unavailable("backend '" + std::string(backend) + "' cannot run on this machine");
     if (entry.backend == backend || (backend.empty() && entry.usable)) return entry;
     names += (names.empty() ? "" : ", ") + std::string(entry.backend);
   }
 #if !defined(SWIFTGS_HAS_CUDA)
-  if (backend == "cuda") throw std::invalid_argument("backend 'cuda': the library was built without CUDA");
+  if (backend == "cuda") throw InvalidArgument("backend 'cuda': the library was built without CUDA");
 #endif
   detail::refuse("backend '", backend, "' is not known; expected ", names);
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include <swiftgs/error.hpp>
 #include <swiftgs/renderer_table.hpp>
 #include <swiftgs/swiftgs.hpp>
 #include <swiftgs/thread_count.hpp>
@@ -56,15 +56,15 @@ bool is_usual(const RendererEntry& entry, std::string_view backend) {
          (backend.empty() ? entry.usable : entry.name == std::string(backend) + policies);
 }
 
-std::invalid_argument unknown(std::string_view name, const std::string& alternative) {
+InvalidArgument unknown(std::string_view name, const std::string& alternative) {
   const std::string begin = "renderer '" + std::string(name) + "'";
 #if !defined(SWIFTGS_HAS_CUDA)
   if (name == "cuda" || name.starts_with("cuda/"))
-    return std::invalid_argument(begin + ": the library was built without CUDA");
+    return InvalidArgument(begin + ": the library was built without CUDA");
 #endif
-  return std::invalid_argument(begin + " is not known; expected " + alternative +
-                               "BACKEND/SORT/RASTER/BOUNDS with BACKEND of " + words_at(0) + "; SORT of " +
-                               words_at(1) + "; RASTER of " + words_at(2) + "; BOUNDS of " + words_at(3));
+  return InvalidArgument(begin + " is not known; expected " + alternative +
+                         "BACKEND/SORT/RASTER/BOUNDS with BACKEND of " + words_at(0) + "; SORT of " +
+                         words_at(1) + "; RASTER of " + words_at(2) + "; BOUNDS of " + words_at(3));
 }
 
 }  // namespace
@@ -88,8 +88,7 @@ std::unique_ptr<AnyRenderer> make_renderer(std::string_view name, const BackendO
   require_thread_count(options.threads);
   for (const RendererEntry& entry : renderers()) {
     if (entry.name != name) continue;
-    if (!entry.usable)
-      throw std::runtime_error("renderer '" + std::string(name) + "' cannot run on this machine");
+    if (!entry.usable) throw Unavailable("renderer '" + std::string(name) + "' cannot run on this machine");
     return entry.make(options);
   }
   throw unknown(name, "");

@@ -4,7 +4,6 @@
 #include <cstddef>
 #include <cstdlib>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -12,6 +11,7 @@
 
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/check.hpp>
+#include <swiftgs/error.hpp>
 
 namespace swiftgs::c {
 namespace {
@@ -114,8 +114,7 @@ class CudaFrames final : public HostFrames {
 }  // namespace
 
 void require_device(const char* what) {
-  if (!Cuda::usable())
-    throw std::runtime_error(std::string(what) + ", but there is none that this build can use");
+  if (!Cuda::usable()) throw Unavailable(std::string(what) + ", but there is none that this build can use");
 }
 
 int current_device() {

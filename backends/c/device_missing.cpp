@@ -1,15 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstddef>
 #include <memory>
-#include <stdexcept>
 #include <string>
+
+#include <swiftgs/error.hpp>
 
 #include "device.hpp"
 
 namespace swiftgs::c {
 
 void require_device(const char* what) {
-  throw std::runtime_error(std::string(what) + ", but the library was built without CUDA");
+  throw Unavailable(std::string(what) + ", but the library was built without CUDA");
 }
 
 int current_device() { return 0; }

@@ -4,13 +4,9 @@
 #include <cstddef>
 #include <exception>
 #include <iterator>
-#include <new>
-#include <stdexcept>
 #include <string>
-#include <system_error>
 
 #include <swiftgs/error.hpp>
-#include <swiftgs/io/progress.hpp>
 #include <swiftgs/version.hpp>
 
 namespace swiftgs::c {
@@ -36,29 +32,13 @@ LastError& last_error() {
   return error;
 }
 
-/// Statuses of exceptions, derived classes before their bases.
-swiftgs_status status_of(const std::exception& error) {
-  const auto is = [&]<class E>() { return dynamic_cast<const E*>(&error) != nullptr; };
-  if (is.template operator()<std::length_error>()) return SWIFTGS_OUT_OF_MEMORY;
-  if (is.template operator()<std::invalid_argument>()) return SWIFTGS_INVALID_ARGUMENT;
-  if (is.template operator()<std::logic_error>()) return SWIFTGS_LOGIC_ERROR;
-  if (is.template operator()<std::bad_alloc>()) return SWIFTGS_OUT_OF_MEMORY;
-  if (is.template operator()<FormatError>()) return SWIFTGS_FORMAT_ERROR;
-  if (is.template operator()<Cancelled>()) return SWIFTGS_CANCELLED;
-  if (is.template operator()<CapacityError>()) return SWIFTGS_CAPACITY_ERROR;
-  if (is.template operator()<DeviceError>()) return SWIFTGS_DEVICE_ERROR;
-  if (is.template operator()<std::system_error>()) return SWIFTGS_SYSTEM_ERROR;
-  if (is.template operator()<std::runtime_error>()) return SWIFTGS_UNAVAILABLE;
-  return SWIFTGS_INTERNAL_ERROR;
-}
-
 }  // namespace
 
 swiftgs_status keep_exception() noexcept {
   try {
     throw;
   } catch (const std::exception& error) {
-    const swiftgs_status status = status_of(error);
+    const swiftgs_status status = swiftgs_status(code_of(error));
     last_error().keep(status == SWIFTGS_OUT_OF_MEMORY ? "out of memory" : error.what());
     return status;
   } catch (...) {

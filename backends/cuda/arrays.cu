@@ -3,13 +3,13 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 
 #include <swiftgs/chunks.hpp>
 #include <swiftgs/cuda.cuh>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/warp.cuh>
+#include <swiftgs/error.hpp>
 #include <swiftgs/scene_arrays.hpp>
 
 #include "device_scene.hpp"
@@ -67,7 +67,7 @@ __global__ void __launch_bounds__(bound_threads)
 
 void Cuda::update(DeviceScene& scene, std::size_t first, const SceneArrays& from) const {
   const SceneView view = scene.view();
-  if (!scene.arrays()) throw std::invalid_argument(update_of_borrowed);
+  if (!scene.arrays()) throw InvalidArgument(update_of_borrowed);
   require_replaceable(view.sh_rest, from);
   validate_update(view, first, from);
   DeviceScene::Arrays& to = *scene.arrays();

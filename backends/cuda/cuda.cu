@@ -6,7 +6,6 @@
 #include <memory>
 #include <new>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
@@ -15,6 +14,7 @@
 #include <cuda_runtime_api.h>
 
 #include <swiftgs/cuda.cuh>
+#include <swiftgs/error.hpp>
 #include <swiftgs/sort/sort.hpp>
 
 #include "state.hpp"
@@ -176,7 +176,7 @@ PlacedScenes store_scenes(Cuda& cuda, const PlacedScenes& scenes, Span<const Vie
 
 Cuda::Fork Cuda::fork() {
   State::Side& side = state_->side;
-  if (side.forked) throw std::logic_error("fork: expected the fork before to be joined");
+  if (side.forked) throw OrderError("fork: expected the fork before to be joined");
   side.captured = state_->being_captured("fork");
   if (!side.stream) side.make();
   check_cuda(cudaEventRecord(side.begun.get(), stream()), "cudaEventRecord");
@@ -264,7 +264,7 @@ void Cuda::settle(LastCounters<FrameCounts> counts, const Limits& limits, FrameT
 
 FrameReport Cuda::await_report() const {
   check_not_captured("await_report");
-  if (!state_->awaited) throw std::logic_error("await_report: expected a frame to be settled before");
+  if (!state_->awaited) throw OrderError("await_report: expected a frame to be settled before");
   Mailbox& mailbox = *state_->mailbox;
   const std::atomic_ref<std::uint32_t> posted(mailbox.posted);
   for (unsigned looks = 1; posted.load(std::memory_order_acquire) == 0; ++looks) {

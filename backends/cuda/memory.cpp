@@ -2,7 +2,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -11,6 +10,7 @@
 #include <swiftgs/chunks.hpp>
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/check.hpp>
+#include <swiftgs/error.hpp>
 #include <swiftgs/harmonic_packing.hpp>
 #include <swiftgs/parallel.hpp>
 
@@ -96,7 +96,7 @@ DeviceScene Cuda::upload(const Scene& scene, HarmonicsKept kept) const {
 }
 
 DeviceScene Cuda::upload(std::shared_ptr<const Scene> scene, HarmonicsKept kept) const {
-  if (!scene) throw std::invalid_argument("upload: expected a scene");
+  if (!scene) throw InvalidArgument("upload: expected a scene");
   return upload(*scene, kept);
 }
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <stdexcept>
 #include <string>
 
 #include <cuda_gl_interop.h>
 
 #include <swiftgs/cuda/check.hpp>
+#include <swiftgs/error.hpp>
 #include <swiftgs/gl.hpp>
 
 #include "copy_to_array.hpp"
@@ -29,7 +29,7 @@ PixelFormat format_of(cudaArray_t texture) {
   if (of.w == 8 && !is_float) return PixelFormat::rgba_8;
   if (of.w == 16 && is_float) return PixelFormat::rgba_half;
   if (of.w == 32 && is_float) return PixelFormat::rgba_float;
-  throw std::invalid_argument(
+  throw InvalidArgument(
       "gl::Texture: the texture has another format, expected GL_RGBA8, GL_RGBA16F or GL_RGBA32F");
 }
 

@@ -3,10 +3,11 @@
 
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 #include <string>
 
 #include <glm/matrix.hpp>
+
+#include <swiftgs/error.hpp>
 
 namespace swiftgs::io {
 
@@ -34,7 +35,7 @@ int to_side(const Source& source, std::uint64_t offset, double pixels) {
 void expect_valid(const Source& source, std::uint64_t offset, const Camera& camera) {
   try {
     validate(camera);
-  } catch (const std::invalid_argument& error) {
+  } catch (const InvalidArgument& error) {
     source.fail(offset, std::string("a camera that can be rendered with (") + error.what() + ")");
   }
 }

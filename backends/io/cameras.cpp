@@ -7,6 +7,7 @@
 
 #include "camera_parsing.hpp"
 #include "capture_parts.hpp"
+#include "file_errors.hpp"
 #include "file_kind.hpp"
 #include "listed.hpp"
 #include "mapped_file.hpp"
@@ -70,20 +71,24 @@ CameraFile read_file(const fs::path& path) {
                   what_it_is(text, source.name));
 }
 
-}  // namespace
-}  // namespace io
-
-CameraFile read_cameras(const std::filesystem::path& path) {
-  const bool is_folder = std::filesystem::is_directory(path);
-  const std::filesystem::path found = is_folder ? io::cameras_in(path) : path;
+CameraFile read(const fs::path& path) {
+  const bool is_folder = fs::is_directory(path);
+  const fs::path found = is_folder ? cameras_in(path) : path;
   if (found.empty())
     detail::refuse(path.string(),
                    ": expected cameras.json, transforms.json, or a COLMAP model (cameras.bin and "
                    "images.bin, or .txt), here or in sparse/0 or sparse");
-  if (std::filesystem::is_directory(found)) return io::read_model(found);
-  CameraFile file = io::read_file(found);
-  if (is_folder) io::note_other_splits(found, file.notes);
+  if (fs::is_directory(found)) return read_model(found);
+  CameraFile file = read_file(found);
+  if (is_folder) note_other_splits(found, file.notes);
   return file;
+}
+
+}  // namespace
+}  // namespace io
+
+CameraFile read_cameras(const std::filesystem::path& path) {
+  return io::with_file_errors([&] { return io::read(path); });
 }
 
 std::vector<Camera> load_cameras(const std::filesystem::path& path) { return read_cameras(path).cameras; }

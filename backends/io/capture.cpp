@@ -13,6 +13,7 @@
 #include <swiftgs/message.hpp>
 
 #include "capture_parts.hpp"
+#include "file_errors.hpp"
 #include "file_kind.hpp"
 #include "foreign_file.hpp"
 #include "mapped_file.hpp"
@@ -153,26 +154,32 @@ fs::path cameras_in(const fs::path& folder) {
   return {};
 }
 
-}  // namespace io
+namespace {
 
-Capture find_capture(const std::filesystem::path& path) {
-  namespace fs = std::filesystem;
+Capture find(const fs::path& path) {
   Capture capture;
   fs::path folder = path;
   if (!fs::is_directory(path)) {
     capture.scene = path;
     folder = path.has_parent_path() ? path.parent_path() : ".";
-  } else if (capture.scene = io::trained_in(path); !capture.scene.empty()) {
-    capture.name = io::name_of(path);
+  } else if (capture.scene = trained_in(path); !capture.scene.empty()) {
+    capture.name = name_of(path);
   } else {
-    capture.scene = io::scene_in(path);
+    capture.scene = scene_in(path);
   }
-  for (const std::string_view file : io::sog_files)
-    if (capture.scene.filename() == file && fs::is_directory(folder)) capture.name = io::name_of(folder);
-  if (capture.name.empty()) capture.name = io::name_of_scene(capture.scene);
-  capture.cameras = io::cameras_in(folder);
+  for (const std::string_view file : sog_files)
+    if (capture.scene.filename() == file && fs::is_directory(folder)) capture.name = name_of(folder);
+  if (capture.name.empty()) capture.name = name_of_scene(capture.scene);
+  capture.cameras = cameras_in(folder);
   if (fs::path photos = folder / "photos"; fs::is_directory(photos)) capture.photos = photos;
   return capture;
+}
+
+}  // namespace
+}  // namespace io
+
+Capture find_capture(const std::filesystem::path& path) {
+  return io::with_file_errors([&] { return io::find(path); });
 }
 
 }  // namespace swiftgs

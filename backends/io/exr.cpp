@@ -13,6 +13,8 @@
 #include <ImfInputFile.h>
 #include <ImfOutputFile.h>
 
+#include <swiftgs/error.hpp>
+
 #include "image_parsing.hpp"
 #include "output_file.hpp"
 
@@ -161,7 +163,7 @@ void write_exr(const std::filesystem::path& path, const Frame& frame) {
     file.setFrameBuffer(source);
     file.writePixels(frame.height);
   } catch (const std::exception& error) {
-    throw std::runtime_error(path.string() + ": EXR encoder: " + error.what());
+    throw Unavailable(path.string() + ": EXR encoder: " + error.what());
   }
   io::OutputFile file(path);
   file.write(encoded.bytes().data(), encoded.bytes().size());

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Takes the place of exr.cpp in a build without OpenEXR.
-#include <stdexcept>
+
+#include <swiftgs/error.hpp>
 
 #include "image_parsing.hpp"
 
@@ -11,7 +12,7 @@ Image io::parse_exr(const Source& source) {
 }
 
 void write_exr(const std::filesystem::path& path, const Frame&) {
-  throw std::runtime_error(path.string() + ": EXR cannot be written: this build is without OpenEXR");
+  throw Unavailable(path.string() + ": EXR cannot be written: this build is without OpenEXR");
 }
 
 }  // namespace swiftgs

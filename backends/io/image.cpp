@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <stdexcept>
 #include <string>
 
 #include <swiftgs/camera.hpp>
+#include <swiftgs/error.hpp>
 
 #include "image_parsing.hpp"
 #include "mapped_file.hpp"
@@ -35,7 +35,7 @@ void expect_plausible_size(const Source& source, std::uint64_t offset, std::uint
 
 void expect_colour(const Frame& frame) {
   if (frame.width < 1 || frame.height < 1 || frame.colour.size() != 3 * frame.pixels())
-    throw std::invalid_argument("image: expected a frame with colour");
+    throw InvalidArgument("image: expected a frame with colour");
 }
 
 }  // namespace io

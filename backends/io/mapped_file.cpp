@@ -10,6 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <swiftgs/error.hpp>
+
 namespace swiftgs::io {
 namespace {
 
@@ -26,10 +28,10 @@ const NoRegularFile no_regular_file;
 
 MappedFile::MappedFile(const std::filesystem::path& path) {
   const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-  if (file < 0) throw std::system_error(errno, std::generic_category(), path.string());
+  if (file < 0) throw FileError({errno, std::generic_category()}, path.string());
   const auto fail = [&](int code, const std::error_category& category = std::generic_category()) {
     ::close(file);
-    throw std::system_error(code, category, path.string());
+    throw FileError({code, category}, path.string());
   };
 
   struct stat status {};

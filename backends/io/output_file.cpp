@@ -5,6 +5,8 @@
 #include <system_error>
 #include <utility>
 
+#include <swiftgs/error.hpp>
+
 namespace swiftgs::io {
 
 OutputFile::OutputFile(const std::filesystem::path& path)
@@ -26,10 +28,10 @@ void OutputFile::close() {
   try {
     unfinished_.finish();
   } catch (const std::system_error& error) {
-    throw std::system_error(error.code(), path_.string());
+    throw FileError(error.code(), path_.string());
   }
 }
 
-void OutputFile::fail() const { throw std::system_error(errno, std::generic_category(), path_.string()); }
+void OutputFile::fail() const { throw FileError({errno, std::generic_category()}, path_.string()); }
 
 }  // namespace swiftgs::io

@@ -2,8 +2,8 @@
 #include "ply_model.hpp"
 
 #include <algorithm>
-#include <stdexcept>
 
+#include <swiftgs/error.hpp>
 #include <swiftgs/io/model_text.hpp>
 
 #include "listed.hpp"
@@ -39,7 +39,7 @@ RenderingModel model_of(const PlyHeader& header, bool filtered, std::vector<std:
     } else if (key == own_key) {
       try {
         model = model_from(value, model);
-      } catch (const std::invalid_argument&) {  // no comment makes a file unreadable
+      } catch (const InvalidArgument&) {  // no comment makes a file unreadable
         notes.push_back("The comment on the rendering model is not known, and ignored: " + value + ".");
       }
     }

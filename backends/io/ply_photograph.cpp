@@ -3,7 +3,8 @@
 
 #include <cmath>
 #include <optional>
-#include <stdexcept>
+
+#include <swiftgs/error.hpp>
 
 #include "ply_fields.hpp"
 #include "ply_rows.hpp"
@@ -70,7 +71,7 @@ std::optional<Camera> camera_of(const Elements& elements) {
   }
   try {
     validate(camera);
-  } catch (const std::invalid_argument&) {
+  } catch (const InvalidArgument&) {
     return std::nullopt;
   }
   return camera;

@@ -2,11 +2,12 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
 #include <png.h>
+
+#include <swiftgs/error.hpp>
 
 #include "image_parsing.hpp"
 #include "output_file.hpp"
@@ -39,7 +40,7 @@ std::vector<std::byte> encode(const Frame& frame, const std::string& name) {
   std::vector<std::byte> encoded(PNG_IMAGE_PNG_SIZE_MAX(image));
   png_alloc_size_t size = encoded.size();
   if (!png_image_write_to_memory(&image, encoded.data(), &size, 0, bytes.data(), 0, nullptr))
-    throw std::runtime_error(name + ": PNG encoder: " + image.message);
+    throw Unavailable(name + ": PNG encoder: " + image.message);
   encoded.resize(size);
   return encoded;
 }

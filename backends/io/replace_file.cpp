@@ -2,6 +2,7 @@
 #include <cerrno>
 #include <system_error>
 
+#include <swiftgs/error.hpp>
 #include <swiftgs/io/replace_file.hpp>
 
 #include "output_file.hpp"
@@ -17,7 +18,7 @@ void replace_file(const std::filesystem::path& path,
     write(file.path());
     file.finish();
   } catch (const std::system_error& error) {
-    throw std::system_error(error.code(), path.string());
+    throw FileError(error.code(), path.string());
   }
 }
 
@@ -30,7 +31,7 @@ void replace_file(const std::filesystem::path& path, std::string_view content) {
 void require_replaceable(const std::filesystem::path& path) {
   std::error_code none;
   if (std::filesystem::is_directory(path, none))
-    throw std::system_error(EISDIR, std::generic_category(), path.string());
+    throw FileError({EISDIR, std::generic_category()}, path.string());
   if (!io::is_stream(path)) io::OutputFile{path};  // gone again, as it is never closed
 }
 

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -16,11 +15,13 @@
 #include <nlohmann/json.hpp>
 
 #include <swiftgs/clip.hpp>
+#include <swiftgs/error.hpp>
 #include <swiftgs/io/replace_file.hpp>
 #include <swiftgs/io/scene_list.hpp>
 #include <swiftgs/placing.hpp>
 #include <swiftgs/rotation.hpp>
 
+#include "file_errors.hpp"
 #include "file_kind.hpp"
 #include "json_entry.hpp"
 #include "listed.hpp"
@@ -47,7 +48,7 @@ template <class Check>
 void checked(const JsonEntry& entry, const Check& check) {
   try {
     check();
-  } catch (const std::invalid_argument& error) {
+  } catch (const InvalidArgument& error) {
     const std::string_view what = error.what(), expected = "expected ";
     entry.fail(std::string(what.substr(what.find(expected) + expected.size())));
   }
@@ -178,14 +179,13 @@ void require_readable(const ListedScene& scene) {
   swiftgs::detail::validate_placing(scene.world_from_scene, scene.opacity, {}, scene.tint);
   for (const HalfSpace& half : scene.half_spaces) {
     validate(half);
-    if (!std::isfinite(half.offset))
-      throw std::invalid_argument("expected a half-space with a finite offset");
+    if (!std::isfinite(half.offset)) throw InvalidArgument("expected a half-space with a finite offset");
   }
   if (scene.half_spaces.size() > std::size_t(Clip::max_half_spaces))
-    throw std::invalid_argument("expected at most " + std::to_string(Clip::max_half_spaces) + " half-spaces");
+    throw InvalidArgument("expected at most " + std::to_string(Clip::max_half_spaces) + " half-spaces");
   if (scene.sphere) validate(*scene.sphere);
   if (scene.file.empty() || scene.count == 0)
-    throw std::invalid_argument("expected a name, and 1 Gaussian or more");
+    throw InvalidArgument("expected a name, and 1 Gaussian or more");
 }
 
 }  // namespace
@@ -203,7 +203,7 @@ std::vector<ListedScene> parse_scene_list(const Source& source) {
 }  // namespace io
 
 bool is_scene_list(const std::filesystem::path& path) {
-  if (!std::filesystem::is_regular_file(path)) return false;
+  if (!io::with_file_errors([&] { return std::filesystem::is_regular_file(path); })) return false;
   const io::MappedFile file(path);
   const io::Source source{file.bytes(), path.string()};
   return io::kind_of(source.text(), source.name) == io::FileKind::scene_list;
@@ -215,16 +215,16 @@ std::vector<ListedScene> read_scene_list(const std::filesystem::path& path) {
 }
 
 void write_scene_list(const std::filesystem::path& path, const std::vector<ListedScene>& scenes) {
-  if (scenes.empty()) throw std::invalid_argument(path.string() + ": expected a scene or more to write");
+  if (scenes.empty()) throw InvalidArgument(path.string() + ": expected a scene or more to write");
   std::string text;
   for (const ListedScene& scene : scenes) {
     try {
       io::require_readable(scene);
       text += (text.empty() ? "[" : ",\n ") + io::written(scene).dump();
-    } catch (const std::invalid_argument& error) {
-      throw std::invalid_argument(path.string() + ": '" + scene.file + "': " + error.what());
+    } catch (const InvalidArgument& error) {
+      throw InvalidArgument(path.string() + ": '" + scene.file + "': " + error.what());
     } catch (const nlohmann::json::exception&) {
-      throw std::invalid_argument(path.string() + ": '" + scene.file + "': expected a name in UTF-8");
+      throw InvalidArgument(path.string() + ": '" + scene.file + "': expected a name in UTF-8");
     }
   }
   replace_file(path, text + "]\n");

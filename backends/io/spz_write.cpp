@@ -8,7 +8,6 @@
 #include <new>
 #include <optional>
 #include <span>
-#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
@@ -58,7 +57,7 @@ class ZstdFrame {
   static constexpr int level = 6;
 
   static std::size_t check(std::size_t result) {
-    if (ZSTD_isError(result)) throw std::runtime_error(ZSTD_getErrorName(result));
+    if (ZSTD_isError(result)) throw Unavailable(ZSTD_getErrorName(result));
     return result;
   }
 

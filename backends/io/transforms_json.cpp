@@ -4,9 +4,10 @@
 #include <cmath>
 #include <numbers>
 #include <string>
-#include <system_error>
 
 #include <glm/matrix.hpp>
+
+#include <swiftgs/error.hpp>
 
 #include "camera_entry.hpp"
 #include "camera_parsing.hpp"
@@ -69,7 +70,7 @@ void set_size(Camera& camera, const CameraEntry& frame, const std::filesystem::p
     const MappedFile file(image);
     const ImageSize size = image_size({file.bytes(), image.string()});
     camera.width = size.width, camera.height = size.height;
-  } catch (const std::system_error& error) {
+  } catch (const FileError& error) {
     frame.own.fail(std::string("a frame with 'w' and 'h', or its image (") + error.what() + ")");
   }
 }

@@ -10,6 +10,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <swiftgs/error.hpp>
+
 namespace swiftgs::io {
 namespace {
 
@@ -25,7 +27,7 @@ fs::path target_of(const fs::path& path) {
     if (none) return target;
     target = target.parent_path() / next;  // `next` alone where it is absolute
   }
-  throw std::system_error(ELOOP, std::generic_category(), path.string());
+  throw FileError({ELOOP, std::generic_category()}, path.string());
 }
 
 /// A name in the same folder that no other has.

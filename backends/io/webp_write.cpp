@@ -3,9 +3,10 @@
 
 #include <memory>
 #include <new>
-#include <stdexcept>
 
 #include <webp/encode.h>
+
+#include <swiftgs/error.hpp>
 
 namespace swiftgs::io {
 namespace {
@@ -34,7 +35,7 @@ std::string encode_webp(const RgbaImage& image, const Stopping& stopping) {
   WebPConfig config;
   WebPPicture picture;
   if (!WebPConfigPreset(&config, WEBP_PRESET_DEFAULT, effort) || !WebPPictureInit(&picture))
-    throw std::runtime_error("WebP encoder: the library is of another version than its headers");
+    throw Unavailable("WebP encoder: the library is of another version than its headers");
   config.lossless = 1;
   config.exact = 1;
   config.method = method;
@@ -49,7 +50,7 @@ std::string encode_webp(const RgbaImage& image, const Stopping& stopping) {
   picture.progress_hook = goes_on;
   if (!WebPPictureImportRGBA(&picture, image.bytes.data(), int(4 * image.width))) throw std::bad_alloc();
   if (!WebPEncode(&config, &picture) && picture.error_code != VP8_ENC_ERROR_USER_ABORT)
-    throw std::runtime_error("WebP encoder: error " + std::to_string(picture.error_code));
+    throw Unavailable("WebP encoder: error " + std::to_string(picture.error_code));
   return encoding.file;
 }
 

@@ -2,9 +2,10 @@
 #include "zip_write.hpp"
 
 #include <limits>
-#include <stdexcept>
 
 #include <zlib.h>
+
+#include <swiftgs/error.hpp>
 
 namespace swiftgs::io {
 namespace {
@@ -21,7 +22,7 @@ void append32(std::string& to, std::uint32_t value) {
 
 std::uint32_t in_32_bits(std::uint64_t value) {
   if (value >= std::numeric_limits<std::uint32_t>::max())
-    throw std::length_error("ZIP: expected less than 4 GiB");
+    throw CapacityError("bytes of a ZIP file", value, std::numeric_limits<std::uint32_t>::max() - 1);
   return std::uint32_t(value);
 }
 

@@ -13,7 +13,7 @@ class ZipWriter {
  public:
   explicit ZipWriter(OutputFile& file) : file_(file) {}
 
-  /// Throws `std::length_error` beyond 4 GiB, for which ZIP has another format.
+  /// Throws `CapacityError` beyond 4 GiB, for which ZIP has another format.
   void add(const std::string& name, const std::string& content);
 
   /// Must be called last.

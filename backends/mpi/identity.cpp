@@ -10,6 +10,7 @@
 
 #include <link.h>
 
+#include <swiftgs/error.hpp>
 #include <swiftgs/mpi/identity.hpp>
 #include <swiftgs/version.hpp>
 
@@ -45,7 +46,7 @@ struct CloseFile {
 };
 
 [[noreturn]] void fail(const std::filesystem::path& path) {
-  throw std::system_error(errno, std::generic_category(), path.string());
+  throw FileError({errno, std::generic_category()}, path.string());
 }
 
 void add_block(Checksum& sum, std::FILE* file, const std::filesystem::path& path, std::uint64_t begin,

@@ -3,6 +3,7 @@
 #include <exception>
 #include <filesystem>
 #include <new>
+#include <stdexcept>
 #include <string>
 #include <thread>
 #include <utility>
@@ -22,17 +23,17 @@ void mpi::check(int result, const char* call) {
   throw MpiError(call, std::string(text, std::size_t(length)));
 }
 
-std::string mpi::text_of(const std::exception_ptr& error) {
+mpi::Described mpi::describe(const std::exception_ptr& error) {
   try {
     std::rethrow_exception(error);
   } catch (const std::bad_alloc&) {
-    return "out of memory";
+    return {ErrorCode::out_of_memory, "out of memory"};
   } catch (const std::filesystem::filesystem_error& of_file) {
-    return of_file.path1().string() + ": " + of_file.code().message();
+    return {ErrorCode::file, of_file.path1().string() + ": " + of_file.code().message()};
   } catch (const std::exception& any) {
-    return any.what();
+    return {code_of(any), any.what()};
   } catch (...) {
-    return "unknown error";
+    return {ErrorCode::internal, "unknown error"};
   }
 }
 
@@ -158,12 +159,17 @@ void Ranks::require_same(const std::string& what, const std::string& mine) const
 }
 
 void Failure::tell(const Ranks& ranks) const {
-  const std::vector<std::string> each =
-      ranks.all_gather(error_ ? detail::message("!", mpi::text_of(error_)) : "");
+  std::string mine;  // the number of the code, and the text behind it
+  if (error_) {
+    const auto [code, text] = mpi::describe(error_);
+    mine = char(code) + text;
+  }
+  const std::vector<std::string> each = ranks.all_gather(mine);
   if (error_) std::rethrow_exception(error_);
   for (std::size_t r = 0; r < each.size(); ++r)
-    if (!each[r].empty()) throw RankError(int(r), each[r].substr(1));
-  throw std::logic_error("ranks: one was said to have failed, expected its message");
+    if (!each[r].empty()) throw RankError(int(r), ErrorCode(each[r][0]), each[r].substr(1));
+  throw detail::ErrorAs<std::logic_error>(ErrorCode::internal,
+                                          "ranks: one was said to have failed, expected its message");
 }
 
 }  // namespace swiftgs

@@ -8,6 +8,7 @@
 #include <memory>
 #include <string>
 
+#include <swiftgs/error.hpp>
 #include <swiftgs/mpi/comm.hpp>
 
 namespace swiftgs {
@@ -38,7 +39,11 @@ inline constexpr int data_tag = 0, step_tag = 1;
 void check(int result, const char* call);
 
 /// What a line about an error says of it.
-std::string text_of(const std::exception_ptr& error);
+struct Described {
+  ErrorCode code;
+  std::string text;
+};
+Described describe(const std::exception_ptr& error);
 
 /// Receives one step that another rank tells, and waits for it.
 void hear_step(Ranks::State& state);

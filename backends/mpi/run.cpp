@@ -47,7 +47,7 @@ int run_on_ranks(const std::string& program, const std::function<int(Ranks&)>& w
       std::this_thread::sleep_for(patience);  // the rank that failed says so itself
       end_all(program, ranks, error.what());
     } catch (...) {
-      end_all(program, ranks, mpi::text_of(std::current_exception()));
+      end_all(program, ranks, mpi::describe(std::current_exception()).text);
     }
   }
   MPI_Finalize();

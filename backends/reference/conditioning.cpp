@@ -5,10 +5,10 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <stdexcept>
 #include <type_traits>
 #include <vector>
 
+#include <swiftgs/error.hpp>
 #include <swiftgs/parallel.hpp>
 #include <swiftgs/reference/conditioning.hpp>
 
@@ -217,9 +217,9 @@ ConditionedFrame render_conditioned(Span<const ReferenceScene> scenes, const Cam
   check_reference_arguments(scenes, camera, background, occluder);
   const Conventions conventions = of_frame(given, scenes, occluder.size != 0);
   if (*conventions.order != SplatOrder::depth || *conventions.colours != ColourSpace::srgb)
-    throw std::invalid_argument("render_conditioned: expected an order by depth and sRGB-encoded colours");
+    throw InvalidArgument("render_conditioned: expected an order by depth and sRGB-encoded colours");
   if (conventions.depth_at != Conventions::DepthAt::centre)
-    throw std::invalid_argument("render_conditioned: expected depths of centres");
+    throw InvalidArgument("render_conditioned: expected depths of centres");
   validate(conventions);
   threads = thread_count(threads);
   prepare(out.frame, camera);

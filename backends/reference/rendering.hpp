@@ -8,11 +8,11 @@
 #include <cmath>
 #include <cstddef>
 #include <optional>
-#include <stdexcept>
 #include <vector>
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
+#include <swiftgs/error.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/parallel.hpp>
 #include <swiftgs/reference.hpp>
@@ -37,11 +37,11 @@ inline Conventions of_frame(Conventions conventions, Span<const ReferenceScene> 
     if (placed.scene.size() == 0) continue;
     if (leaves_order && !has_occluder && model.order == SplatOrder::distance) conventions.order = model.order;
     if (leaves_colours && conventions.colours.value_or(model.colours) != model.colours)
-      throw std::invalid_argument("render_reference: expected scenes of one kind of colours");
+      throw InvalidArgument("render_reference: expected scenes of one kind of colours");
     if (leaves_colours) conventions.colours = model.colours;
   }
   if (has_occluder && conventions.order == SplatOrder::distance)
-    throw std::invalid_argument("render_reference: expected an order by depth beside an occluder");
+    throw InvalidArgument("render_reference: expected an order by depth beside an occluder");
   if (!conventions.order) conventions.order = SplatOrder::depth;
   if (!conventions.colours) conventions.colours = ColourSpace::srgb;
   return conventions;
@@ -122,10 +122,10 @@ inline void check_reference_arguments(Span<const ReferenceScene> scenes, const C
   for (const ReferenceScene& placed : scenes) validate(placed);
   validate(camera);
   if (!std::isfinite(background.x) || !std::isfinite(background.y) || !std::isfinite(background.z))
-    throw std::invalid_argument("render_reference: expected a finite background");
+    throw InvalidArgument("render_reference: expected a finite background");
   const std::size_t pixels = std::size_t(camera.width) * std::size_t(camera.height);
   if (occluder.size != 0 && occluder.size != pixels)
-    throw std::invalid_argument("render_reference: expected an occluder of the camera's size");
+    throw InvalidArgument("render_reference: expected an occluder of the camera's size");
 }
 
 /// Gives `frame` the size of the camera's image.

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cstddef>
-#include <stdexcept>
 #include <string>
 #include <utility>
 
@@ -9,6 +8,7 @@
 #include <unistd.h>
 
 #include <swiftgs/cuda/check.hpp>
+#include <swiftgs/error.hpp>
 #include <swiftgs/vulkan.hpp>
 
 #include "copy_to_array.hpp"
@@ -75,7 +75,7 @@ cudaChannelFormatDesc channels_of(PixelFormat format) {
     case PixelFormat::rgb_float:
       break;
   }
-  throw std::invalid_argument("vulkan::Image: the format has three channels, expected four");
+  throw InvalidArgument("vulkan::Image: the format has three channels, expected four");
 }
 
 }  // namespace

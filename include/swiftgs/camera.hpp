@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cmath>
-#include <stdexcept>
 #include <string>
 
 #include <swiftgs/finite.hpp>
@@ -99,7 +98,7 @@ inline void validate(const Camera& camera) {
 /// Sides are rounded to whole pixels, at least one, so the last ones may show a little more or less.
 inline Camera scaled(Camera camera, double scale) {
   if (!(scale > 0) || !detail::is_finite(scale))
-    throw std::invalid_argument("camera: expected a finite scale above 0");
+    throw InvalidArgument("camera: expected a finite scale above 0");
   const auto side = [&](int pixels) {
     const double rounded = std::round(pixels * scale);
     return rounded < 1 ? 1 : rounded > max_image_side ? max_image_side + 1 : int(rounded);
@@ -115,7 +114,7 @@ inline Camera look_at(dvec3 eye, dvec3 target, dvec3 up, double vertical_fov, in
   using detail::cross, detail::dot;
   const auto unit = [&](dvec3 v) {
     const double length = std::sqrt(dot(v, v));
-    if (!(length > 0)) throw std::invalid_argument("look_at: expected eye, target and up to span a frame");
+    if (!(length > 0)) throw InvalidArgument("look_at: expected eye, target and up to span a frame");
     return v / length;
   };
   const dvec3 z = unit(target - eye), x = unit(cross(z, up)), y = cross(z, x);

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
-#include <stdexcept>
 #include <vector>
 
+#include <swiftgs/error.hpp>
 #include <swiftgs/frame.hpp>
 
 namespace swiftgs {
@@ -18,7 +18,7 @@ namespace swiftgs {
 /// if `whole` has no occluder.
 inline std::vector<float> half_size_occluder(const FrameView& whole) {
   if (!whole.occluder.data)
-    throw std::invalid_argument("half_size_occluder: the frame has no occluder, expected one");
+    throw InvalidArgument("half_size_occluder: the frame has no occluder, expected one");
   const std::size_t width = std::size_t(whole.width), height = std::size_t(whole.height);
   std::vector<float> depths;
   depths.reserve((width + 1) / 2 * ((height + 1) / 2));

@@ -6,12 +6,12 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
 #include <swiftgs/chunks.hpp>
 #include <swiftgs/count.hpp>
+#include <swiftgs/error.hpp>
 #include <swiftgs/harmonic_packing.hpp>
 #include <swiftgs/harmonics.hpp>
 #include <swiftgs/scene.hpp>
@@ -29,7 +29,7 @@ class HostScene {
   HostScene(const B& backend, std::shared_ptr<const Scene> scene,
             HarmonicsKept kept = HarmonicsKept::smallest)
       : arrays_(std::make_shared<Arrays>()) {
-    if (!scene) throw std::invalid_argument("upload: expected a scene");
+    if (!scene) throw InvalidArgument("upload: expected a scene");
     arrays_->of_caller = std::move(scene);
     look_at(backend);
     if (kept == HarmonicsKept::halves) pack(backend, kept);
@@ -77,7 +77,7 @@ class HostScene {
   /// `validate_numbers` do.
   template <class B>
   void update(const B& backend, std::size_t first, const SceneArrays& arrays) {
-    if (arrays_->borrowed) throw std::invalid_argument(update_of_borrowed);
+    if (arrays_->borrowed) throw InvalidArgument(update_of_borrowed);
     require_replaceable(arrays_->view.sh_rest, arrays);
     validate_update(arrays_->scene(), first, arrays);
     require_finite(backend, first, arrays);

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cmath>
-#include <stdexcept>
 #include <string_view>
 
 #include <swiftgs/finite.hpp>
@@ -74,7 +73,7 @@ inline void validate(const Lens& lens) {
        {d.radial[0], d.radial[1], d.radial[2], d.radial[3], d.rational[0], d.rational[1], d.rational[2],
         d.tangential[0], d.tangential[1], d.prism[0], d.prism[1]})
     if (!detail::is_finite(number) || std::fabs(number) > 1e6)
-      throw std::invalid_argument("camera: expected distortion coefficients of at most 1e6 in magnitude");
+      throw InvalidArgument("camera: expected distortion coefficients of at most 1e6 in magnitude");
   const bool takes_distortion = lens.model == LensModel::perspective || lens.model == LensModel::fisheye;
   if (!takes_distortion && lens.is_distorted())
     detail::refuse("camera: expected no distortion of an ", name_of(lens.model), " lens");

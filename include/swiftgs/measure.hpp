@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <limits>
 #include <optional>
-#include <stdexcept>
 #include <tuple>
 #include <vector>
 
+#include <swiftgs/error.hpp>
 #include <swiftgs/frame_renderer.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/raster/raster.hpp>
@@ -98,7 +98,7 @@ template <class B>
 std::vector<std::size_t> visible_by_scene(const FrameRenderer<B>& renderer) {
   const LastFrame& last = renderer.last();
   if (last.kind != LastFrame::Kind::drawn)
-    throw std::logic_error("visible_by_scene: expected a frame before");
+    throw OrderError("visible_by_scene: expected a frame before");
   std::vector<std::uint32_t> numbers(std::size_t(renderer.report().visible));
   const Stages<B>& stages = renderer.stages();
   stages.backend().download(stages.splats().view().gaussians.first(numbers.size()), numbers.data());

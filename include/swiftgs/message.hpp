@@ -3,9 +3,10 @@
 
 #include <concepts>
 #include <cstddef>
-#include <stdexcept>
 #include <string>
 #include <string_view>
+
+#include <swiftgs/error.hpp>
 
 namespace swiftgs::detail {
 
@@ -55,10 +56,10 @@ std::string message(Parts... parts) {
   return joined(all, sizeof...(parts));
 }
 
-/// Throws `std::invalid_argument` with the message of `parts`.
+/// Throws `InvalidArgument` with the message of `parts`.
 template <class... Parts>
 [[noreturn]] void refuse(Parts... parts) {
-  throw std::invalid_argument(message(parts...));
+  throw InvalidArgument(message(parts...));
 }
 
 }  // namespace swiftgs::detail

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
 
 #include <swiftgs/camera.hpp>
+#include <swiftgs/error.hpp>
 #include <swiftgs/finite.hpp>
 #include <swiftgs/math.hpp>
 
@@ -36,9 +36,9 @@ inline Camera orbit(const OrbitView& view, double turn, double rise = 0, double 
   using detail::cross, detail::dot, detail::turned;
   const double length = std::sqrt(dot(view.up, view.up));
   if (!(length > 0 && detail::is_finite(length)))
-    throw std::invalid_argument("orbit: expected an up of a finite length above 0");
+    throw InvalidArgument("orbit: expected an up of a finite length above 0");
   if (!(distance > 0 && detail::is_finite(distance) && detail::is_finite(turn) && detail::is_finite(rise)))
-    throw std::invalid_argument("orbit: expected finite angles and a finite distance above 0");
+    throw InvalidArgument("orbit: expected finite angles and a finite distance above 0");
   const dvec3 up = view.up / length;
   Camera camera = view.camera;
   const dvec3 seen = camera.rotation * view.target + camera.translation;  // which stays

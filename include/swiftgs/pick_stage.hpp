@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <stdexcept>
 #include <tuple>
 #include <utility>
 #include <vector>
 
+#include <swiftgs/error.hpp>
 #include <swiftgs/frame_renderer.hpp>
 #include <swiftgs/message.hpp>
 #include <swiftgs/pick.hpp>
@@ -28,7 +28,7 @@ class Picker {
     const LastFrame& last = renderer.last();
     const Views& views = last.views;
     if (last.kind == LastFrame::Kind::none || views.size() == 0)
-      throw std::logic_error("pick: expected a frame before");
+      throw OrderError("pick: expected a frame before");
     check(last, rectangle);
     std::vector<PickedPixel> picked(std::size_t(rectangle.width) * std::size_t(rectangle.height));
     picked_.reset(picked.size());

@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <memory>
 #include <optional>
-#include <stdexcept>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -18,6 +17,7 @@
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/api.hpp>
 #include <swiftgs/bound_renderer.hpp>
+#include <swiftgs/error.hpp>
 #include <swiftgs/message.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/scene_arrays.hpp>
@@ -66,7 +66,7 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
     renderer_.backend().update(numbered(scene), first, arrays);
   }
   void place(Span<const Placement> placements) override {
-    if (placements.empty()) throw std::invalid_argument("place: expected one placement or more");
+    if (placements.empty()) throw InvalidArgument("place: expected one placement or more");
     Placed placed;
     for (const Placement& p : placements) {
       require_known("place", p.scene);
@@ -116,7 +116,7 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
   }
   Span<PlacedScene> recorded_scenes() override {
     if (!recorded_ || recorded_alone_)
-      throw std::logic_error("recorded_scenes: expected reserve of placed scenes before");
+      throw OrderError("recorded_scenes: expected reserve of placed scenes before");
     return {renderer_.recorded_scenes(), recorded_->each.size()};
   }
   std::vector<std::size_t> refused_scenes() const override { return renderer_.refused_scenes(); }
@@ -176,7 +176,7 @@ class SWIFTGS_API AnyRendererOn final : public AnyRenderer {
   }
 
   PlacedScenes scenes() {
-    if (!scene_) throw std::logic_error("render: expected a scene before the first frame");
+    if (!scene_) throw OrderError("render: expected a scene before the first frame");
     update_views(placed_, placed_.each.data());
     return placed_.each;
   }

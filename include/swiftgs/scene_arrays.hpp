@@ -10,7 +10,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <stdexcept>
 
 #include <swiftgs/activation.hpp>
 #include <swiftgs/count.hpp>
@@ -92,7 +91,7 @@ inline void validate(const SceneArrays& arrays) {
 inline SceneView view(const SceneArrays& arrays) {
   validate(arrays);
   if (arrays.log_scales || arrays.logit_opacities)
-    throw std::invalid_argument(
+    throw InvalidArgument(
         "scene: log_scales or logit_opacities is set, expected neither of arrays that are drawn where they "
         "lie");
   SceneView out{.sh_degree = arrays.sh_degree,

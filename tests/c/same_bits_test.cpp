@@ -453,17 +453,19 @@ TEST_CASE("c: every kind of exception has a status and keeps its text") {
     CHECK(status_of(error) == expected);
     CHECK(swiftgs_last_error() == text);
   };
-  check(std::invalid_argument("one"), SWIFTGS_INVALID_ARGUMENT, "one");
+  check(InvalidArgument("one"), SWIFTGS_INVALID_ARGUMENT, "one");
   check(FormatError("file", 3, "four"), SWIFTGS_FORMAT_ERROR, "file: byte 3: expected four");
   check(Cancelled("file"), SWIFTGS_CANCELLED, "file: cancelled");
-  check(std::system_error(std::make_error_code(std::errc::io_error), "five"), SWIFTGS_SYSTEM_ERROR,
-        std::system_error(std::make_error_code(std::errc::io_error), "five").what());
+  const std::error_code reason = std::make_error_code(std::errc::io_error);
+  check(FileError(reason, "five"), SWIFTGS_SYSTEM_ERROR, "five: " + reason.message());
+  check(std::system_error(reason, "five"), SWIFTGS_SYSTEM_ERROR, "five: " + reason.message());
   check(DeviceError("call", "six"), SWIFTGS_DEVICE_ERROR, "call: six");
   check(CapacityError("seven", 8, 9), SWIFTGS_CAPACITY_ERROR, "seven: 8 needed, the limit is 9");
-  check(std::logic_error("ten"), SWIFTGS_LOGIC_ERROR, "ten");
+  check(OrderError("ten"), SWIFTGS_LOGIC_ERROR, "ten");
   check(std::bad_alloc(), SWIFTGS_OUT_OF_MEMORY, "out of memory");
   check(std::length_error("vector"), SWIFTGS_OUT_OF_MEMORY, "out of memory");
-  check(std::runtime_error("eleven"), SWIFTGS_UNAVAILABLE, "eleven");
+  check(Unavailable("eleven"), SWIFTGS_UNAVAILABLE, "eleven");
+  check(std::runtime_error("of a callback"), SWIFTGS_INTERNAL_ERROR, "of a callback");
   check(std::bad_cast(), SWIFTGS_INTERNAL_ERROR, std::bad_cast().what());
   check(12, SWIFTGS_INTERNAL_ERROR, "an exception without a text, expected one of the library");
 }

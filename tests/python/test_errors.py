@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import swiftgs
-from conftest import HEIGHT, WIDTH, listed
+from conftest import HEIGHT, ROOT, WIDTH, listed
 from swiftgs import _errors
 
 # What Python itself asks for: `import` an ImportError, a missing member an AttributeError.
@@ -42,6 +42,16 @@ def test_errors_are_public_and_those_of_python_too():
                        "InternalError": RuntimeError}.items():
         error = getattr(swiftgs, kind)("one line")
         assert isinstance(error, swiftgs.Error) and isinstance(error, also) and str(error) == "one line"
+
+
+def test_errors_have_the_codes_of_c():
+    header = (ROOT / "include/swiftgs/c/status.h").read_text()
+    codes = {name: int(code) for name, code in re.findall(r"SWIFTGS_([A-Z_]+) = (\d+)", header) if name != "OK"}
+    assert sorted(codes.values()) == list(range(1, 11))
+    for name, code in codes.items():
+        kind = {"SYSTEM_ERROR": "FileError", "LOGIC_ERROR": "OrderError"}.get(name, name.title().replace("_", ""))
+        error = _errors.exception_of(code, "one line")
+        assert type(error) is getattr(swiftgs, kind) and error.code == code
 
 
 def refusals(scene, camera, renderer, frame, arrays, gsplat, at):

@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -150,7 +149,7 @@ inline void append(Scene& scene, const Scene& more) {
   if (more.size() == 0) return;
   if (&scene == &more) return append(scene, Scene(more));
   if (scene.size() != 0 && scene.model != more.model)
-    throw std::invalid_argument("append: expected scenes of one rendering model, got two");
+    throw InvalidArgument("append: expected scenes of one rendering model, got two");
   if (scene.size() != 0 && scene.feature_channels != more.feature_channels)
     detail::refuse("append: expected scenes with equally many feature channels, got ", scene.feature_channels,
                    " and ", more.feature_channels);

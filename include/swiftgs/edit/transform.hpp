@@ -12,6 +12,7 @@
 #include <swiftgs/edit/origin.hpp>
 #include <swiftgs/edit/principal_axes.hpp>
 #include <swiftgs/edit/sh_rotation.hpp>
+#include <swiftgs/error.hpp>
 #include <swiftgs/finite.hpp>
 #include <swiftgs/math.hpp>
 #include <swiftgs/rotation.hpp>
@@ -83,8 +84,10 @@ void move(Scene& scene, const Movement& by, const dvec3& origin, const dmat3& ro
       fit = fit && (!is_finite(coefficient) || coefficient < 1e38f);
     }
     if (!fit)
-      throw std::range_error("transform: Gaussian " + std::to_string(i) +
-                             " would leave the range of float; expected a movement that keeps it there");
+      throw detail::ErrorAs<std::range_error>(
+          ErrorCode::invalid_argument,
+          "transform: Gaussian " + std::to_string(i) +
+              " would leave the range of float; expected a movement that keeps it there");
   }
 
   const ShRotation harmonics(rotation, scene.sh_degree);

@@ -2,10 +2,10 @@
 #pragma once
 
 #include <functional>
-#include <stdexcept>
 #include <string>
 
 #include <swiftgs/api.hpp>
+#include <swiftgs/error.hpp>
 
 namespace swiftgs {
 
@@ -14,9 +14,9 @@ namespace swiftgs {
 using Progress = std::function<bool(double part)>;
 
 /// A `Progress` returned false. Nothing was read; the file to write is as it was before.
-class SWIFTGS_API Cancelled : public std::runtime_error {
+class SWIFTGS_API Cancelled : public detail::ErrorAs<std::runtime_error> {
  public:
-  explicit Cancelled(const std::string& file) : std::runtime_error(file + ": cancelled") {}
+  explicit Cancelled(const std::string& file) : ErrorAs(ErrorCode::cancelled, file + ": cancelled") {}
 };
 
 }  // namespace swiftgs

@@ -5,28 +5,30 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
-#include <stdexcept>
 #include <string>
 #include <type_traits>
 #include <vector>
 
 #include <swiftgs/api.hpp>
+#include <swiftgs/error.hpp>
 #include <swiftgs/span.hpp>
 
 namespace swiftgs {
 
 /// A call to MPI failed, or one to what carries messages in its place. `what()` holds the call and its own
-/// text for the error.
-class SWIFTGS_API MpiError : public std::runtime_error {
+/// text for the error. Its code is that of a device.
+class SWIFTGS_API MpiError : public detail::ErrorAs<std::runtime_error> {
  public:
-  MpiError(const std::string& call, const std::string& text) : std::runtime_error(call + ": " + text) {}
+  MpiError(const std::string& call, const std::string& text)
+      : ErrorAs(ErrorCode::device, call + ": " + text) {}
 };
 
-/// Another rank failed, so that this one cannot go on. `what()` is its message, behind its number.
-class SWIFTGS_API RankError : public std::runtime_error {
+/// Another rank failed, so that this one cannot go on. The code is that of its error, and `what()` its
+/// message behind its number.
+class SWIFTGS_API RankError : public detail::ErrorAs<std::runtime_error> {
  public:
-  RankError(int rank, const std::string& text)
-      : std::runtime_error("rank " + std::to_string(rank) + ": " + text), rank_(rank) {}
+  RankError(int rank, ErrorCode code, const std::string& text)
+      : ErrorAs(code, "rank " + std::to_string(rank) + ": " + text), rank_(rank) {}
 
   int rank() const { return rank_; }
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <swiftgs/colours.hpp>
+#include <swiftgs/error.hpp>
 #include <swiftgs/mpi/exchange_loops.hpp>
 #include <swiftgs/mpi/offers.hpp>
 #include <swiftgs/mpi/ranks.hpp>
@@ -70,8 +71,9 @@ class SplatExchange {
       attributes_.packed.reserve(b, attribute_rows_.span(), direct_);
       attributes_.joined.reserve(b, {joined_attribute_rows_.data(), rows * in}, direct_);
     } catch (const std::bad_alloc&) {
-      throw std::runtime_error("out of memory for " + std::to_string(in) + " splats of a strip and " +
-                               std::to_string(out) + " to send");
+      throw detail::ErrorAs<std::runtime_error>(
+          ErrorCode::out_of_memory, "out of memory for " + std::to_string(in) + " splats of a strip and " +
+                                        std::to_string(out) + " to send");
     }
     joined_.set_count(in);
   }
