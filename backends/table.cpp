@@ -48,12 +48,9 @@ std::string words_at(int part) {
 
 /// Whether `entry` is the usual renderer of `backend`; of any that can run here, where that is empty.
 bool is_usual(const RendererEntry& entry, std::string_view backend) {
-  std::string policies;
-  for (const std::string_view word :
-       {EarlySort::name, AxisSharedThreshold<FloatCholesky>::name, Ellipse::name})
-    policies.append("/").append(word);
+  const std::string_view policies = Renderer<Serial>::name.substr(Serial::name.size());
   return entry.name.ends_with(policies) &&
-         (backend.empty() ? entry.usable : entry.name == std::string(backend) + policies);
+         (backend.empty() ? entry.usable : entry.name == std::string(backend).append(policies));
 }
 
 InvalidArgument unknown(std::string_view name, const std::string& alternative) {

@@ -4,6 +4,8 @@
 
 #include <swiftgs/io/cameras.hpp>
 #include <swiftgs/io/capture.hpp>
+#include <swiftgs/io/replace_file.hpp>
+#include <swiftgs/io/scene_list.hpp>
 
 #include "io/files.hpp"
 
@@ -204,6 +206,31 @@ TEST_CASE("capture: a folder without a scene says what it holds instead") {
         "sparse/0, which holds cameras alone");
   CHECK(found_in([](Place place) { write_colmap(place, ".", "a.jpg"); }) ==
         "a COLMAP model, which holds cameras alone");
+}
+
+TEST_CASE("capture: what the system refuses and what a file lacks have codes") {
+  const TemporaryFolder place;
+  const std::string loop = (place / "loop").string(), absent = (place / "absent.ply").string();
+  fs::create_symlink("loop", loop);
+  const auto check = [](ErrorCode code, const std::string& file, const auto& read) {
+    CAPTURE(file);
+    try {
+      read(file);
+      FAIL_CHECK("expected an error");
+    } catch (const Error& error) {
+      CHECK(error.code() == code);
+      CHECK(std::string(error.what()).starts_with(file + ": "));
+    }
+  };
+  check(ErrorCode::file, loop, [](const fs::path& file) { find_capture(file); });
+  check(ErrorCode::file, loop, [](const fs::path& file) { load_cameras(file); });
+  check(ErrorCode::file, loop, [](const fs::path& file) { is_scene_list(file); });
+  check(ErrorCode::file, absent, [](const fs::path& file) { load_scene(file); });
+  check(ErrorCode::file, (place / "none/a.ply").string(),
+        [](const fs::path& file) { replace_file(file, ""); });
+  check(ErrorCode::format, place.write("a.ply", "ply\n").string(),
+        [](const fs::path& file) { load_scene(file); });
+  check(ErrorCode::invalid_argument, place.path().string(), [](const fs::path& file) { find_capture(file); });
 }
 
 }  // namespace swiftgs::test::capture_test

@@ -76,3 +76,14 @@ TEST_CASE("mpi agreement: arguments that one rank finds wrong are told to all") 
   CHECK(message == teller + "render: the number of frames is 1, expected 2, one a camera");
   distributed.render(part.view(), {cameras, 2}, {}, {frames, 2});
 }
+
+TEST_CASE("mpi agreement: ranks learn the code of the error of another") {
+  Failure failure;
+  if (ranks_here().rank() == 0) failure.guard([] { throw CapacityError("splats", 2, 1); });
+  try {
+    failure.agree(ranks_here());
+    FAIL_CHECK("expected an error");
+  } catch (const Error& error) {
+    CHECK(error.code() == ErrorCode::capacity);
+  }
+}
