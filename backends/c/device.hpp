@@ -11,7 +11,7 @@
 
 namespace swiftgs::c {
 
-/// Throws `std::runtime_error`, which names `what` is needed for, if there is no device that this build can
+/// Throws `Unavailable`, which names `what` is needed for, if there is no device that this build can
 /// use.
 void require_device(const char* what);
 

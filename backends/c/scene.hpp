@@ -19,7 +19,7 @@ struct swiftgs_scene {
 
 namespace swiftgs::c {
 
-/// Copies the arrays of a caller. Throws `std::invalid_argument`, and as `require_device` and `copy_memory`.
+/// Copies the arrays of a caller. Throws `InvalidArgument`, and as `require_device` and `copy_memory`.
 Scene to_scene(const swiftgs_gaussians* given);
 
 }  // namespace swiftgs::c

@@ -60,7 +60,7 @@ std::uint32_t size_of(const T* given, const char* what) {
 }  // namespace detail
 
 /// A struct of the caller's. What an older program does not have is as in `defaults`. Throws
-/// `std::invalid_argument` for an impossible size, or if a newer program sets a member unknown here.
+/// `InvalidArgument` for an impossible size, or if a newer program sets a member unknown here.
 template <class T>
 T read_struct(const T* given, const char* what, T defaults = {}) {
   const std::uint32_t size = detail::size_of(given, what);

@@ -28,7 +28,7 @@ void set_planes(FrameView& frame, const From& from) {
       from);
 }
 
-/// Puts the views of `frame` in place of those in `views`. Throws `std::invalid_argument`.
+/// Puts the views of `frame` in place of those in `views`. Throws `InvalidArgument`.
 void read_views(const swiftgs_frame& frame, std::vector<View>& views);
 
 }  // namespace swiftgs::c

@@ -30,7 +30,7 @@ inline const char* name_of(PixelFormat format) {
 
 /// Copies the colours of `frame` to an image of a graphics library, in stream order: rows as they lie in
 /// memory, so that a frame with rows from bottom to top fills an image that begins at the bottom. Throws
-/// `std::invalid_argument`, naming `image`, if its size or `format` is not the frame's, or the frame has no
+/// `InvalidArgument`, naming `image`, if its size or `format` is not the frame's, or the frame has no
 /// colours.
 inline void copy_to_array(const FrameView& frame, cudaArray_t array, PixelFormat format, cudaStream_t stream,
                           const std::string& image) {

@@ -33,7 +33,7 @@ ImageSize jpeg_size(const Source& source);
 void expect_plausible_size(const Source& source, std::uint64_t offset, std::uint64_t width,
                            std::uint64_t height, std::uint64_t most_pixels_per_byte);
 
-/// Throws `std::invalid_argument` unless `frame` has colour of its size.
+/// Throws `InvalidArgument` unless `frame` has colour of its size.
 void expect_colour(const Frame& frame);
 
 }  // namespace swiftgs::io

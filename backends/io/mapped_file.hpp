@@ -18,7 +18,7 @@ struct FileIdentity {
 };
 
 /// A regular file, mapped read-only. The kernel may drop its pages at any time, so it takes no memory that
-/// the scene needs. Throws `std::system_error` with the path and the reason.
+/// the scene needs. Throws `FileError` with the path and the reason.
 class MappedFile {
  public:
   explicit MappedFile(const std::filesystem::path& path);

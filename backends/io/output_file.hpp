@@ -11,7 +11,7 @@
 namespace swiftgs::io {
 
 /// Writes a file front to back. The file gets its name when it is closed, so nobody finds a part of it. Every
-/// failure throws `std::system_error` with the path and the reason.
+/// failure throws `FileError` with the path and the reason.
 class OutputFile {
  public:
   explicit OutputFile(const std::filesystem::path& path);

@@ -174,7 +174,7 @@ Written written(const ListedScene& scene) {
   return entry;
 }
 
-/// Throws `std::invalid_argument` for what `scene_of` refuses.
+/// Throws `InvalidArgument` for what `scene_of` refuses.
 void require_readable(const ListedScene& scene) {
   swiftgs::detail::validate_placing(scene.world_from_scene, scene.opacity, {}, scene.tint);
   for (const HalfSpace& half : scene.half_spaces) {

@@ -9,7 +9,7 @@
 
 /// @file
 /// A writer for each format. All take a scene that is valid and `encodable`, and throw `Cancelled` and
-/// `std::system_error`. Those that round also give `losses` the values that a reader will find in the file.
+/// `FileError`. Those that round also give `losses` the values that a reader will find in the file.
 
 namespace swiftgs::io {
 

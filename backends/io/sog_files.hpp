@@ -22,7 +22,7 @@ struct SogFile {
   std::shared_ptr<const void> owner{};  ///< of `source`'s bytes, which are valid as long as it
 };
 
-/// Opens a file by its name. Throws `FormatError` or `std::system_error` if it is not there.
+/// Opens a file by its name. Throws `FormatError` or `FileError` if it is not there.
 using SogFiles = std::function<SogFile(const std::string& name)>;
 
 /// The entries of a bundle, a ZIP archive, which must outlive what this returns. An entry unpacks to at most

@@ -116,7 +116,7 @@ inline std::vector<std::vector<const Splat*>> sort_into_strips(const SplatChunks
   return strips;
 }
 
-/// Throws `std::invalid_argument` for invalid arguments of `render_reference`.
+/// Throws `InvalidArgument` for invalid arguments of `render_reference`.
 inline void check_reference_arguments(Span<const ReferenceScene> scenes, const Camera& camera,
                                       dvec3 background, Span<const float> occluder) {
   for (const ReferenceScene& placed : scenes) validate(placed);

@@ -67,13 +67,13 @@ void add_batch(CLI::App& command, int& batch);
 
 /// Adds the option that says how an upload keeps harmonics.
 void add_harmonics(CLI::App& command, std::string& kept);
-/// What it says. Throws `std::invalid_argument` for an unknown word.
+/// What it says. Throws `InvalidArgument` for an unknown word.
 HarmonicsKept harmonics_of(const std::string& kept);
 
-/// Throws `std::invalid_argument` for a number of views that no frame has.
+/// Throws `InvalidArgument` for a number of views that no frame has.
 void require_batch(int batch);
 
-/// Throws `std::invalid_argument` unless `--keep` is a part above 0 and at most 1.
+/// Throws `InvalidArgument` unless `--keep` is a part above 0 and at most 1.
 void require_keep(double part);
 
 }  // namespace swiftgs::cli

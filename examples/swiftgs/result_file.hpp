@@ -11,7 +11,7 @@ namespace swiftgs::cli {
 /// that nothing is mixed with the results. Of several processes the first alone writes.
 class ResultFile {
  public:
-  /// What the file held stays until the first `write`. Throws `std::system_error` where the file cannot be
+  /// What the file held stays until the first `write`. Throws `FileError` where the file cannot be
   /// written: an hour of results must find a place to go to.
   explicit ResultFile(const std::string& name);
   ~ResultFile();
@@ -22,10 +22,10 @@ class ResultFile {
   bool is_standard_output() const { return name_ == "-"; }
 
   /// Replaces what was written before. Standard output gets the last text, when `finish` is called. Throws
-  /// `std::system_error`.
+  /// `FileError`.
   void write(std::string_view text);
 
-  /// Ends the results. Throws `std::system_error`.
+  /// Ends the results. Throws `FileError`.
   void finish();
 
  private:

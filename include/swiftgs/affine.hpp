@@ -39,7 +39,7 @@ struct Affine {
   }
 };
 
-/// Throws `std::invalid_argument` that names the first invalid member of what `what` says.
+/// Throws `InvalidArgument` that names the first invalid member of what `what` says.
 inline void validate(const Affine& by, const char* what = "stretch") {
   if (const char* const expected = by.unmet()) detail::refuse(what, ": expected ", expected);
 }

@@ -50,7 +50,7 @@ struct ContributionsEntry {
 SWIFTGS_API const std::vector<ContributionsEntry>& contribution_backends();
 
 /// The row called `backend`; if that is empty, the first row that can run here. Throws
-/// `std::invalid_argument` with the valid words if the backend is not known, and `std::runtime_error` if it
+/// `InvalidArgument` with the valid words if the backend is not known, and `Unavailable` if it
 /// cannot run here.
 SWIFTGS_API const ContributionsEntry& contribution_backend(std::string_view backend);
 

@@ -64,7 +64,7 @@ class SWIFTGS_API AnyRenderer {
   /// Sets a scene of arrays that the backend reaches: a device copies its own arrays within the device, in
   /// stream order. Reuses the memory of the last scene, unless that was ever shared, and waits only if memory
   /// has to grow. A device does not draw Gaussians with a NaN or an infinity, since no pass checks them;
-  /// hosts refuse them. Throws `std::invalid_argument` as `validate`. After any other exception a device
+  /// hosts refuse them. Throws `InvalidArgument` as `validate`. After any other exception a device
   /// renderer has no scene, and a host renderer keeps the last one.
   virtual void set_scene(const SceneArrays& arrays) = 0;
 
@@ -78,7 +78,7 @@ class SWIFTGS_API AnyRenderer {
   virtual std::size_t add_scene(std::shared_ptr<const Scene> scene,
                                 HarmonicsKept kept = HarmonicsKept::smallest) = 0;
 
-  /// How a scene's harmonics are kept, as `name_of` says it. Throws `std::invalid_argument` for an unknown
+  /// How a scene's harmonics are kept, as `name_of` says it. Throws `InvalidArgument` for an unknown
   /// scene.
   virtual const char* harmonics(std::size_t scene) const = 0;
 
@@ -86,12 +86,12 @@ class SWIFTGS_API AnyRenderer {
   /// arrays that are null stay as they are. Renderers that share the scene show the update too, as do all
   /// later and recorded frames. On a device in stream order, without waiting; the streams of others must wait
   /// for it. On hosts no frame of the scene may be under way, the program's own `Scene` stays as it is, and
-  /// numbers that are not finite are refused; see `set_scene`. Throws `std::invalid_argument`, and changes
+  /// numbers that are not finite are refused; see `set_scene`. Throws `InvalidArgument`, and changes
   /// nothing, for an unknown scene, and as `validate_update`.
   virtual void update_scene(std::size_t scene, std::size_t first, const SceneArrays& arrays) = 0;
 
   /// Sets the placed scenes that frames show: any of the renderer's scenes, any number of times, each whole
-  /// or in part. Throws `std::invalid_argument`, and changes nothing, for no placement, an unknown scene, a
+  /// or in part. Throws `InvalidArgument`, and changes nothing, for no placement, an unknown scene, a
   /// range that the scene does not have, and as `validate` of a placed scene.
   virtual void place(Span<const Placement> placements) = 0;
 
@@ -100,7 +100,7 @@ class SWIFTGS_API AnyRenderer {
   /// the stream order of `other`: another stream must wait for that before it draws the scene.
   virtual bool share_scene(const AnyRenderer& other) = 0;
 
-  /// As `Renderer::render`. Throws `std::logic_error` before a scene is set.
+  /// As `Renderer::render`. Throws `OrderError` before a scene is set.
   virtual void render(Span<const Camera> cameras, const RenderSettings& settings, Span<Frame> frames) = 0;
   void render(const Camera& camera, const RenderSettings& settings, Frame& frame) {
     render(Span<const Camera>{&camera, 1}, settings, Span<Frame>{&frame, 1});
@@ -125,7 +125,7 @@ class SWIFTGS_API AnyRenderer {
   /// Recorded work that runs again shows what is placed now. Throws as `Renderer::set_scenes`.
   virtual void set_recorded_scenes() = 0;
   /// As `Renderer::recorded_scenes`, one for each placement. Frames show what is written there until the
-  /// next `set_recorded_scenes`. Throws `std::logic_error` unless placed scenes were reserved: one
+  /// next `set_recorded_scenes`. Throws `OrderError` unless placed scenes were reserved: one
   /// scene where it stands by itself is drawn as a scene alone.
   virtual Span<PlacedScene> recorded_scenes() = 0;
   /// As `Renderer::refused_scenes`.
@@ -174,11 +174,11 @@ struct RendererEntry {
 SWIFTGS_API const std::vector<RendererEntry>& renderers();
 
 /// The renderer called `name`; or where `name` is a backend alone, its usual one; or where it is empty, that
-/// of the quickest backend that can run here. Throws `std::invalid_argument` with the valid words for any
+/// of the quickest backend that can run here. Throws `InvalidArgument` with the valid words for any
 /// other name.
 SWIFTGS_API const RendererEntry& find_renderer(std::string_view name = {});
 
-/// Makes the renderer called `name`. Throws `std::invalid_argument` with the valid words if the name is not
+/// Makes the renderer called `name`. Throws `InvalidArgument` with the valid words if the name is not
 /// known, and `std::runtime_error` if the renderer cannot run here.
 SWIFTGS_API std::unique_ptr<AnyRenderer> make_renderer(std::string_view name,
                                                        const BackendOptions& options = {});

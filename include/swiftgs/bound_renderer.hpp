@@ -51,7 +51,7 @@ class BoundRenderer {
   Stages<B>& stages() { return renderer_.stages(); }
 
   /// Renders into memory of the caller that the backend can reach. On a device it returns when the frame is
-  /// in stream order, not when it is finished. Throws `std::invalid_argument` for a camera, scene or frame
+  /// in stream order, not when it is finished. Throws `InvalidArgument` for a camera, scene or frame
   /// that nothing can be rendered with, `CapacityError`, and `DeviceError` on a device.
   void render_into(const PlacedScenes& scenes, const Camera& camera, const RenderSettings& settings,
                    const FrameView& frame) {
@@ -151,8 +151,8 @@ class BoundRenderer {
   /// and the next replay. A recorded frame above its capacity shows nothing on a device, and is no frame on a
   /// host.
   ///
-  /// Throws `std::logic_error` if there is no frame: before the first, after `reserve` and `trim`, and after
-  /// one that failed once its views were valid; `std::invalid_argument` for an unknown view, or a rectangle
+  /// Throws `OrderError` if there is no frame: before the first, after `reserve` and `trim`, and after
+  /// one that failed once its views were valid; `InvalidArgument` for an unknown view, or a rectangle
   /// that does not lie in its frame; and `DeviceError` on a device.
   std::vector<PickedPixel> pick(const PickRectangle& rectangle) { return picker_.pick(renderer_, rectangle); }
   /// At one pixel, from the top left of the view's frame.

@@ -67,7 +67,7 @@ inline int panorama_part(const Camera& camera) {
   return int(std::ceil(eighth / step)) * step;
 }
 
-/// Throws `std::invalid_argument` that names the first invalid member.
+/// Throws `InvalidArgument` that names the first invalid member.
 inline void validate(const Camera& camera) {
   const auto require = [](bool holds, const char* expected) {
     if (!holds) detail::refuse("camera: expected ", expected);

@@ -226,7 +226,7 @@ inline HostCamera camera_of(const Matrix4& view, const Matrix4& projection, int 
 /// The camera is in the world of the view. Where that world is left-handed its rotation is a mirror, and the
 /// scene shows as the program's own meshes of the same numbers would.
 ///
-/// Throws `std::invalid_argument` that names matrix and row if it is no pinhole: an orthographic or sheared
+/// Throws `InvalidArgument` that names matrix and row if it is no pinhole: an orthographic or sheared
 /// projection, one that moves the camera or has an oblique near plane, a scaled, sheared or mirrored view, a
 /// wrong bottom row, a NaN; and as `validate` of a camera.
 template <class View, class Projection>
@@ -242,7 +242,7 @@ HostCamera camera_from(const View& view, const Projection& projection, int width
 /// infinite. GLM converts them to float by `glm::mat4(m.view)`; `&m.view[0][0]` are 16 numbers column by
 /// column.
 ///
-/// Throws `std::invalid_argument` if the camera is no pinhole or depths are not above 0 and different.
+/// Throws `InvalidArgument` if the camera is no pinhole or depths are not above 0 and different.
 inline CameraMatrices matrices(const Camera& camera, double at_0, double at_1, ClipSpace clip) {
   validate(camera);
   if (!camera.lens.is_pinhole())

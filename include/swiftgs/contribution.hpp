@@ -176,14 +176,14 @@ class Contributions {
   }
 
   /// Sums of placed scenes: uploaded ones, which outlive this. They stay as they are placed now, and
-  /// Gaussians are numbered over all scenes, see `placed_index`. Throws `std::invalid_argument` as
+  /// Gaussians are numbered over all scenes, see `placed_index`. Throws `InvalidArgument` as
   /// `validate` does of each, and `CapacityError` beyond 2^32 - 1 Gaussians.
   explicit Contributions(const PlacedScenes& scenes, B backend = B()) : Contributions(std::move(backend)) {
     for (const PlacedScene& placed : scenes.each()) validate(placed);
     begin(scenes);
   }
 
-  /// Adds the weights in one view. Throws `std::invalid_argument` for an invalid camera or conventions, and
+  /// Adds the weights in one view. Throws `InvalidArgument` for an invalid camera or conventions, and
   /// `CapacityError` for more intersections than a frame may have or more pixels than
   /// `max_contribution_pixels`. If it throws, it has added nothing.
   void add(const Camera& camera, const Conventions& conventions) {

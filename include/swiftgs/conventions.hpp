@@ -125,13 +125,13 @@ inline Conventions as_trained(Conventions conventions, const RenderingModel& mod
   return conventions;
 }
 
-/// Throws `std::invalid_argument` if no frame can follow `model`.
+/// Throws `InvalidArgument` if no frame can follow `model`.
 inline void validate(const RenderingModel& model) {
   if (!detail::is_blur(model.blur))
     detail::refuse("scene: the blur of its model is ", model.blur, ", expected 0 or more");
 }
 
-/// Throws `std::invalid_argument` that names the first invalid number.
+/// Throws `InvalidArgument` that names the first invalid number.
 inline void validate(const Conventions& c) {
   const auto require = [](bool holds, const char* expected) {
     if (!holds) detail::refuse("conventions: expected ", expected);
@@ -146,7 +146,7 @@ inline void validate(const Conventions& c) {
   require(c.first_alpha >= 0 && c.first_alpha < 1, "a first alpha of 0 or more and below 1");
 }
 
-/// The preset called `name`. Throws `std::invalid_argument` with the valid names for any other.
+/// The preset called `name`. Throws `InvalidArgument` with the valid names for any other.
 inline Conventions conventions_named(std::string_view name) {
   if (name == "gsplat") return Conventions::gsplat();
   if (name == "inria") return Conventions::inria();

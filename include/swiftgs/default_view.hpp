@@ -120,7 +120,7 @@ inline dvec3 level_direction(const dvec3& up, double angle) {
 /// captures, unless y, z or -z puts much more that is far or bright at the top of the image, tilted to the
 /// ground where one is found. Guesses may be wrong.
 ///
-/// Throws `std::invalid_argument` for an image with no pixels or too long a side.
+/// Throws `InvalidArgument` for an image with no pixels or too long a side.
 inline OrbitView default_view(const Scene& scene, int width = 1280, int height = 720,
                               const dvec3& up = dvec3(0)) {
   if (std::min(width, height) < 1 || std::max(width, height) > max_image_side)

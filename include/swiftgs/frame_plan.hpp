@@ -44,7 +44,7 @@ enum class FrameUse {
   rehearsed  ///< draws nothing: a sort takes all memory that later frames of this capacity may need
 };
 
-/// Throws `std::invalid_argument` if `view` shows scenes that a frame of `scenes` does not have, or features
+/// Throws `InvalidArgument` if `view` shows scenes that a frame of `scenes` does not have, or features
 /// that these do not have.
 inline void check_shown(const PlacedScenes& scenes, const View& view) {
   const auto [first, count] = view.shows;
@@ -71,7 +71,7 @@ struct FramePlan {
   Limits limits;
   RasterPasses passes;
 
-  /// Throws `std::invalid_argument` as `validate` does of each placed scene, as `require_features`, and for a
+  /// Throws `InvalidArgument` as `validate` does of each placed scene, as `require_features`, and for a
   /// view that shows scenes which the frame does not have.
   FramePlan(const Views& of_views, const PlacedScenes& of_scenes, const Limits& within = {})
       : views(of_views), scenes(of_scenes), limits(within), passes(attribute_count(of_views.each)) {
@@ -102,7 +102,7 @@ struct PlanMemory {
 };
 
 /// Plans a frame of valid views: cuts panoramas, gives views the models of their scenes, lets `choose(scenes,
-/// views)` choose tiles, and stores all where loops of the backend read it. Throws `std::invalid_argument`
+/// views)` choose tiles, and stores all where loops of the backend read it. Throws `InvalidArgument`
 /// where nothing can be rendered, and `CapacityError` beyond the limits of a frame.
 template <class B, class Choose>
 FramePlan plan_frame(B& b, const PlacedScenes& scenes, Span<const View> views, PlanMemory<B>& memory,

@@ -50,7 +50,7 @@ class FrameRenderer {
   /// of one view each. Cameras, sizes, conventions, backgrounds, formats and the placed scenes that show may
   /// differ from view to view; `make_view` makes views. Splats of all scenes are blended in the order of
   /// their depths; of equal ones the first scene's is in front. On a device it returns when the frame is in
-  /// stream order, not when it is finished. Throws `std::invalid_argument` for a view or scene that nothing
+  /// stream order, not when it is finished. Throws `InvalidArgument` for a view or scene that nothing
   /// can be rendered with, `CapacityError`, and `DeviceError` on a device.
   void render_into(const PlacedScenes& scenes, Span<const View> views, FrameHooks& hooks) {
     for (const View& view : views) validate(view);

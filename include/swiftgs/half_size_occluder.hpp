@@ -14,7 +14,7 @@ namespace swiftgs {
 
 /// Halves the occluder of `whole` for a frame through `scaled(camera, 0.5)`, on the host: each value is the
 /// farthest depth of two by two pixels, so it hides no splat that one of the four shows. Rows lie densely,
-/// and values are depths themselves. @shape{(height + 1) / 2, (width + 1) / 2} Throws `std::invalid_argument`
+/// and values are depths themselves. @shape{(height + 1) / 2, (width + 1) / 2} Throws `InvalidArgument`
 /// if `whole` has no occluder.
 inline std::vector<float> half_size_occluder(const FrameView& whole) {
   if (!whole.occluder.data)

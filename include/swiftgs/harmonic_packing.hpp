@@ -144,7 +144,7 @@ std::optional<Palette> find_palette(const B& loops, const UsedHarmonics& harmoni
 class HarmonicPacking {
  public:
   /// Loops of `loops` look at `scene`, which is valid and has finite numbers alone. Throws
-  /// `std::invalid_argument` for numbers beyond 65504 that should become halves.
+  /// `InvalidArgument` for numbers beyond 65504 that should become halves.
   template <class B>
   HarmonicPacking(const B& loops, const Scene& scene, int degree, HarmonicsKept kept)
       : harmonics_(scene, degree), degree_(degree) {

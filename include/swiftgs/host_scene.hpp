@@ -24,7 +24,7 @@ namespace swiftgs {
 class HostScene {
  public:
   /// Shares `scene` as it is, and has halves beside it if those are to be kept. Loops of `backend` look at
-  /// it. Throws `std::invalid_argument` as `validate`, `validate_numbers` and `HarmonicPacking` do.
+  /// it. Throws `InvalidArgument` as `validate`, `validate_numbers` and `HarmonicPacking` do.
   template <class B>
   HostScene(const B& backend, std::shared_ptr<const Scene> scene,
             HarmonicsKept kept = HarmonicsKept::smallest)
@@ -73,7 +73,7 @@ class HostScene {
   /// the caller's scene. Bands that were zero throughout show in views that are taken after. `arrays` do not
   /// lie in the scene.
   ///
-  /// Throws `std::invalid_argument`, and changes nothing, as `validate_update`, `require_replaceable` and
+  /// Throws `InvalidArgument`, and changes nothing, as `validate_update`, `require_replaceable` and
   /// `validate_numbers` do.
   template <class B>
   void update(const B& backend, std::size_t first, const SceneArrays& arrays) {

@@ -58,7 +58,7 @@ inline constexpr const char* lens_model_names[] = {"perspective", "fisheye", "or
 
 inline std::string_view name_of(LensModel model) { return lens_model_names[int(model)]; }
 
-/// The model called `name`. Throws `std::invalid_argument` with the valid names for any other.
+/// The model called `name`. Throws `InvalidArgument` with the valid names for any other.
 inline LensModel lens_model_named(std::string_view name) {
   for (int i = 0; i < 4; ++i)
     if (name == lens_model_names[i]) return LensModel(i);
@@ -66,7 +66,7 @@ inline LensModel lens_model_named(std::string_view name) {
                  "' is not known; expected perspective, fisheye, orthographic or equirectangular");
 }
 
-/// Throws `std::invalid_argument` for a distortion that is not finite, or of a lens that has none.
+/// Throws `InvalidArgument` for a distortion that is not finite, or of a lens that has none.
 inline void validate(const Lens& lens) {
   const Distortion& d = lens.distortion;
   for (const double number :

@@ -93,12 +93,11 @@ class FrameMeasures {
 
 /// Splats of each placed scene in the last frame of `renderer`, which was not recorded, all views together.
 /// Waits for the frame and copies 4 bytes a splat to the host. A panorama has a splat of a Gaussian in each
-/// of its parts. Throws `std::logic_error` without such a frame.
+/// of its parts. Throws `OrderError` without such a frame.
 template <class B>
 std::vector<std::size_t> visible_by_scene(const FrameRenderer<B>& renderer) {
   const LastFrame& last = renderer.last();
-  if (last.kind != LastFrame::Kind::drawn)
-    throw OrderError("visible_by_scene: expected a frame before");
+  if (last.kind != LastFrame::Kind::drawn) throw OrderError("visible_by_scene: expected a frame before");
   std::vector<std::uint32_t> numbers(std::size_t(renderer.report().visible));
   const Stages<B>& stages = renderer.stages();
   stages.backend().download(stages.splats().view().gaussians.first(numbers.size()), numbers.data());

@@ -21,7 +21,7 @@ struct MemoryHook {
   void* context = nullptr;
 };
 
-/// Throws `std::invalid_argument` if a function is missing.
+/// Throws `InvalidArgument` if a function is missing.
 inline void validate(const MemoryHook& hook) {
   if (!hook.allocate || !hook.release)
     detail::refuse("memory hook: no function to ", hook.allocate ? "release" : "allocate",

@@ -17,7 +17,7 @@ namespace swiftgs {
 
 namespace metrics {
 
-/// Throws `std::invalid_argument` unless `a` and `b` have the same number of values, above 0.
+/// Throws `InvalidArgument` unless `a` and `b` have the same number of values, above 0.
 template <class A, class B>
 void require_same_size(const A& a, const B& b) {
   const auto size_a = std::distance(a.begin(), a.end()), size_b = std::distance(b.begin(), b.end());
@@ -32,7 +32,7 @@ inline double distance(double a, double b) { return a == b ? 0 : std::abs(a - b)
 }  // namespace metrics
 
 /// Peak signal-to-noise ratio of `a` against `b` over all values, for a peak of 1 @units{dB}: infinity when
-/// all are equal, NaN when one is NaN. Throws `std::invalid_argument` when the sizes differ or are 0.
+/// all are equal, NaN when one is NaN. Throws `InvalidArgument` when the sizes differ or are 0.
 template <class A, class B>
 double psnr(const A& a, const B& b) {
   metrics::require_same_size(a, b);
@@ -46,7 +46,7 @@ double psnr(const A& a, const B& b) {
 }
 
 /// Largest difference between a value of `a` and its counterpart in `b`; NaN when one is NaN. Throws
-/// `std::invalid_argument` when the sizes differ or are 0.
+/// `InvalidArgument` when the sizes differ or are 0.
 template <class A, class B>
 double max_abs_difference(const A& a, const B& b) {
   metrics::require_same_size(a, b);
@@ -134,7 +134,7 @@ double ssim_channel(int width, int height, std::ptrdiff_t channels, const A& a, 
 /// Structural similarity (Wang et al. 2004) for values in [0, 1]: 11x11 Gaussian window of standard deviation
 /// 1.5, K1 = 0.01, K2 = 0.03, mean over all windows that lie inside the image and over the channels. In an
 /// image less than 11 pixels wide or high the window is as wide or high as the image.
-/// @shape{height, width, channels} Throws `std::invalid_argument` when the sizes differ, are 0, or are not
+/// @shape{height, width, channels} Throws `InvalidArgument` when the sizes differ, are 0, or are not
 /// width * height * channels.
 template <class A, class B>
 double ssim(int width, int height, int channels, const A& a, const B& b) {

@@ -41,7 +41,7 @@ inline void blend_in_linear_light(View& view) {
 }
 
 /// `view` with nothing left to the scenes of its frame but what may differ among them, which `eye` finds.
-/// Throws `std::invalid_argument` as `ModelledViews`.
+/// Throws `InvalidArgument` as `ModelledViews`.
 inline View modelled(View view, Span<const PlacedScene> shown, std::size_t v) {
   const RenderingModel common = common_model(shown, view, v);
   const bool ends_at_occluder = view.frame.occluder.data != nullptr;
@@ -61,7 +61,7 @@ inline View modelled(View view, Span<const PlacedScene> shown, std::size_t v) {
 /// Views as their scenes were trained to be drawn, where conventions leave it to them.
 class ModelledViews {
  public:
-  /// Copies of `views`, which hold until the next call. Throws `std::invalid_argument` if a view leaves the
+  /// Copies of `views`, which hold until the next call. Throws `InvalidArgument` if a view leaves the
   /// kind of colours to scenes of both kinds, and if one with an occluder is ordered by distance.
   Span<const View> of(Span<const View> views, const PlacedScenes& scenes) {
     views_.clear();

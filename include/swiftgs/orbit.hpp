@@ -30,7 +30,7 @@ inline dvec3 turned(const dvec3& v, const dvec3& axis, double angle) {
 /// The camera of `view` moved around its target: to its right by `turn` about the axis `up`, by `rise`
 /// towards `up`, never within a degree of the axis, and to `distance` times its distance. The target stays
 /// where it is in the image, and things at its depth show at 1 / `distance` times their size, for which
-/// the focal lengths of an orthographic camera change. Angles are in radians. Throws `std::invalid_argument`
+/// the focal lengths of an orthographic camera change. Angles are in radians. Throws `InvalidArgument`
 /// for an `up` of no length, a distance that is not above 0, and angles that are not finite.
 inline Camera orbit(const OrbitView& view, double turn, double rise = 0, double distance = 1) {
   using detail::cross, detail::dot, detail::turned;

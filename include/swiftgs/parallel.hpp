@@ -15,7 +15,7 @@
 
 namespace swiftgs {
 
-/// How many threads `requested` means: itself, or one a processor when 0. Throws `std::invalid_argument` when
+/// How many threads `requested` means: itself, or one a processor when 0. Throws `InvalidArgument` when
 /// negative.
 inline int thread_count(int requested) {
   if (requested < 0) detail::refuse("threads: expected 0 (one a processor) or more, got ", requested);

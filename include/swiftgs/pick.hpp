@@ -47,7 +47,7 @@ struct PickRectangle {
 /// @units{pixels}
 inline constexpr int max_pick_side = 64;
 
-/// Throws `std::invalid_argument` unless `rectangle` lies in a frame of this size.
+/// Throws `InvalidArgument` unless `rectangle` lies in a frame of this size.
 inline void validate(const PickRectangle& rectangle, int width, int height) {
   const auto check = [](const char* name, int begin, int size, int whole) {
     if (size < 1 || size > max_pick_side)

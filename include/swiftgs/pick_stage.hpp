@@ -19,8 +19,8 @@ namespace swiftgs {
 template <class B>
 class Picker {
  public:
-  /// The pixels of `rectangle`, by rows; complete when it returns. Throws `std::logic_error` if there is no
-  /// last frame, `std::invalid_argument` for an unknown view and for a rectangle that does not lie in its
+  /// The pixels of `rectangle`, by rows; complete when it returns. Throws `OrderError` if there is no
+  /// last frame, `InvalidArgument` for an unknown view and for a rectangle that does not lie in its
   /// frame, and `DeviceError` on a device.
   std::vector<PickedPixel> pick(FrameRenderer<B>& renderer, const PickRectangle& rectangle) {
     Stages<B>& stages = renderer.stages();

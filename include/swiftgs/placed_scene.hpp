@@ -58,14 +58,14 @@ struct PlacedScene {
   }
 };
 
-/// Throws `std::invalid_argument` where nothing can be rendered of `placed`. Reads no Gaussian.
+/// Throws `InvalidArgument` where nothing can be rendered of `placed`. Reads no Gaussian.
 inline void validate(const PlacedScene& placed) {
   validate(placed.scene);
   detail::validate_placing(placed.world_from_scene, placed.opacity, placed.clip, placed.tint);
 }
 
 /// Gaussians [first, first + count) of `scene`. Where `first` is no
-/// multiple of `chunk_size`, no chunk of them is skipped. Throws `std::invalid_argument` if the scene has
+/// multiple of `chunk_size`, no chunk of them is skipped. Throws `InvalidArgument` if the scene has
 /// fewer.
 inline SceneView range_of(const SceneView& scene, std::size_t first, std::size_t count) {
   if (first > scene.size() || count > scene.size() - first)
@@ -269,7 +269,7 @@ struct PlacedIndex {
 };
 
 /// Finds the Gaussian with this number in a frame of `scenes`, as ids and picks tell it. Throws
-/// `std::invalid_argument` if no Gaussian has the number, such as `no_gaussian`.
+/// `InvalidArgument` if no Gaussian has the number, such as `no_gaussian`.
 inline PlacedIndex placed_index(const PlacedScenes& scenes, std::uint32_t number) {
   std::size_t first = 0;
   for (std::size_t i = 0; i < scenes.size(); first += scenes.each()[i].size(), ++i)
@@ -277,7 +277,7 @@ inline PlacedIndex placed_index(const PlacedScenes& scenes, std::uint32_t number
   detail::refuse("placed_index: the Gaussian is ", number, ", expected less than ", first);
 }
 
-/// Throws `std::invalid_argument` where a frame asks for features that one of `scenes` does not have.
+/// Throws `InvalidArgument` where a frame asks for features that one of `scenes` does not have.
 inline void require_features(const PlacedScenes& scenes, int channels) {
   for (const PlacedScene& placed : scenes.each()) require_features(placed.scene, channels);
 }

@@ -18,7 +18,7 @@ SWIFTGS_HD inline const char* unmet_of_placing(const Similarity& world_from_scen
   return tint.unmet();
 }
 
-/// Throws `std::invalid_argument` unless a frame can show a scene like this.
+/// Throws `InvalidArgument` unless a frame can show a scene like this.
 inline void validate_placing(const Similarity& world_from_scene, float opacity, const Clip& clip,
                              const Tint& tint) {
   if (const char* const expected = unmet_of_placing(world_from_scene, opacity, clip, tint))

@@ -31,7 +31,7 @@ inline std::vector<double> opacity_volumes(const Scene& scene) {
 }
 
 /// `fraction` of `count` Gaussians, rounded: at least one if `count` is at least one. Throws
-/// `std::invalid_argument` unless the fraction is above 0 and at most 1.
+/// `InvalidArgument` unless the fraction is above 0 and at most 1.
 inline std::size_t kept_count(double fraction, std::size_t count) {
   if (!(fraction > 0 && fraction <= 1))
     detail::refuse("pruning: expected a fraction above 0 and at most 1, got ", fraction);
@@ -40,7 +40,7 @@ inline std::size_t kept_count(double fraction, std::size_t count) {
 }
 
 /// Indices of the `count` highest of `scores`, ascending; of equal scores the lower index comes first. No
-/// score may be NaN. Throws `std::invalid_argument` where there are fewer scores, and `CapacityError` beyond
+/// score may be NaN. Throws `InvalidArgument` where there are fewer scores, and `CapacityError` beyond
 /// 2^32 - 1 of them.
 template <class Score>
 std::vector<std::uint32_t> highest(const std::vector<Score>& scores, std::size_t count) {

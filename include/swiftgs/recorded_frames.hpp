@@ -69,14 +69,14 @@ class RecordedFrames {
   /// Sets the views that `record` renders, in stream order. Recorded work that runs again renders them too.
   /// Between `reserve` calls, cameras, conventions, backgrounds, formats and the addresses of planes may
   /// change; lenses and orders may change if a reserved view is no pinhole or takes another depth than z.
-  /// Throws `std::invalid_argument`, and changes nothing, if more changes: the number of views, a size, which
+  /// Throws `InvalidArgument`, and changes nothing, if more changes: the number of views, a size, which
   /// placed scenes show, which planes a frame has, whether it converts colours, as frames of linear scenes
   /// do.
   void set_views(B& b, Span<const View> views) { take_views(b, views, scenes_); }
 
   /// Sets what `record(renderer, report)` renders, in stream order: the placed scenes of the latest
   /// `reserve`, moved, clipped, tinted or made fainter, or others of as many Gaussians and of the same
-  /// models. Recorded work that runs again renders them too. Throws `std::invalid_argument`, and changes
+  /// models. Recorded work that runs again renders them too. Throws `InvalidArgument`, and changes
   /// nothing, if more changes, or if `reserve` was for a scene alone (one placed scene where it stands by
   /// itself is that).
   void set_scenes(B& b, const PlacedScenes& scenes) {
@@ -119,7 +119,7 @@ class RecordedFrames {
   /// Renders the views that were set. It never waits, allocates or queries the device, so a CUDA graph may
   /// capture it. Writes what the frame took to `report`, in memory that the backend reaches. A frame above
   /// the capacity draws nothing. Call `reserve` before. On hosts the frame is complete when it returns.
-  /// Throws `std::invalid_argument` where nothing can be rendered, and `CapacityError` where `reserve` was
+  /// Throws `InvalidArgument` where nothing can be rendered, and `CapacityError` where `reserve` was
   /// called for fewer Gaussians.
   ///
   /// Calls `before_raster()` between sort and rasterization, which alone reads the occluder and the
@@ -173,7 +173,7 @@ class RecordedFrames {
         store_scenes(b, scenes, views_.each, scene_storage_, alone_ ? ViewAccess::any : ViewAccess::stored);
   }
 
-  /// A frame of `scenes` that reports to `report`. Throws `std::invalid_argument` if nothing is reserved, and
+  /// A frame of `scenes` that reports to `report`. Throws `InvalidArgument` if nothing is reserved, and
   /// `CapacityError` if it was reserved for fewer Gaussians.
   FramePlan plan(const PlacedScenes& scenes, FrameReport* report) const {
     detail::require_for_render(reserved_ && views_.size() != 0, "reserve before record");

@@ -42,7 +42,7 @@ inline bool is_finite(const ReferenceFrame& frame) {
 /// Renders placed scenes in double precision on `threads` threads (0: one a processor); the result does not
 /// depend on their number. All stored SH bands are evaluated. Gaussians that are not finite are left out.
 /// `occluder`: @shape{height, width} as `FrameView::occluder`; empty for none.
-/// Throws `std::invalid_argument` when a scene, `camera` or the size of `occluder` is not valid, `background`
+/// Throws `InvalidArgument` when a scene, `camera` or the size of `occluder` is not valid, `background`
 /// is not finite or `threads` is negative.
 SWIFTGS_API ReferenceFrame render_reference(Span<const ReferenceScene> scenes, const Camera& camera,
                                             const Conventions& conventions, dvec3 background = dvec3(0),

@@ -32,7 +32,7 @@ inline void require_finite_background(vec3 background) {
 }
 }  // namespace detail
 
-/// Throws `std::invalid_argument` where nothing can be rendered into `frame`.
+/// Throws `InvalidArgument` where nothing can be rendered into `frame`.
 inline void validate(const FrameView& frame) {
   detail::require_for_render(frame.width > 0 && frame.height > 0, "a frame with pixels");
   const auto require_plane = [&](const auto& plane, std::size_t pixel, std::size_t channel,
@@ -66,7 +66,7 @@ inline void validate(const FrameView& frame) {
                              "stored depths that are finite and differ");
 }
 
-/// Throws `std::invalid_argument` where nothing can be rendered of `view`; `Views` checks its tiles.
+/// Throws `InvalidArgument` where nothing can be rendered of `view`; `Views` checks its tiles.
 inline void validate(const View& view) {
   validate(view.frame);
   detail::require_finite_background(view.background);
@@ -86,7 +86,7 @@ inline RowLayout layout_of(const HarmonicRows& rows, std::size_t each) {
 }
 }  // namespace detail
 
-/// Throws `std::invalid_argument` where nothing can be rendered from `scene`. Reads no Gaussian.
+/// Throws `InvalidArgument` where nothing can be rendered from `scene`. Reads no Gaussian.
 inline void validate(const SceneView& scene) {
   const std::size_t n = scene.size();
   detail::require_for_render(n <= std::numeric_limits<std::uint32_t>::max(), "fewer than 2^32 Gaussians");
@@ -110,7 +110,7 @@ inline void validate(const SceneView& scene) {
       scene);
 }
 
-/// Throws `std::invalid_argument` where a frame asks for features that `scene` does not have.
+/// Throws `InvalidArgument` where a frame asks for features that `scene` does not have.
 inline void require_features(const SceneView& scene, int channels) {
   if (channels > scene.feature_channels)
     detail::refuse("render: the frame asks for ", channels, " features a Gaussian, expected at most the ",

@@ -33,7 +33,7 @@ struct Measures {
   bool time = false;   ///< as `RenderSettings::time`
 };
 
-/// Throws `std::invalid_argument` where nothing can be rendered with `settings`.
+/// Throws `InvalidArgument` where nothing can be rendered with `settings`.
 inline void validate(const RenderSettings& settings) {
   validate(settings.conventions);
   detail::require_finite_background(settings.background);

@@ -135,7 +135,7 @@ void for_each_array(const F& f, First&& first, More&&... more) {
   call("features", std::size_t(first.feature_channels), first.features, more.features...);
 }
 
-/// Throws `std::invalid_argument` unless all arrays of `scene` have the lengths that its count and degree ask
+/// Throws `InvalidArgument` unless all arrays of `scene` have the lengths that its count and degree ask
 /// for, its origin lies within the range of float, and frames can follow its model.
 inline void validate(const Scene& scene) {
   validate(scene.model);
@@ -170,7 +170,7 @@ inline bool are_finite(const float* values, std::size_t count) {
   return (found & 0x80000000u) == 0;
 }
 
-/// Throws `std::invalid_argument` at the first of `count` floats that is not finite. Gaussian `first` + i has
+/// Throws `InvalidArgument` at the first of `count` floats that is not finite. Gaussian `first` + i has
 /// the `width` floats from `width` i on.
 inline void require_finite(const char* array, const float* values, std::size_t count, std::size_t width,
                            std::size_t first) {
@@ -204,7 +204,7 @@ Span<const float> floats_of(const std::vector<T>& values) {
 }
 }  // namespace detail
 
-/// Throws `std::invalid_argument` naming the first Gaussian with a number that is NaN or infinite. Reads
+/// Throws `InvalidArgument` naming the first Gaussian with a number that is NaN or infinite. Reads
 /// every array once; `scene` is valid. Its Gaussians are numbered from `first` on.
 inline void validate_numbers(const Scene& scene, std::size_t first = 0) {
   for_each_array(
@@ -245,7 +245,7 @@ inline int used_sh_degree(const Scene& scene, std::size_t begin, std::size_t end
 }
 inline int used_sh_degree(const Scene& scene) { return used_sh_degree(scene, 0, scene.size()); }
 
-/// A view of `scene`, which must outlive it. Throws `std::invalid_argument` as `validate` does.
+/// A view of `scene`, which must outlive it. Throws `InvalidArgument` as `validate` does.
 inline SceneView view(const Scene& scene) {
   validate(scene);
   SceneView out{

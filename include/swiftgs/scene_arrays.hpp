@@ -58,7 +58,7 @@ inline void validate_shape(const SceneArrays& arrays) {
     refuse("scene: feature_channels is ", arrays.feature_channels, ", expected 0 or more");
 }
 
-/// Throws `std::invalid_argument` unless `array` may hold `floats` floats for each of `count` Gaussians.
+/// Throws `InvalidArgument` unless `array` may hold `floats` floats for each of `count` Gaussians.
 inline void validate_array(const char* name, std::size_t floats, const FloatArray& array, std::size_t count) {
   if (reinterpret_cast<std::uintptr_t>(array.data) % alignof(float) != 0)
     refuse("scene: ", name, ": expected an address that is a multiple of 4");
@@ -74,7 +74,7 @@ inline void validate_array(const char* name, std::size_t floats, const FloatArra
 }
 }  // namespace detail
 
-/// Throws `std::invalid_argument` for arrays that are missing, or whose count, degree or strides are not as
+/// Throws `InvalidArgument` for arrays that are missing, or whose count, degree or strides are not as
 /// `SceneArrays` says.
 inline void validate(const SceneArrays& arrays) {
   detail::validate_shape(arrays);
@@ -86,7 +86,7 @@ inline void validate(const SceneArrays& arrays) {
   for_each_array(check, arrays);
 }
 
-/// A view of `arrays` where they lie, for frames that read them there. Throws `std::invalid_argument` as
+/// A view of `arrays` where they lie, for frames that read them there. Throws `InvalidArgument` as
 /// `validate`, and for what frames do not read: logarithms, logits, strides of 4 GiB and more.
 inline SceneView view(const SceneArrays& arrays) {
   validate(arrays);
@@ -111,7 +111,7 @@ inline SceneView view(const SceneArrays& arrays) {
   return out;
 }
 
-/// Throws `std::invalid_argument` unless `arrays` may replace Gaussians of `scene`, a `Scene` or `SceneView`,
+/// Throws `InvalidArgument` unless `arrays` may replace Gaussians of `scene`, a `Scene` or `SceneView`,
 /// from number `first` on. Arrays that are null stay: their degree or channels need not be the scene's.
 template <class SceneLike>
 void validate_update(const SceneLike& scene, std::size_t first, const SceneArrays& arrays) {
@@ -135,7 +135,7 @@ void validate_update(const SceneLike& scene, std::size_t first, const SceneArray
 inline constexpr const char* update_of_borrowed =
     "update: the scene's arrays are the caller's, expected a scene that was uploaded: write to the arrays";
 
-/// Throws `std::invalid_argument` where `arrays` would replace harmonics that are not kept as floats: views
+/// Throws `InvalidArgument` where `arrays` would replace harmonics that are not kept as floats: views
 /// hold the address and format of their rows.
 inline void require_replaceable(const HarmonicRows& rows, const SceneArrays& arrays) {
   if (arrays.sh_rest.data && rows.is_packed())

@@ -26,7 +26,7 @@ struct ScenePart {
   bool is_whole() const { return of == 1; }
 };
 
-/// Throws `std::invalid_argument` unless `index` is below `of`, which is 1 to 65535.
+/// Throws `InvalidArgument` unless `index` is below `of`, which is 1 to 65535.
 inline void validate(const ScenePart& part) {
   if (part.of < 1 || part.of > 65535 || part.index >= part.of)
     detail::refuse("scene: the part is number ", part.index, " of ", part.of,

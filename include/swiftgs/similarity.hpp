@@ -41,7 +41,7 @@ struct Similarity {
   }
 };
 
-/// Throws `std::invalid_argument` that names the first invalid member of what `what` says.
+/// Throws `InvalidArgument` that names the first invalid member of what `what` says.
 inline void validate(const Similarity& by, const char* what = "transform") {
   if (const char* const expected = by.unmet()) detail::refuse(what, ": expected ", expected);
 }

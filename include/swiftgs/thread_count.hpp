@@ -5,7 +5,7 @@
 
 namespace swiftgs {
 
-/// Throws `std::invalid_argument` for a negative number of threads, of whatever backend.
+/// Throws `InvalidArgument` for a negative number of threads, of whatever backend.
 inline void require_thread_count(int threads) {
   if (threads < 0) detail::refuse("backend: threads is ", threads, ", expected 1 or more, or 0 for all");
 }

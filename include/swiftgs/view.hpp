@@ -35,7 +35,7 @@ inline bool depth_is_distance(LensModel model, const Conventions& conventions) {
   return conventions.depth == Conventions::Depth::distance;
 }
 
-/// Throws `std::invalid_argument` for an invalid `camera` or `conventions`. What `conventions` leave to the
+/// Throws `InvalidArgument` for an invalid `camera` or `conventions`. What `conventions` leave to the
 /// scene is as of a scene that says nothing.
 inline ViewConstants view_constants(const Camera& camera, const Conventions& conventions) {
   validate(camera);
@@ -98,7 +98,7 @@ struct FirstPixel {
 
 /// A view through `camera` into `frame`, with tiles of the usual side. A frame smaller than the camera's
 /// image shows the part of it that begins at `first`; the parts of several views make up one image, bit for
-/// bit. Rounds to nearest. Throws as `view_constants`, and `std::invalid_argument` if the frame does not lie
+/// bit. Rounds to nearest. Throws as `view_constants`, and `InvalidArgument` if the frame does not lie
 /// within the image.
 inline View make_view(const Camera& camera, const Conventions& conventions, const FrameView& frame,
                       vec3 background = vec3(0), FirstPixel first = {}) {

@@ -70,7 +70,7 @@ inline void number_tiles(Span<View> views) {
 }
 
 namespace detail {
-/// Throws `std::invalid_argument` if the frame of `view` has no pixels or too many, or if its tiles do not
+/// Throws `InvalidArgument` if the frame of `view` has no pixels or too many, or if its tiles do not
 /// cover it.
 inline void check_tiles(const View& view) {
   const auto side_fits = [](int side) { return side > 0 && side <= max_image_side; };
@@ -125,7 +125,7 @@ struct Views {
   bool through_lens = false;     ///< some view is
 
   Views() = default;
-  /// Throws `std::invalid_argument` for no or too many views, a frame of no or too many pixels, tiles that do
+  /// Throws `InvalidArgument` for no or too many views, a frame of no or too many pixels, tiles that do
   /// not cover it, or tiles that `number_tiles` did not number; and `CapacityError` beyond `max_frame_tiles`.
   Views(Span<const View> views, const View* stored_views = nullptr)
       : each(views),
@@ -166,7 +166,7 @@ inline std::uint32_t owner_of(Span<const std::uint32_t> owners, std::size_t i) {
 /// Views as a frame draws them: a panorama that spans several parts is several, side by side in its memory.
 class PanoramaParts {
  public:
-  /// `views` where none is cut; else copies, which hold until the next call. Throws `std::invalid_argument`
+  /// `views` where none is cut; else copies, which hold until the next call. Throws `InvalidArgument`
   /// where tiles of a panorama do not cover it or are no divisor of its parts.
   Span<const View> of(Span<const View> views) {
     owners_.clear(), parts_.clear();

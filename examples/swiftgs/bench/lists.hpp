@@ -6,7 +6,7 @@
 
 namespace swiftgs::cli {
 
-/// The parts of `text` between commas. Throws `std::invalid_argument`, naming `option`, for an empty one and
+/// The parts of `text` between commas. Throws `InvalidArgument`, naming `option`, for an empty one and
 /// for one that is there twice.
 std::vector<std::string> list_of(const std::string& option, const std::string& text);
 

@@ -19,7 +19,7 @@ struct Plan {
   std::uint32_t seed = 1;
 };
 
-/// Throws `std::invalid_argument` for a plan that no frame can be measured by.
+/// Throws `InvalidArgument` for a plan that no frame can be measured by.
 void validate(const Plan& plan);
 
 /// Median, its confidence interval and two percentiles of `values`, at least one. Of fewer than six values

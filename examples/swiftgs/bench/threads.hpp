@@ -10,7 +10,7 @@ namespace swiftgs::cli {
 /// Keeps oneTBB, and so renderers that are made meanwhile, to a number of threads.
 class ThreadLimit {
  public:
-  /// Without `threads` as many as there are processors. Throws `std::invalid_argument` for less than 1 and
+  /// Without `threads` as many as there are processors. Throws `InvalidArgument` for less than 1 and
   /// for more than those, and in a build without oneTBB for any number.
   explicit ThreadLimit(std::optional<std::int64_t> threads);
   ~ThreadLimit();

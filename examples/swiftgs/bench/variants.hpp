@@ -8,7 +8,7 @@
 
 namespace swiftgs::cli {
 
-/// Throw `std::invalid_argument` for a number of Gaussians that is 0 or above 100 million, and for a factor
+/// Throw `InvalidArgument` for a number of Gaussians that is 0 or above 100 million, and for a factor
 /// of scales below 0.001 or above 1000.
 void require_count(std::size_t count);
 void require_factor(double factor);
@@ -16,7 +16,7 @@ void require_factor(double factor);
 /// `scene` in another number of Gaussians, so that growth can be measured. Fewer are a random part of it, in
 /// the same order. More are split: each becomes two or more of the same opacity, side by side along its
 /// longest axis and as much shorter, which together have its mean and its variance; those that become one
-/// more than others are random. Throws as `require_count`, and `std::invalid_argument` for an empty scene.
+/// more than others are random. Throws as `require_count`, and `InvalidArgument` for an empty scene.
 Scene with_count(const Scene& scene, std::size_t count, std::uint32_t seed);
 
 /// `scene` with all scales multiplied by `factor`: how many tiles a splat touches, and how full tiles are.

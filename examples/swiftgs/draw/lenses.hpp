@@ -27,7 +27,7 @@ struct LensOptions {
 /// Adds the options of lenses.
 void add_lens(CLI::App& command, LensOptions& options);
 
-/// Throws `std::invalid_argument` for names that are not known, and for a panorama of another lens.
+/// Throws `InvalidArgument` for names that are not known, and for a panorama of another lens.
 void validate(const LensOptions& options);
 
 /// What `--depth-by` and `--depth-at` say.

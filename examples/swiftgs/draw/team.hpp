@@ -21,7 +21,7 @@ class Team {
  public:
   /// Runs `work` in the team that a launcher started, if there is one, and returns what it returns. Of a
   /// team of several, an error in one process ends all, and one line says which. Built without MPI, throws
-  /// `std::runtime_error` if a launcher started several.
+  /// `Unavailable` if a launcher started several.
   static int run(int argc, char** argv, const std::function<int()>& work);
   static Team& here();
 

@@ -18,14 +18,14 @@ namespace swiftgs::cli {
 /// format.
 class Video {
  public:
-  /// Starts ffmpeg. Throws `std::runtime_error` if it is not installed.
+  /// Starts ffmpeg. Throws `Unavailable` if it is not installed.
   Video(std::string file, int width, int height, double frames_a_second);
   /// Ends ffmpeg, and leaves no file unless `finish` was called.
   ~Video();
   Video(const Video&) = delete;
   Video& operator=(const Video&) = delete;
 
-  /// Adds a frame of the video's size. Throws `std::runtime_error` with what ffmpeg said if it ended.
+  /// Adds a frame of the video's size. Throws `Unavailable` with what ffmpeg said if it ended.
   void add(const Frame& frame);
   /// Returns when the file is whole. Throws as `add`.
   void finish();
@@ -41,7 +41,7 @@ class Video {
   std::vector<unsigned char> bytes_;
 };
 
-/// The video called `file` of all `views`, or null for no name. Throws `std::invalid_argument` where their
+/// The video called `file` of all `views`, or null for no name. Throws `InvalidArgument` where their
 /// sizes differ or several processes share them, and as `Video`.
 std::unique_ptr<Video> video_of(const std::string& file, const std::vector<View>& views,
                                 double frames_a_second);

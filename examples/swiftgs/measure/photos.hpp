@@ -17,7 +17,7 @@ namespace swiftgs::cli {
 /// channels and the size of their view: colours are laid over `background` by the photograph's alpha, grey
 /// becomes RGB, and of a photograph with the size of the camera each pixel gets the mean over its area. Notes
 /// how many views have none, as `say_notes` does. All processes of the team call it with the same views.
-/// Throws `std::invalid_argument` as `PhotoFolder` does, and if one has another size, or is not the same file
+/// Throws `InvalidArgument` as `PhotoFolder` does, and if one has another size, or is not the same file
 /// in all processes.
 std::vector<std::optional<Image>> photographs_of(const std::vector<View>& views, const Cameras& cameras,
                                                  const std::string& folder, double scale,

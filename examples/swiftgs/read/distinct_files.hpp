@@ -33,7 +33,7 @@ inline bool is_same_file(const std::string& a, const std::string& b) {
   return resolved(a) == resolved(b);
 }
 
-/// Throws `std::invalid_argument` where one of `outputs` is the same file as one of `inputs` or as an output
+/// Throws `InvalidArgument` where one of `outputs` is the same file as one of `inputs` or as an output
 /// before it.
 inline void require_distinct(const std::vector<NamedFile>& outputs, const std::vector<NamedFile>& inputs) {
   std::vector<NamedFile> others = inputs;

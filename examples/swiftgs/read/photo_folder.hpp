@@ -21,7 +21,7 @@ class PhotoFolder {
   /// extension. Folders at the beginning of the image's path count as matched if the folder of photographs
   /// is called so, too, or if no other image has the rest of the path. Otherwise the only file anywhere
   /// below the folder that has the image's name, if no other image has it. Empty if there is none. Throws
-  /// `std::invalid_argument` for several that differ in their extension or folder.
+  /// `InvalidArgument` for several that differ in their extension or folder.
   std::filesystem::path photograph_of(const Camera& camera) const;
 
  private:

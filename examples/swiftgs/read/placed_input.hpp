@@ -18,7 +18,7 @@
 namespace swiftgs::cli {
 
 /// The scenes of one frame. `names` are files of scenes, or lists, whose paths are relative to the list.
-/// Reads lists alone. Throws `std::invalid_argument` for several names unless `place` says that one frame
+/// Reads lists alone. Throws `InvalidArgument` for several names unless `place` says that one frame
 /// shows all.
 std::vector<ListedScene> scenes_of(const std::vector<std::string>& names, bool place);
 

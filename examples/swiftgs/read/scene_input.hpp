@@ -17,10 +17,10 @@
 namespace swiftgs::cli {
 
 /// Gaussians that `scene` asks of the built-in scene, or nothing if it names a file. Throws
-/// `std::invalid_argument` for `builtin:` with anything but a number.
+/// `InvalidArgument` for `builtin:` with anything but a number.
 std::optional<std::size_t> builtin_size(std::string_view scene);
 
-/// The axes of an SPZ file that `option` names. Throws `std::invalid_argument` if there are none so called.
+/// The axes of an SPZ file that `option` names. Throws `InvalidArgument` if there are none so called.
 SpzFrame spz_frame_named(const std::string& name, const std::string& option);
 
 /// The scene and what lies beside it. Of the built-in scene only the name is there, `builtin:N`. Throws what

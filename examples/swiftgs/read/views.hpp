@@ -39,7 +39,7 @@ Cameras read_cameras_of(const SceneOptions& scene, const std::string& cameras,
 
 /// The numbers of the cameras that `text` chooses: `all`, `every:N` (0, N, 2N, ...), `except:N` (all others),
 /// or a list of numbers, of ranges as `3-7`, and of images' names, with or without extension. An image's name
-/// that begins with 0 is a name before it is a number. Throws `std::invalid_argument` for anything else, for
+/// that begins with 0 is a name before it is a number. Throws `InvalidArgument` for anything else, for
 /// what is not there, and where `except:N` leaves none.
 std::vector<std::size_t> choose_views(std::string_view text, const std::vector<Camera>& cameras);
 

@@ -16,12 +16,12 @@ struct StressPoint {
 };
 
 /// Those of `families` that `names` lists, all where it is empty, in their order. Throws
-/// `std::invalid_argument` with the valid names.
+/// `InvalidArgument` with the valid names.
 std::vector<const StressFamily*> families_named(const std::string& names,
                                                 const std::vector<StressFamily>& families);
 
 /// Every combination, size by size such as `64x48,960x540`, and family by family. `severities` is `max`,
-/// `all` or numbers. Throws `std::invalid_argument`.
+/// `all` or numbers. Throws `InvalidArgument`.
 std::vector<StressPoint> points_of(const std::string& families, const std::string& severities,
                                    const std::string& sizes);
 

@@ -23,7 +23,7 @@ struct StressOptions {
 };
 
 /// Runs the command with renderers of any table: prints tables and writes the file. Throws
-/// `std::invalid_argument` for options that make no sense, and afterwards `std::runtime_error` where a
+/// `InvalidArgument` for options that make no sense, and afterwards `Unavailable` where a
 /// normalised error is above `stress_gate` or a renderer threw.
 void stress(const StressOptions& options, const std::vector<RendererEntry>& entries);
 

@@ -23,7 +23,7 @@ struct CameraPath {
 Camera camera_at(const CameraPath& path, double seconds, int width, int height);
 
 /// Writes a `camera_path.json` of nerfstudio: the keys, and every frame. `origin` is added to all places.
-/// Throws `std::system_error` if the file cannot be written.
+/// Throws `FileError` if the file cannot be written.
 void write_camera_path(const std::filesystem::path& file, const CameraPath& path, int width, int height,
                        const dvec3& origin);
 
@@ -31,7 +31,7 @@ void write_camera_path(const std::filesystem::path& file, const CameraPath& path
 bool is_camera_path(const std::filesystem::path& file);
 
 /// Reads a `camera_path.json`: its keys where it has them, else its frames. Subtracts `origin` from all
-/// places. Throws as `read_cameras`, and `std::invalid_argument` for no camera.
+/// places. Throws as `read_cameras`, and `InvalidArgument` for no camera.
 CameraPath read_camera_path(const std::filesystem::path& file, const dvec3& origin);
 
 }  // namespace swiftgs::cli

@@ -43,12 +43,12 @@ struct Picked {
 /// The scenes of the viewer, and frames of them by a renderer that may change.
 class Drawing {
  public:
-  /// Throws as `make_renderer`, and `std::invalid_argument` for a scene without Gaussians.
+  /// Throws as `make_renderer`, and `InvalidArgument` for a scene without Gaussians.
   Drawing(const std::string& renderer, const RenderSettings& settings, std::vector<ShownScene> scenes);
 
   /// Draws with the renderer of this name from now on. Throws as `make_renderer`, and changes nothing then.
   void use(const std::string& renderer);
-  /// Adds all of these scenes. Throws `std::invalid_argument` if one has no Gaussian, and as
+  /// Adds all of these scenes. Throws `InvalidArgument` if one has no Gaussian, and as
   /// `AnyRenderer::place`; adds none then.
   void add(std::vector<ShownScene> scenes);
   /// Places scene `number` as `listed` says. Throws as `AnyRenderer::place`, and changes nothing then.

@@ -27,7 +27,7 @@ struct Events {
 /// A window with a picture and panels of Dear ImGui before it.
 class Window {
  public:
-  /// Opens a window that is hidden until `show`. Throws `std::runtime_error` where there is no display.
+  /// Opens a window that is hidden until `show`. Throws `Unavailable` where there is no display.
   Window(const char* title, int width, int height);
   ~Window();
   Window(const Window&) = delete;

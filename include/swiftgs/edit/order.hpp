@@ -68,7 +68,7 @@ inline void sort_spatially(const Scene& scene, std::span<std::uint32_t> order) {
 /// in space. Cells are cubes, 2^21 along the longest side of a box with 99.8 % of the means in each
 /// direction; the few beyond it count as at its border. Equal cells keep their order. Gaussians that stray
 /// far from all others come after them, ordered among themselves, and means that are not finite come last.
-/// Takes O(n log n). Throws `std::invalid_argument` as `validate` does, and `CapacityError` beyond 2^32 - 1
+/// Takes O(n log n). Throws `InvalidArgument` as `validate` does, and `CapacityError` beyond 2^32 - 1
 /// Gaussians.
 inline std::vector<std::uint32_t> spatial_order(const Scene& scene) {
   std::vector<std::uint32_t> order =

@@ -74,7 +74,7 @@ class OriginChoice {
 };
 
 /// The same Gaussians with means relative to another origin: moved in double, rounded once. Linear in their
-/// number. Throws `std::invalid_argument` as `validate` does of the scene before and after.
+/// number. Throws `InvalidArgument` as `validate` does of the scene before and after.
 inline Scene with_origin(Scene scene, const dvec3& origin) {
   validate(scene);
   if (scene.origin == origin) return scene;

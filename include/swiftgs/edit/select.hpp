@@ -21,7 +21,7 @@
 namespace swiftgs {
 
 /// The Gaussians `kept` of `scene`, in that order; @shape{any number}. Linear in their number. Throws
-/// `std::invalid_argument` as `validate` does, and if an index in `kept` is not below the number of
+/// `InvalidArgument` as `validate` does, and if an index in `kept` is not below the number of
 /// Gaussians.
 inline Scene subset(const Scene& scene, const std::vector<std::uint32_t>& kept) {
   validate(scene);
@@ -41,7 +41,7 @@ inline Scene subset(const Scene& scene, const std::vector<std::uint32_t>& kept) 
 }
 
 /// Indices of the Gaussians for which `keep(i)` is true, ascending; @shape{any number}. Asks once for each.
-/// Throws `std::invalid_argument` as `validate` does, and `CapacityError` beyond 2^32 - 1 Gaussians.
+/// Throws `InvalidArgument` as `validate` does, and `CapacityError` beyond 2^32 - 1 Gaussians.
 template <class Predicate>
 std::vector<std::uint32_t> select(const Scene& scene, Predicate&& keep) {
   validate(scene);
@@ -86,7 +86,7 @@ inline void require_region(bool holds, const char* expected) {
 }
 }  // namespace detail
 
-/// Throws `std::invalid_argument` for a bad region and names what was expected. Boxes may have infinite
+/// Throws `InvalidArgument` for a bad region and names what was expected. Boxes may have infinite
 /// sides.
 inline void validate(const Box& box) {
   for (int axis = 0; axis < 3; ++axis)
@@ -106,7 +106,7 @@ inline void validate(const HalfSpace& half) {
 }
 
 /// The Gaussians that lie in a `Box`, `Sphere` or `HalfSpace` of the world, in their order. Linear in the
-/// number of Gaussians. Throws `std::invalid_argument` as `validate` does of the scene and the region.
+/// number of Gaussians. Throws `InvalidArgument` as `validate` does of the scene and the region.
 template <class Region>
 Scene crop(const Scene& scene, const Region& region) {
   validate(region);
@@ -128,7 +128,7 @@ inline std::vector<float> rest_of_degree(const Scene& scene, int degree) {
 }  // namespace detail
 
 /// The scene with harmonics of another degree, 0 to 3: bands above it are left out, bands that are missing
-/// are zero. Linear in the number of Gaussians. Throws `std::invalid_argument` as `validate` does, and for
+/// are zero. Linear in the number of Gaussians. Throws `InvalidArgument` as `validate` does, and for
 /// any other degree.
 inline Scene with_degree(Scene scene, int degree) {
   validate(scene);
@@ -141,7 +141,7 @@ inline Scene with_degree(Scene scene, int degree) {
 /// Adds the Gaussians of `more` behind those of `scene`, which comes to have the higher degree of both. A
 /// `more` without Gaussians changes nothing; a `scene` without any takes over the model of `more`, its
 /// feature channels and its origin; any other keeps its origin, and `more` is moved to it in double. Linear
-/// in the number of added Gaussians, on average, if the degree stays. Throws `std::invalid_argument` as
+/// in the number of added Gaussians, on average, if the degree stays. Throws `InvalidArgument` as
 /// `validate` does, if the models of both differ, and if both have features of different numbers of channels.
 /// If it throws, `scene` is as before.
 inline void append(Scene& scene, const Scene& more) {

@@ -16,7 +16,7 @@ namespace swiftgs {
 class ShRotation {
  public:
   /// For bands 1 to `degree`, 0 to 3, and an orthonormal matrix, which may be a mirror. Throws
-  /// `std::invalid_argument` for any other degree.
+  /// `InvalidArgument` for any other degree.
   ShRotation(const dmat3& rotation, int degree) : degree_(degree) {
     if (degree < 0 || degree > max_sh_degree)
       detail::refuse("ShRotation: degree is ", degree, ", expected 0 to 3");

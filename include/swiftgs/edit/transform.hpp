@@ -128,7 +128,7 @@ inline dvec3 origin_for(const Scene& scene, const Affine& by) {
 /// Moves all Gaussians: means, scales, rotations, and harmonics in all bands. Computed in double and rounded
 /// to float once, relative to `origin`, which becomes the scene's; `origin_for` chooses one. Where the
 /// movement rotates, rotations that are not of unit length become so, with the scales of the same ellipsoid.
-/// Linear in the number of Gaussians. Throws `std::invalid_argument` as `validate` does of the scene and the
+/// Linear in the number of Gaussians. Throws `InvalidArgument` as `validate` does of the scene and the
 /// movement, and `std::range_error` if a mean, scale or coefficient would leave the range of float, or a
 /// scale become 0; then nothing has moved. Numbers that are NaN or infinite stay so.
 inline void transform(Scene& scene, const Similarity& by, const dvec3& origin) {

@@ -40,8 +40,8 @@ struct CameraFile {
 /// Texts are in UTF-8, with a byte order mark or without. A file of anything else is refused with what it is.
 ///
 /// `Camera::name` is the image's name as the file has it. Cameras of a transforms.json or a path keep the
-/// order of the file, others are sorted by name. Throws `FormatError`, `std::system_error` if something
-/// cannot be read, and `std::invalid_argument` for a folder without cameras.
+/// order of the file, others are sorted by name. Throws `FormatError`, `FileError` if something
+/// cannot be read, and `InvalidArgument` for a folder without cameras.
 SWIFTGS_API CameraFile read_cameras(const std::filesystem::path& path);
 
 /// `read_cameras(path).cameras`.

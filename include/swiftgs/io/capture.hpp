@@ -31,7 +31,7 @@ struct Capture {
 /// `0`, `transforms.json`, or one that ends in `_train`, `_test` or `_val`, the first that is there.
 /// Photographs are in `photos`.
 ///
-/// Throws `std::invalid_argument` where a folder holds no scene, or several and none is called NAME.
+/// Throws `InvalidArgument` where a folder holds no scene, or several and none is called NAME.
 SWIFTGS_API Capture find_capture(const std::filesystem::path& path);
 
 }  // namespace swiftgs

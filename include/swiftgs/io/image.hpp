@@ -22,7 +22,7 @@ struct Image {
 
 /// Reads a PNG (8 or 16 bits), a JPEG, a PFM or, where built with OpenEXR, an EXR. The content decides which,
 /// never the name. Values are those of the file: no gamma is applied, no colour profile is used. Throws
-/// `FormatError`, or `std::system_error` if the file cannot be read.
+/// `FormatError`, or `FileError` if the file cannot be read.
 SWIFTGS_API Image read_image(const std::filesystem::path& path);
 
 /// The same from memory; `name` stands for the file in error messages.
@@ -31,8 +31,8 @@ SWIFTGS_API Image read_image(std::span<const std::byte> bytes, const std::string
 /// Writes colour as 8-bit RGB, clamped to 0 to 1 and rounded; a NaN becomes 0. With alpha in the frame the
 /// image is RGBA, of straight colours: of colours over alpha, so the background should be black. Values are
 /// the scene's own and written as they are: no gamma is applied. That is right if they are sRGB-encoded, as
-/// they usually are. The writers throw `std::invalid_argument` if the frame holds no colour, or
-/// `std::system_error` if the file cannot be written; `path` then keeps what it held, as the new file takes
+/// they usually are. The writers throw `InvalidArgument` if the frame holds no colour, or
+/// `FileError` if the file cannot be written; `path` then keeps what it held, as the new file takes
 /// its place when it is whole.
 SWIFTGS_API void write_png(const std::filesystem::path& path, const Frame& frame);
 
@@ -44,13 +44,13 @@ SWIFTGS_API void write_pfm(const std::filesystem::path& path, const Frame& frame
 
 /// Writes float channels R, G and B, and those of the other planes that the frame has: A, Z (depth),
 /// depth.squared, depth.first, depth.median, normal.X to normal.Z, features.0 and up, and id.gaussian and
-/// id.median as unsigned integers. Throws `std::runtime_error` in a build without OpenEXR.
+/// id.median as unsigned integers. Throws `Unavailable` in a build without OpenEXR.
 SWIFTGS_API void write_exr(const std::filesystem::path& path, const Frame& frame);
 
 /// Writes planes in host memory, of any `PixelFormat` and any pitch. The last channel of RGBA is the
 /// picture's alpha, and colours are multiplied by it: a PNG has straight ones. Of RGB the plane `alpha` is. A
 /// PNG is opaque if it was drawn before a `background` that is not black, or as RGB `over` an image. The
-/// occluder is not read. Throws as for a frame, and `std::invalid_argument` as `validate(const FrameView&)`.
+/// occluder is not read. Throws as for a frame, and `InvalidArgument` as `validate(const FrameView&)`.
 SWIFTGS_API void write_png(const std::filesystem::path& path, const FrameView& view,
                            vec3 background = vec3(0));
 

@@ -17,7 +17,7 @@ SWIFTGS_API std::string text_of(const RenderingModel& model);
 
 /// `model` changed by such a text: settings with commas between, of `antialiased` (yes, no), `blur`
 /// (@units{pixels^2}, 0 or more), `order` (depth, distance), `colours` (srgb, linear) and `kernel`
-/// (ellipsoid, disk). Throws `std::invalid_argument` that names the first setting that is none of these.
+/// (ellipsoid, disk). Throws `InvalidArgument` that names the first setting that is none of these.
 SWIFTGS_API RenderingModel model_from(std::string_view text, RenderingModel model = {});
 
 }  // namespace swiftgs

@@ -14,14 +14,14 @@
 namespace swiftgs {
 
 /// Calls `write` with the name of the file to write, and puts that in the place of `path` when it returns.
-/// Where it throws, `path` keeps what it held. Throws `std::system_error` with `path`.
+/// Where it throws, `path` keeps what it held. Throws `FileError` with `path`.
 SWIFTGS_API void replace_file(const std::filesystem::path& path,
                               const std::function<void(const std::filesystem::path&)>& write);
 
 /// The same with `content`.
 SWIFTGS_API void replace_file(const std::filesystem::path& path, std::string_view content);
 
-/// Throws `std::system_error` with `path` where `replace_file` could not begin, before hours are spent on
+/// Throws `FileError` with `path` where `replace_file` could not begin, before hours are spent on
 /// what goes there. Changes nothing.
 SWIFTGS_API void require_replaceable(const std::filesystem::path& path);
 

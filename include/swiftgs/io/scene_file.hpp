@@ -79,8 +79,8 @@ struct SceneFile {
 /// one. The file must not change while it is read. Memory is bounded by the file's size: docs/formats.md has
 /// the factor of each format.
 ///
-/// Throws `FormatError`, `Cancelled`, `std::system_error` if a file cannot be read, what `find_capture`
-/// throws, and `std::invalid_argument` for a part of a file whose format has to be read as a whole.
+/// Throws `FormatError`, `Cancelled`, `FileError` if a file cannot be read, what `find_capture`
+/// throws, and `InvalidArgument` for a part of a file whose format has to be read as a whole.
 SWIFTGS_API SceneFile read_scene(const std::filesystem::path& path, const SceneReadOptions& options = {});
 
 /// `read_scene(path, options).scene`.
@@ -151,13 +151,13 @@ struct WrittenScene {
 /// Of a scene with an origin a `.ply` holds positions in the world, as doubles; the other formats hold them
 /// relative to the origin, which `WrittenScene::notes` names.
 ///
-/// The new file takes the place of an old one when it is whole. Throws `std::invalid_argument` as `validate`
+/// The new file takes the place of an old one when it is whole. Throws `InvalidArgument` as `validate`
 /// does, for an ending that it does not know, and for a scene or an option that the format does not allow,
-/// `Cancelled`, or `std::system_error` if the file cannot be written.
+/// `Cancelled`, or `FileError` if the file cannot be written.
 SWIFTGS_API WrittenScene write_scene(const std::filesystem::path& path, const Scene& scene,
                                      const SceneWriteOptions& options = {});
 
-/// Throws `std::invalid_argument` as `write_scene` does for an ending that it does not know, before hours are
+/// Throws `InvalidArgument` as `write_scene` does for an ending that it does not know, before hours are
 /// spent on the scene.
 SWIFTGS_API void require_scene_ending(const std::filesystem::path& path,
                                       const SceneWriteOptions& options = {});

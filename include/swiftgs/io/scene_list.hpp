@@ -29,7 +29,7 @@ struct ListedScene {
 };
 
 /// Whether `path` is a file that holds a list of scenes, by its content. Other JSON, such as a list of
-/// cameras, is none. Throws `std::system_error` if the file cannot be read.
+/// cameras, is none. Throws `FileError` if the file cannot be read.
 SWIFTGS_API bool is_scene_list(const std::filesystem::path& path);
 
 /// Reads a list of scenes, a JSON array of objects. Each has a `file`, and may have
@@ -43,13 +43,13 @@ SWIFTGS_API bool is_scene_list(const std::filesystem::path& path);
 /// `half_spaces`,
 ///   [x, y, z, offset] each, of positions p with (x, y, z) . p of the offset or more. A box is six
 ///   half-spaces. Gaussians show whose means lie in all of them.
-/// Throws `FormatError` for anything else, also for other members, and `std::system_error` if the file cannot
+/// Throws `FormatError` for anything else, also for other members, and `FileError` if the file cannot
 /// be read.
 SWIFTGS_API std::vector<ListedScene> read_scene_list(const std::filesystem::path& path);
 
 /// Writes a list that `read_scene_list` reads as the same scenes, to the last bit of each number. `path`
-/// keeps what it held if anything fails. Throws `std::invalid_argument` for what the reader refuses and for a
-/// name that is not UTF-8, and `std::system_error` if the file cannot be written.
+/// keeps what it held if anything fails. Throws `InvalidArgument` for what the reader refuses and for a
+/// name that is not UTF-8, and `FileError` if the file cannot be written.
 SWIFTGS_API void write_scene_list(const std::filesystem::path& path, const std::vector<ListedScene>& scenes);
 
 /// The six half-spaces of a box: of each axis the lower side, then the upper one.

@@ -49,7 +49,7 @@ struct RasterJob {
   SWIFTGS_HD bool sums_depth(const View& view) const { return !only_attributes && view.frame.depth.data; }
 };
 
-/// The raster blocks of `job`. Throws `std::invalid_argument` if the lists are not of as many tiles as the
+/// The raster blocks of `job`. Throws `InvalidArgument` if the lists are not of as many tiles as the
 /// views have.
 inline RasterBlocks raster_blocks_of(const RasterJob& job) {
   const FrameTiles& tiles = job.views.tiles;

@@ -50,7 +50,7 @@ struct ConditionedFrame {
 /// Renders placed scenes as `render_reference` does, six more times with every float of them moved by up to a
 /// unit in its last place, and finds where decisions are ambiguous. Clips decide of the means as they are.
 /// What moves is decided by `seed` alone.
-/// Throws `std::invalid_argument` as `render_reference` does, and where `conventions` are not valid or
+/// Throws `InvalidArgument` as `render_reference` does, and where `conventions` are not valid or
 /// measure depth along the ray.
 SWIFTGS_API ConditionedFrame render_conditioned(Span<const ReferenceScene> scenes, const Camera& camera,
                                                 const Conventions& conventions, dvec3 background = dvec3(0),

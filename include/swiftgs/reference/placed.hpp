@@ -18,7 +18,7 @@ struct ReferenceScene {
   Tint tint{};
 };
 
-/// Throws `std::invalid_argument` as `validate` of a `PlacedScene`.
+/// Throws `InvalidArgument` as `validate` of a `PlacedScene`.
 inline void validate(const ReferenceScene& placed) {
   validate(placed.scene);
   detail::validate_placing(placed.world_from_scene, placed.opacity, placed.clip, placed.tint);

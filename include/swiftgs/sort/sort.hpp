@@ -33,7 +33,7 @@ struct SortJob {
   }
 };
 
-/// Throws `std::invalid_argument` if the footprints of `job` are of another number of splats.
+/// Throws `InvalidArgument` if the footprints of `job` are of another number of splats.
 inline void check_footprints(const SortJob& job) {
   if (job.footprints.each.size != job.splats.size())
     detail::refuse("sort: there are footprints of ", job.footprints.each.size, " splats, expected those of ",
@@ -128,7 +128,7 @@ struct SWIFTGS_API ClearRanges {
   }
 };
 
-/// Throws `std::invalid_argument` if footprints do not have as many intersections as they say.
+/// Throws `InvalidArgument` if footprints do not have as many intersections as they say.
 inline void check_sum(std::uint64_t said, std::uint64_t sum) {
   if (said != sum)
     detail::refuse("sort: the footprints hold ", sum, " intersections, expected those that they say, ", said);

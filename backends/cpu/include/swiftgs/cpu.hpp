@@ -56,7 +56,7 @@ class SWIFTGS_API Cpu {
 
   /// `threads`: how many run at once, at most what oneTBB allows; 0: all. Each backend has its own arena, so
   /// renderers and other users of oneTBB do not disturb each other. oneTBB does not take memory of its tasks
-  /// from `memory`. Throws `std::invalid_argument` for a negative number of threads.
+  /// from `memory`. Throws `InvalidArgument` for a negative number of threads.
   explicit Cpu(int threads = 0, const MemoryHook& memory = hook_of<LargePageMemory>());
   ~Cpu();
   Cpu(Cpu&&) noexcept;

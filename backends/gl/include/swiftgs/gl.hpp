@@ -79,7 +79,7 @@ class Texture {
 
   /// Copies the colours of `frame`, which lies in memory of the device, after what `stream` was given before.
   /// Rows go as they lie in memory, and OpenGL's textures begin with the bottom one. What OpenGL is given
-  /// afterwards finds them. Throws `std::invalid_argument` if sizes or formats differ.
+  /// afterwards finds them. Throws `InvalidArgument` if sizes or formats differ.
   SWIFTGS_API void write(const FrameView& frame, cudaStream_t stream) const;
 
  private:

@@ -82,12 +82,12 @@ class Buffer {
 /// An image that frames are copied to. CUDA takes no depth: have Vulkan copy it to a buffer.
 class Image {
  public:
-  /// Throws as `Buffer`, and `std::invalid_argument` for a format of three channels.
+  /// Throws as `Buffer`, and `InvalidArgument` for a format of three channels.
   SWIFTGS_API Image(const Device& device, const ExportedMemory& memory, const ImageShape& shape);
 
   /// Copies the colours of `frame`, which lies in memory of the device, in stream order. Rows go as they lie
   /// in memory, and Vulkan's images begin with the top one. Vulkan keeps the contents by the layout
-  /// VK_IMAGE_LAYOUT_GENERAL. Throws `std::invalid_argument` if sizes or formats differ.
+  /// VK_IMAGE_LAYOUT_GENERAL. Throws `InvalidArgument` if sizes or formats differ.
   SWIFTGS_API void write(const FrameView& frame, cudaStream_t stream) const;
 
  private:

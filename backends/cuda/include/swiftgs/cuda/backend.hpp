@@ -104,7 +104,7 @@ class SWIFTGS_API Cuda {
     State* state_;  ///< null once joined
   };
 
-  /// Starts a fork. A backend outlives it and has one at a time: throws `std::logic_error` where the one
+  /// Starts a fork. A backend outlives it and has one at a time: throws `OrderError` where the one
   /// before is not joined.
   [[nodiscard]] Fork fork();
 
@@ -113,13 +113,13 @@ class SWIFTGS_API Cuda {
 
   /// Copies `scene` to the device in stream order, without trailing SH bands of zeros, and by default with
   /// harmonics in the fewest bytes that hold them exactly. Waits for the stream, so that other streams may
-  /// read the scene. Throws `std::invalid_argument` as `validate`, `validate_numbers` and `HarmonicPacking`.
+  /// read the scene. Throws `InvalidArgument` as `validate`, `validate_numbers` and `HarmonicPacking`.
   SceneOn upload(const Scene& scene, HarmonicsKept kept = HarmonicsKept::smallest) const;
   SceneOn upload(std::shared_ptr<const Scene> scene, HarmonicsKept kept = HarmonicsKept::smallest) const;
 
   /// Copies arrays within the device, in stream order; harmonics stay floats. Does not wait: other streams
   /// must, before they read the scene or overwrite the arrays. Does not check numbers. Throws
-  /// `std::invalid_argument` as `validate` does.
+  /// `InvalidArgument` as `validate` does.
   SceneOn upload(const SceneArrays& arrays) const;
   /// As above, into the memory of `reuse`, a scene of this backend that is empty afterwards; if it was ever
   /// copied, it is released instead. `arrays` do not lie in it. Waits for the device if memory has to grow.
@@ -131,7 +131,7 @@ class SWIFTGS_API Cuda {
   /// capture it. Arrays stay where they are: views and copies of the scene, and recorded work that runs
   /// again, show the update. Other streams must have drawn the scene before, and wait before they draw it
   /// again or overwrite the arrays, which do not lie in the scene. Does not check numbers. `sh_rest` has the
-  /// bands that the device stores, `view().sh_degree`. Throws `std::invalid_argument` as `validate_update`
+  /// bands that the device stores, `view().sh_degree`. Throws `InvalidArgument` as `validate_update`
   /// and `require_replaceable` do.
   void update(SceneOn& scene, std::size_t first, const SceneArrays& arrays) const;
 

@@ -20,7 +20,7 @@ SWIFTGS_API std::string build_identity();
 
 /// Size of a file, and checksum: of all of it up to 1 MiB; of a larger one, of its first and last 64 KiB and
 /// of 64 blocks of 4 KiB between. It detects another scene or further training; it may miss a few numbers
-/// changed by hand. Throws `std::system_error`.
+/// changed by hand. Throws `FileError`.
 SWIFTGS_API std::string file_identity(const std::filesystem::path& path);
 
 /// Hash of what the views of a frame show and of which planes they have. Addresses do not count.

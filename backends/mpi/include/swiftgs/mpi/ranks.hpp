@@ -80,7 +80,7 @@ class SWIFTGS_API Ranks {
   /// Replaces each element by its sum over all ranks.
   void add_up(Span<std::uint64_t> sums) const;
 
-  /// Throws `std::invalid_argument` on all ranks unless all bring the same text for `what`.
+  /// Throws `InvalidArgument` on all ranks unless all bring the same text for `what`.
   void require_same(const std::string& what, const std::string& mine) const;
 
   /// Returns when all ranks have called it, and rank 0 has heard all steps that they told before; calls

@@ -47,7 +47,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   /// As of `Renderer`.
   static constexpr std::string_view name = Renderer<B, Sort, Raster, Bounds>::name;
 
-  /// Collective. Throws `std::invalid_argument` on all ranks if their builds of the program, or their
+  /// Collective. Throws `InvalidArgument` on all ranks if their builds of the program, or their
   /// renderers, differ, and `MpiError` if devices cannot be joined, after which the program has to end.
   explicit DistributedRenderer(Ranks ranks, B backend = B(), Sort sort = Sort())
       : ranks_(std::move(ranks)), one_(std::move(backend), std::move(sort)) {
