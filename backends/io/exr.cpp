@@ -108,19 +108,8 @@ Image parse(const Source& source) {
   return image;
 }
 
-/// Of each plane.
-PerPlane<std::vector<std::string>> channel_names(const Frame& frame) {
-  PerPlane<std::vector<std::string>> names{.colour = {"R", "G", "B"},
-                                           .alpha = {"A"},
-                                           .depth = {"Z"},
-                                           .squared_depth = {"depth.squared"},
-                                           .first_depth = {"depth.first"},
-                                           .median_depth = {"depth.median"},
-                                           .normal = {"normal.X", "normal.Y", "normal.Z"},
-                                           .id = {"id.gaussian"},
-                                           .median_id = {"id.median"}};
-  for (int c = 0; c < frame.feature_channels; ++c) names.features.push_back("features." + std::to_string(c));
-  return names;
+std::string channel_name(const PlaneRow& plane, std::size_t c) {
+  return plane.channels != 0 ? plane.channel_names[c] : plane.channel_names[0] + std::to_string(c);
 }
 
 }  // namespace
@@ -145,18 +134,18 @@ void write_exr(const std::filesystem::path& path, const Frame& frame) {
   io::expect_colour(frame);
   Imf::Header header(frame.width, frame.height);
   Imf::FrameBuffer source;
-  const auto add = [&]<class T>(std::size_t channels, const std::vector<T>& values,
-                                const std::vector<std::string>& names) {
+  const auto add = [&]<class T>(std::size_t channels, const std::vector<T>& values, const PlaneRow& plane) {
     const Imf::PixelType type = std::is_same_v<T, float> ? Imf::FLOAT : Imf::UINT;
     for (std::size_t c = 0; values.size() == channels * frame.pixels() && c < channels; ++c) {
-      header.channels().insert(names[c], Imf::Channel(type));
+      const std::string name = io::channel_name(plane, c);
+      header.channels().insert(name, Imf::Channel(type));
       // OpenEXR's slices are mutable even where it only reads.
       char* base = reinterpret_cast<char*>(const_cast<T*>(values.data() + c));
       const std::size_t stride = channels * sizeof(T);
-      source.insert(names[c], Imf::Slice(type, base, stride, stride * std::size_t(frame.width)));
+      source.insert(name, Imf::Slice(type, base, stride, stride * std::size_t(frame.width)));
     }
   };
-  for_each_plane(add, frame, io::channel_names(frame));
+  for_each_plane(add, frame, plane_table);
   io::MemoryOutput encoded;
   try {
     Imf::OutputFile file(encoded, header);

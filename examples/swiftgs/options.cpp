@@ -72,10 +72,11 @@ std::string names_of_planes() {
   std::string names;
   Outputs outputs;
   for_each_plane(
-      [&]<class Wanted>(std::size_t, Wanted&, const char* name) {
-        if constexpr (std::is_same_v<Wanted, bool>) names += (names.empty() ? "" : ", ") + std::string(name);
+      [&]<class Wanted>(std::size_t, Wanted&, const PlaneRow& row) {
+        if constexpr (std::is_same_v<Wanted, bool>)
+          names += (names.empty() ? "" : ", ") + std::string(row.name);
       },
-      outputs, plane_names);
+      outputs, plane_table);
   return names;
 }
 

@@ -8,6 +8,7 @@
 #include <cstring>
 #include <tuple>
 #include <type_traits>
+#include <utility>
 #include <vector>
 
 #include <swiftgs/math.hpp>
@@ -133,6 +134,14 @@ struct Outputs {
   int features = 0;  ///< number of channels: the scene's first ones
 };
 
+namespace detail {
+/// References to the planes of `of`, in the order of `plane_table`.
+constexpr auto planes_of(auto& of) {
+  return std::tie(of.colour, of.alpha, of.depth, of.squared_depth, of.first_depth, of.median_depth, of.normal,
+                  of.id, of.median_id, of.features);
+}
+}  // namespace detail
+
 /// A value for each plane of a frame: `T`, or `Id` for planes of Gaussians.
 template <class T, class Id = T>
 struct PerPlane {
@@ -140,15 +149,38 @@ struct PerPlane {
   Id id{}, median_id{};
   T features{};
 
-  static auto buffers(auto& self) {
-    return std::tie(self.colour, self.alpha, self.depth, self.squared_depth, self.first_depth,
-                    self.median_depth, self.normal, self.id, self.median_id, self.features);
-  }
+  static auto buffers(auto& self) { return detail::planes_of(self); }
 };
 
-inline constexpr PerPlane<const char*> plane_names{"colour",      "alpha",        "depth",  "squared_depth",
-                                                   "first_depth", "median_depth", "normal", "id",
-                                                   "median_id",   "features"};
+/// What a pixel makes of the splats that it shows, front to back.
+enum class Accumulator {
+  sum,   ///< by weight
+  mean,  ///< by weight; 0 where alpha is 0
+  pick,  ///< value of one splat; 0 or `no_gaussian` where there is none
+};
+
+/// What the library knows of a plane beside its type, which is that of its values in `Frame`.
+struct PlaneRow {
+  const char* name = nullptr;
+  int channels = 0;  ///< of a pixel; 0: as many as the frame asks for
+  Accumulator accumulator = Accumulator::sum;
+  int length_power = 0;            ///< values are in the scene's unit of length to this power
+  const char* channel_names[3]{};  ///< in an EXR; channels that a frame asks for have numbers behind
+};
+
+/// The table of planes. Whatever treats all planes loops over it by `for_each_plane`.
+inline constexpr PerPlane<PlaneRow> plane_table{
+    .colour = {"colour", 3, Accumulator::sum, 0, {"R", "G", "B"}},
+    .alpha = {"alpha", 1, Accumulator::sum, 0, {"A"}},
+    .depth = {"depth", 1, Accumulator::mean, 1, {"Z"}},
+    .squared_depth = {"squared_depth", 1, Accumulator::mean, 2, {"depth.squared"}},
+    .first_depth = {"first_depth", 1, Accumulator::pick, 1, {"depth.first"}},
+    .median_depth = {"median_depth", 1, Accumulator::pick, 1, {"depth.median"}},
+    .normal = {"normal", 3, Accumulator::sum, 0, {"normal.X", "normal.Y", "normal.Z"}},
+    .id = {"id", 1, Accumulator::pick, 0, {"id.gaussian"}},
+    .median_id = {"median_id", 1, Accumulator::pick, 0, {"id.median"}},
+    .features = {"features", 0, Accumulator::sum, 0, {"features."}},
+};
 
 namespace detail {
 /// Feature channels that `of` asks for or holds; 0 if it is a value for each plane.
@@ -163,21 +195,19 @@ constexpr int feature_channels(const Of& of) {
 }
 }  // namespace detail
 
-/// Calls f(channels, of.plane...) for each plane, with the channels of `Frame`. `of` are any of `Frame`,
-/// `FrameView`, `Outputs`, `PerPlane` and the like. Those that know the channels of features agree on them.
+/// Calls f(channels, of.plane...) for each plane, in the order of `plane_table`. `of` are any of `Frame`,
+/// `FrameView`, `Outputs`, `PerPlane`, `plane_table` and the like. Those that know the channels of features
+/// agree on them.
 template <class F, class... Of>
-void for_each_plane(const F& f, Of&&... of) {
+constexpr void for_each_plane(const F& f, Of&&... of) {
   const int features = std::max({0, detail::feature_channels(of)...});
-  f(std::size_t(3), of.colour...);
-  f(std::size_t(1), of.alpha...);
-  f(std::size_t(1), of.depth...);
-  f(std::size_t(1), of.squared_depth...);
-  f(std::size_t(1), of.first_depth...);
-  f(std::size_t(1), of.median_depth...);
-  f(std::size_t(3), of.normal...);
-  f(std::size_t(1), of.id...);
-  f(std::size_t(1), of.median_id...);
-  f(std::size_t(features), of.features...);
+  const auto rows = detail::planes_of(plane_table);
+  const auto call = [&]<std::size_t plane>() {
+    const int channels = std::get<plane>(rows).channels;
+    f(std::size_t(channels != 0 ? channels : features), std::get<plane>(detail::planes_of(of))...);
+  };
+  [&]<std::size_t... planes>(std::index_sequence<planes...>) { (call.template operator()<planes>(), ...); }
+  (std::make_index_sequence<std::tuple_size_v<decltype(rows)>>());
 }
 
 /// How values of a depth buffer stand for depths: value d for (p d + q) / (r d + s). Where r d + s is not

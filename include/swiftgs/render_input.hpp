@@ -51,11 +51,11 @@ inline void validate(const FrameView& frame) {
   };
   const std::size_t channels = frame.format == PixelFormat::rgb_float ? 3 : 4;
   for_each_plane(
-      [&](std::size_t, const auto& plane, std::size_t pixel, const char* name) {
+      [&](std::size_t, const auto& plane, std::size_t pixel, const PlaneRow& row) {
         constexpr bool of_colour = std::is_same_v<decltype(plane), const Plane<void>&>;
-        require_plane(plane, pixel, of_colour ? pixel / channels : sizeof(float), name);
+        require_plane(plane, pixel, of_colour ? pixel / channels : sizeof(float), row.name);
       },
-      frame, frame.pixel_bytes(), plane_names);
+      frame, frame.pixel_bytes(), plane_table);
   detail::require_for_render(!frame.features.data || frame.feature_channels > 0,
                              "a frame with features to say how many channels");
   require_plane(frame.occluder, sizeof(float), sizeof(float), "occluder");

@@ -164,12 +164,12 @@ struct Both {
     frame.views = &view, frame.count = 1;
     REQUIRE(swiftgs_renderer_render(c.get(), &frame) == SWIFTGS_OK);
     for_each_plane(
-        [](std::size_t, const auto& a, const auto& b, const char* name) {
-          CAPTURE(name);
+        [](std::size_t, const auto& a, const auto& b, const PlaneRow& row) {
+          CAPTURE(row.name);
           CHECK(!a.empty());
           CHECK(a == b);
         },
-        found, expected, plane_names);
+        found, expected, plane_table);
     check_picks({.x = width / 2 - 5, .y = height / 2 - 3, .width = 9, .height = 7});
     return expected;
   }

@@ -30,7 +30,7 @@ vec3 false_colour(float part) {
 namespace {
 
 /// The values between which all but the least and the largest hundredth of those above 0 lie.
-std::optional<DepthRange> range_of(std::vector<float> values) {
+std::optional<DepthRange> range_of(std::vector<float> values, int length_power) {
   std::erase_if(values, [](float value) { return !(value > 0); });
   if (values.empty()) return std::nullopt;
   const auto value_at = [&](std::size_t i) {
@@ -38,7 +38,7 @@ std::optional<DepthRange> range_of(std::vector<float> values) {
     return values[i];
   };
   const float low = value_at(values.size() / 100);
-  return DepthRange{low, value_at(values.size() - 1 - values.size() / 100)};
+  return DepthRange{low, value_at(values.size() - 1 - values.size() / 100), length_power};
 }
 
 vec3 colour_of_normal(const float* sum) {
@@ -70,7 +70,8 @@ void paint(Frame& picture, const F& f) {
 PlanePicture picture_of_plane(const Frame& frame) {
   PlanePicture shown;
   for_each_plane(
-      [&]<class Value>(std::size_t channels, const std::vector<Value>& values, std::string_view name) {
+      [&]<class Value>(std::size_t channels, const std::vector<Value>& values, const PlaneRow& row) {
+        const std::string_view name = row.name;
         if (values.empty() || name == "colour" || name == "features") return;
         Frame& picture = shown.picture;
         picture.width = frame.width, picture.height = frame.height;
@@ -78,16 +79,16 @@ PlanePicture picture_of_plane(const Frame& frame) {
           paint(picture, [&](std::size_t pixel) { return colour_of_id(values[pixel]); });
         } else if (channels == 3) {
           paint(picture, [&](std::size_t pixel) { return colour_of_normal(&values[3 * pixel]); });
-        } else if (name == "alpha") {
+        } else if (row.length_power == 0) {
           paint(picture, [&](std::size_t pixel) { return vec3(values[pixel]); });
         } else {
-          shown.range = range_of(values);
+          shown.range = range_of(values, row.length_power);
           paint(picture, [&](std::size_t pixel) {
             return values[pixel] > 0 ? false_colour(shown.range->part(values[pixel])) : vec3(0);
           });
         }
       },
-      frame, plane_names);
+      frame, plane_table);
   return shown;
 }
 

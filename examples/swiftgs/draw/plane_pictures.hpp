@@ -9,9 +9,10 @@
 namespace swiftgs::cli {
 
 /// The depths between which colours tell depths apart, on a logarithmic scale. Nearer ones look like `low`,
-/// farther ones like `high`. @units{world, squared for squared depths}
+/// farther ones like `high`. @units{world, to `length_power`}
 struct DepthRange {
   float low = 0, high = 0;
+  int length_power = 1;
 
   /// 0 of `low`, 1 of `high`. Expects a depth above 0.
   float part(float depth) const;

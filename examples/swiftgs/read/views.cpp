@@ -204,11 +204,11 @@ Outputs planes_of(const std::string& text) {
   for (const std::string_view name : split(text, ',')) {
     bool added = false;
     for_each_plane(
-        [&]<class Wanted>(std::size_t, const char* known, Wanted& wanted) {
+        [&]<class Wanted>(std::size_t, const PlaneRow& row, Wanted& wanted) {
           if constexpr (std::is_same_v<Wanted, bool>)
-            if (name == known && !wanted) added = wanted = true;
+            if (name == row.name && !wanted) added = wanted = true;
         },
-        plane_names, planes);
+        plane_table, planes);
     if (!added)
       throw std::invalid_argument("--planes '" + text + "': expected names, with commas between, of " +
                                   names_of_planes() + "; each once");

@@ -93,11 +93,11 @@ void Drawing::show_plane(std::string_view name) {
   plane_ = name;
   settings_.outputs = {};
   for_each_plane(
-      [&]<class Wanted>(std::size_t, std::string_view known, Wanted& wanted) {
+      [&]<class Wanted>(std::size_t, const PlaneRow& row, Wanted& wanted) {
         if constexpr (std::is_same_v<Wanted, bool>)
-          if (known == name) wanted = true;
+          if (name == row.name) wanted = true;
       },
-      plane_names, settings_.outputs);
+      plane_table, settings_.outputs);
 }
 
 void Drawing::draw(const Camera& camera, bool count) {

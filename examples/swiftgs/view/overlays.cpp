@@ -80,7 +80,7 @@ void draw_legend(const Viewer& viewer) {
   place_right(0);
   if (ImGui::Begin("legend", nullptr, fitted_window | ImGuiWindowFlags_NoInputs)) {
     ImGui::TextUnformatted(viewer.plane.c_str());
-    ImGui::TextUnformatted(viewer.plane == "squared_depth" ? "world units squared" : "world units");
+    ImGui::TextUnformatted(range->length_power == 2 ? "world units squared" : "world units");
     draw_scale(*range);
   }
   ImGui::End();

@@ -79,7 +79,7 @@ void renderer_panel(Viewer& viewer, bool& changed) {
 
   std::string plane = viewer.plane.empty() ? "colour" : viewer.plane;
   std::vector<std::string> planes;
-  for_each_plane([&](std::size_t, const char* name) { planes.emplace_back(name); }, plane_names);
+  for_each_plane([&](std::size_t, const PlaneRow& row) { planes.emplace_back(row.name); }, plane_table);
   planes.pop_back();  // no file has features
   if (choose("plane", planes, plane, viewer.escapes)) {
     viewer.plane = plane == "colour" ? "" : plane;
