@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <type_traits>
 #include <vector>
 
 #include <Eigen/Core>
@@ -58,46 +59,57 @@ std::vector<Attributes> attributes_of(const std::vector<View>& views) {
   return all;
 }
 
-/// What a pixel has collected so far.
+/// A pixel of `out`, whose planes it collects.
 struct PlanesPixel {
-  static constexpr double nowhere = std::numeric_limits<double>::infinity();
+  ReferencePlanes& out;
+  std::size_t i;
+  Pixel blended{};
 
-  Pixel blended;
-  double squared_depth = 0;  ///< sum of weight * depth^2
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();
-  double undecided_normals = 0;
-  double first_depth = 0, median_depth = 0, weight = 0, next_weight = 0, depth_of_id = 0;
-  std::uint32_t id = no_gaussian, median_id = no_gaussian;
-  double first_margin = nowhere, median_margin = nowhere, threshold_margin = nowhere;
-  double occluder_margin = nowhere;
-
-  /// Offers a splat; returns its weight, 0 where it does not show.
-  double offer(const Splat& splat, const Normal& facing, int x, int y, const Conventions& k) {
-    if (blended.stopped) return 0;
+  /// Offers a splat.
+  void offer(const Splat& splat, const Attributes& of, int x, int y, const Conventions& k) {
+    if (blended.stopped) return;
     const double dy = y + 0.5 - splat.y, along = x + 0.5 - splat.x - splat.shear * dy;
     const double sigma = 0.5 * (splat.x_weight * along * along + splat.y_weight * dy * dy);
     const double alpha = std::min(double(k.alpha_max), splat.opacity * std::exp(-sigma));
-    approach(threshold_margin, alpha / double(k.alpha_min), 1);
+    approach(out.threshold_margin[i], alpha / double(k.alpha_min), 1);
     const double before = blended.transmittance;
     if (alpha >= double(k.alpha_min) && k.stop > 0)
-      approach(threshold_margin, before * (1 - alpha) / double(k.stop), 1);
+      approach(out.threshold_margin[i], before * (1 - alpha) / double(k.stop), 1);
     const double depth = splat.depth_at(x, y);
     if (alpha >= double(k.alpha_min) && std::isfinite(blended.occluder))
-      approach(occluder_margin, double(blended.occluder) / depth, 1);
-    if (!blend(blended, splat, sigma, depth, k)) return 0;
+      approach(out.occluder_margin[i], double(blended.occluder) / depth, 1);
+    if (!blend(blended, splat, sigma, depth, k)) return;
 
-    const double left = blended.transmittance, part = alpha * before;
-    squared_depth += part * std::min(depth * depth, double(most_attribute(k.alpha_max)));
-    normal += part * facing.direction;
-    if (facing.undecided) undecided_normals += part;
-    pick(std::uint32_t(splat.index), part, depth);
+    const double left = blended.transmittance, part = alpha * before, most = most_attribute(k.alpha_max);
+    out.squared_depth[i] += part * std::min(depth * depth, most);
+    for (std::size_t c = 0; c < 3; ++c) out.normal[3 * i + c] += part * of.normal.direction[Eigen::Index(c)];
+    if (of.normal.undecided) out.undecided_normals[i] += part;
+    const std::size_t channels = std::size_t(out.feature_channels);
+    for (std::size_t c = 0; c < channels; ++c)
+      if (std::isfinite(of.features[c]))
+        out.features[channels * i + c] += part * std::clamp(double(of.features[c]), -most, most);
+    const auto gaussian = std::uint32_t(splat.index);
+    pick(gaussian, part, depth);
     const auto takes_below = [&](double threshold, double& margin) {
       approach(margin, left, threshold);
       return before >= threshold && left < threshold;
     };
-    if (takes_below(1 - double(k.first_alpha), first_margin)) first_depth = depth;
-    if (takes_below(0.5, median_margin)) median_depth = depth, median_id = std::uint32_t(splat.index);
-    return part;
+    if (takes_below(1 - double(k.first_alpha), out.first_margin[i])) out.first_depth[i] = depth;
+    if (takes_below(0.5, out.median_margin[i])) out.median_depth[i] = depth, out.median_id[i] = gaussian;
+  }
+
+  /// Ends sums and means. `linear`: colours were blended in linear light.
+  void finish(bool linear) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double colour = blended.colour[Eigen::Index(c)];
+      out.colour[3 * i + c] = linear ? encoded(colour) : colour;
+    }
+    out.alpha[i] = 1 - blended.transmittance, out.depth[i] = blended.depth;
+    for_each_plane(
+        [&]<class T>(std::size_t, std::vector<T>& values, const PlaneRow& row) {
+          if (row.accumulator == Accumulator::mean && blended.weight > 0) values[i] /= T(blended.weight);
+        },
+        out, plane_table);
   }
 
  private:
@@ -105,69 +117,45 @@ struct PlanesPixel {
     margin = std::min(margin, std::abs(value - threshold));
   }
   void pick(std::uint32_t gaussian, double part, double depth) {
-    if (part > weight) {
-      next_weight = weight;
-      id = gaussian, weight = part, depth_of_id = depth;
+    if (part > out.weight[i]) {
+      out.next_weight[i] = out.weight[i];
+      out.id[i] = gaussian, out.weight[i] = part, out.depth_of_id[i] = depth;
     } else {
-      next_weight = std::max(next_weight, part);
+      out.next_weight[i] = std::max(out.next_weight[i], part);
     }
   }
 };
 
-/// Gives the planes of `out` the size of the camera's image.
+/// Gives the planes of `out` the size of the camera's image, and pixels without splats.
 void prepare(ReferencePlanes& out, const Camera& camera, int feature_channels) {
   out.width = camera.width, out.height = camera.height, out.feature_channels = feature_channels;
-  for_each_plane([&](std::size_t channels, auto& values) { values.resize(channels * out.pixels()); }, out);
-  for (auto* margins :
-       {&out.weight, &out.next_weight, &out.depth_of_id, &out.first_margin, &out.median_margin,
-        &out.undecided_normals, &out.threshold_margin, &out.occluder_margin})
-    margins->resize(out.pixels());
-}
-
-/// Writes pixel `i` but its features. `linear`: colours were blended in linear light.
-void write_pixel(ReferencePlanes& out, std::size_t i, const PlanesPixel& pixel, bool linear) {
-  const Pixel& blended = pixel.blended;
-  const auto mean = [&](double sum) { return blended.weight > 0 ? sum / blended.weight : 0; };
-  for (std::size_t c = 0; c < 3; ++c) {
-    const double colour = blended.colour[Eigen::Index(c)];
-    out.colour[3 * i + c] = linear ? encoded(colour) : colour;
-    out.normal[3 * i + c] = pixel.normal[Eigen::Index(c)];
-  }
-  out.alpha[i] = 1 - blended.transmittance;
-  out.depth[i] = mean(blended.depth), out.squared_depth[i] = mean(pixel.squared_depth);
-  out.first_depth[i] = pixel.first_depth, out.median_depth[i] = pixel.median_depth;
-  out.id[i] = pixel.id, out.median_id[i] = pixel.median_id;
-  out.weight[i] = pixel.weight, out.next_weight[i] = pixel.next_weight;
-  out.depth_of_id[i] = pixel.depth_of_id;
-  out.first_margin[i] = pixel.first_margin, out.median_margin[i] = pixel.median_margin;
-  out.undecided_normals[i] = pixel.undecided_normals, out.threshold_margin[i] = pixel.threshold_margin;
-  out.occluder_margin[i] = pixel.occluder_margin;
+  for_each_plane(
+      [&]<class T>(std::size_t channels, std::vector<T>& values) {
+        values.assign(channels * out.pixels(), std::is_same_v<T, std::uint32_t> ? T(no_gaussian) : T(0));
+      },
+      out);
+  for (auto* values : {&out.weight, &out.next_weight, &out.depth_of_id, &out.undecided_normals})
+    values->resize(out.pixels());
+  for (auto* margins : {&out.first_margin, &out.median_margin, &out.threshold_margin, &out.occluder_margin})
+    margins->assign(out.pixels(), std::numeric_limits<double>::infinity());
 }
 
 /// Blends `splats`, front to back, into the image rows [first, last).
 void render_rows(ReferencePlanes& out, const std::vector<Attributes>& attributes,
                  const std::vector<const Splat*>& splats, int first, int last, const Conventions& conventions,
                  Span<const float> occluder) {
-  const std::size_t width = std::size_t(out.width), begin = width * std::size_t(first);
-  const std::size_t channels = std::size_t(out.feature_channels);
-  std::vector<PlanesPixel> pixels(width * std::size_t(last - first));
-  for (std::size_t i = 0; occluder.size > 0 && i < pixels.size(); ++i)
-    pixels[i].blended.occluder = occluder[begin + i];
+  const std::size_t width = std::size_t(out.width);
+  std::vector<PlanesPixel> pixels;
+  for (std::size_t i = width * std::size_t(first); i < width * std::size_t(last); ++i) {
+    pixels.push_back({out, i});
+    if (occluder.size > 0) pixels.back().blended.occluder = occluder[i];
+  }
   for (const Splat* splat : splats)
     for (int y = std::max(first, splat->y_begin); y < std::min(last, splat->y_end); ++y)
-      for (int x = splat->x_begin; x < splat->x_end; ++x) {
-        const std::size_t i = width * std::size_t(y - first) + std::size_t(x);
-        const Attributes& of = attributes[splat->index];
-        const double weight = pixels[i].offer(*splat, of.normal, x, y, conventions);
-        for (std::size_t c = 0; weight > 0 && c < channels; ++c) {
-          const float feature = of.features[c];
-          const double most = most_attribute(conventions.alpha_max);
-          if (std::isfinite(feature))
-            out.features[channels * (begin + i) + c] += weight * std::clamp(double(feature), -most, most);
-        }
-      }
-  for (std::size_t i = 0; i < pixels.size(); ++i)
-    write_pixel(out, begin + i, pixels[i], *conventions.colours == ColourSpace::linear);
+      for (int x = splat->x_begin; x < splat->x_end; ++x)
+        pixels[width * std::size_t(y - first) + std::size_t(x)].offer(*splat, attributes[splat->index], x, y,
+                                                                      conventions);
+  for (PlanesPixel& pixel : pixels) pixel.finish(*conventions.colours == ColourSpace::linear);
 }
 
 }  // namespace
