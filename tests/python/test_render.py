@@ -14,7 +14,7 @@ import pytest
 
 import swiftgs
 from conftest import HEIGHT, WIDTH, Lent, arrays_of, decibels, has_device, seen_from, side_by_side
-from swiftgs._planes import PLANES
+from swiftgs._c import PLANES
 
 
 def test_the_table_has_every_renderer_and_names_the_usual_one():

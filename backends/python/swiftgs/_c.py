@@ -9,7 +9,7 @@ import os
 import pathlib
 from ctypes import c_char_p, c_double, c_float, c_int32, c_int64, c_size_t, c_uint32, c_uint64, c_void_p
 
-from typing import Any
+from typing import Any, NamedTuple, Optional
 
 from ._errors import InvalidArgument, InvalidType, exception_of
 
@@ -40,6 +40,21 @@ TAKE_BYTES = ctypes.CFUNCTYPE(None, c_void_p, c_void_p, c_uint64)
 
 class Plane(ctypes.Structure):
     _fields_ = [("data", c_void_p), ("pitch", c_int64)]
+
+
+class PlaneKind(NamedTuple):
+    """What one pixel of a plane is."""
+
+    kind: str
+    channels: Optional[int]  # None: any number
+
+
+_SCALAR, _ID = PlaneKind("f4", 1), PlaneKind("u4", 1)
+#: Planes that a frame may have beside colour, in the order of the structs.
+PLANES = {"alpha": _SCALAR, "depth": _SCALAR, "squared_depth": _SCALAR, "first_depth": _SCALAR,
+          "median_depth": _SCALAR, "normal": PlaneKind("f4", 3), "id": _ID, "median_id": _ID,
+          "features": PlaneKind("f4", None)}
+_PLANES = [(name, Plane) for name in PLANES]
 
 
 class Array(ctypes.Structure):
@@ -97,12 +112,11 @@ class StoredDepth(ctypes.Structure):
 
 class View(_Sized):
     _fields_ = [("size", c_uint32), ("format", c_int32), ("width", c_int32), ("height", c_int32),
-                ("camera", c_void_p), ("conventions", c_void_p), ("colour", Plane), ("alpha", Plane),
-                ("depth", Plane), ("occluder", Plane), ("over", c_int32), ("left", c_int32), ("top", c_int32),
-                ("background", c_float * 3), ("stored_depth", StoredDepth), ("squared_depth", Plane),
-                ("first_depth", Plane), ("median_depth", Plane), ("normal", Plane), ("id", Plane),
-                ("median_id", Plane), ("features", Plane), ("feature_channels", c_int32), ("conversion", c_int32),
-                ("first_shown", c_uint32), ("shown_count", c_uint32)]
+                ("camera", c_void_p), ("conventions", c_void_p), ("colour", Plane), *_PLANES[:2],
+                ("occluder", Plane), ("over", c_int32), ("left", c_int32), ("top", c_int32),
+                ("background", c_float * 3), ("stored_depth", StoredDepth), *_PLANES[2:],
+                ("feature_channels", c_int32), ("conversion", c_int32), ("first_shown", c_uint32),
+                ("shown_count", c_uint32)]
 
 
 class Frame(_Sized):
@@ -111,10 +125,8 @@ class Frame(_Sized):
 
 class Image(_Sized):
     _fields_ = [("size", c_uint32), ("width", c_int32), ("height", c_int32), ("feature_channels", c_int32),
-                ("colour", Plane), ("alpha", Plane), ("depth", Plane), ("squared_depth", Plane),
-                ("first_depth", Plane), ("median_depth", Plane), ("normal", Plane), ("id", Plane),
-                ("median_id", Plane), ("features", Plane), ("format", c_int32), ("over", c_int32),
-                ("background", c_float * 3), ("reserved", c_uint32)]
+                ("colour", Plane), *_PLANES, ("format", c_int32), ("over", c_int32), ("background", c_float * 3),
+                ("reserved", c_uint32)]
 
 
 class Pixels(_Sized):

@@ -8,10 +8,10 @@ from typing import Any, Dict, List, Optional, Sequence, Tuple, Union
 import numpy as np
 
 from . import _arrays, _c, _checks
-from ._c import Handle, OwnedFloats, lib
+from ._c import PLANES, Handle, OwnedFloats, lib
 from ._camera import Camera, Conventions, StoredDepth, check_cameras, conventions_of, size_of
 from ._errors import InvalidArgument, InvalidType
-from ._planes import FORMATS, PLANES, read_planes
+from ._planes import FORMATS, read_planes
 
 _VIEW = np.dtype(_c.View)
 _BLACK = (0, 0, 0)

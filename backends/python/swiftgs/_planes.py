@@ -4,6 +4,7 @@ import functools
 from typing import Any, List, NamedTuple, Optional, Tuple
 
 from . import _arrays, _dlpack
+from ._c import PLANES
 from ._errors import InvalidArgument, InvalidType
 from ._gaussians import check_device
 
@@ -16,18 +17,6 @@ class _Format(NamedTuple):
 
 FORMATS = {"rgb": _Format(0, "f4", 3), "rgba": _Format(1, "f4", 4), "rgba-half": _Format(2, "f2", 4),
            "rgba8": _Format(3, "u1", 4)}
-
-
-class _Kind(NamedTuple):
-    kind: str
-    channels: Optional[int]  # None: any number
-
-
-_SCALAR, _ID = _Kind("f4", 1), _Kind("u4", 1)
-#: Planes that a frame may have beside colour.
-PLANES = {"alpha": _SCALAR, "depth": _SCALAR, "squared_depth": _SCALAR, "first_depth": _SCALAR,
-          "median_depth": _SCALAR, "normal": _Kind("f4", 3), "id": _ID, "median_id": _ID,
-          "features": _Kind("f4", None)}
 
 
 class _Layout(NamedTuple):
@@ -87,7 +76,7 @@ def _layout_of(name: str, kind: str, shape: Tuple[int, ...], strides: Tuple[int,
                                   "([C,] H, W, 4) of f4, f2 or u1")
         chosen, images = formats[0], shape[:-1]
     else:
-        plane = PLANES.get(name, _SCALAR)
+        plane = PLANES["depth" if name == "occluder" else name]
         if plane.channels == 1:
             images = shape[:-1] if len(shape) in (3, 4) and shape[-1] == 1 and shape != expected else shape
             chosen, shapes = _Format(0, kind, 1), "([C,] H, W) or ([C,] H, W, 1)"
