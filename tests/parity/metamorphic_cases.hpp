@@ -160,9 +160,11 @@ TEST_CASE(SWIFTGS_METAMORPHIC ": a world times a power of two has the same image
           world.conventions.near_plane *= factor, world.conventions.far_plane *= factor;
         },
         [&](Frame image) {
-          for (auto* const depths : {&image.depth, &image.first_depth, &image.median_depth})
-            for (float& depth : *depths) depth *= factor;
-          for (float& squared : image.squared_depth) squared *= factor * factor;
+          for_each_plane(
+              [&]<class T>(std::size_t, std::vector<T>& values, const PlaneRow& row) {
+                for (T& value : values) value = T(std::ldexp(value, power * row.length_power));
+              },
+              image, plane_table);
           return image;
         });
   }

@@ -1,6 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cstddef>
+#include <type_traits>
+#include <vector>
+
 #include <swiftgs/frame.hpp>
 #include <swiftgs/render_settings.hpp>
 
@@ -8,15 +12,29 @@ namespace swiftgs::test {
 
 /// Every plane, with so many features.
 inline Outputs all_planes(int features = 0) {
-  return {.alpha = true,
-          .depth = true,
-          .squared_depth = true,
-          .first_depth = true,
-          .median_depth = true,
-          .normal = true,
-          .id = true,
-          .median_id = true,
-          .features = features};
+  Outputs outputs{.features = features};
+  for_each_plane(
+      [](std::size_t, auto& wanted) {
+        if constexpr (std::is_same_v<decltype(wanted), bool&>) wanted = true;
+      },
+      outputs);
+  return outputs;
+}
+
+/// Each plane beside colour alone, with so many features.
+inline std::vector<Outputs> each_plane(int features) {
+  std::vector<Outputs> each;
+  Outputs outputs;
+  for_each_plane(
+      [&]<class Wanted>(std::size_t, Wanted& wanted) {
+        if constexpr (!std::is_const_v<Wanted>) {
+          wanted = Wanted(features);
+          each.push_back(outputs);
+          wanted = {};
+        }
+      },
+      outputs);
+  return each;
 }
 
 /// Settings that ask for these planes.

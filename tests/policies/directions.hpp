@@ -13,6 +13,8 @@
 
 #include <doctest/doctest.h>
 
+#include <swiftgs/frame.hpp>
+
 #include "policies/images.hpp"
 
 namespace swiftgs::test {
@@ -23,25 +25,24 @@ namespace swiftgs::test {
 class PlanesMemory {
  public:
   static constexpr unsigned char nobodys = Image::nobodys;
-  static constexpr std::size_t planes = 11;
+  /// Number of planes: those of the table, with the occluder among them.
+  static constexpr std::size_t planes = [] {
+    std::size_t count = 1;
+    for_each_plane([&](std::size_t, const PlaneRow&) { ++count; }, plane_table);
+    return count;
+  }();
   static constexpr std::size_t occluder = 3;
 
   /// Rows of all planes go down. Behind each are bytes `beside` it, a multiple of 8.
   PlanesMemory(int width, int height, PixelFormat format, std::size_t beside = 24,
                const Outputs& further = {})
       : width_(width), height_(height), features_(further.features), beside_(beside), format_(format) {
-    const auto values = [](int of_pixel) { return sizeof(float) * std::size_t(of_pixel); };
-    pixel_ = {bytes_per_pixel(format),
-              values(1),
-              values(1),
-              values(1),
-              values(further.squared_depth),
-              values(further.first_depth),
-              values(further.median_depth),
-              values(3 * further.normal),
-              values(further.id),
-              values(further.median_id),
-              values(further.features)};
+    Outputs outputs = further;
+    outputs.alpha = outputs.depth = true;
+    for_each_place([&](std::size_t plane, std::size_t channels,
+                       bool wanted) { pixel_[plane] = wanted ? channels * sizeof(float) : 0; },
+                   outputs);
+    pixel_[0] = bytes_per_pixel(format), pixel_[occluder] = sizeof(float);
     for (std::size_t plane = 0; plane < planes; ++plane)
       if (has(plane)) bytes[plane].assign(row(plane) * (std::size_t(height) + 2), nobodys);
     const float depths[] = {3, std::numeric_limits<float>::infinity(), 1.5f, 0, 7, 4, 5};
@@ -73,9 +74,8 @@ class PlanesMemory {
       to = {reinterpret_cast<T*>(top),
             upward_[plane] ? -std::ptrdiff_t(row(plane)) : std::ptrdiff_t(row(plane))};
     };
-    place(0, out.colour), place(1, out.alpha), place(2, out.depth), place(occluder, out.occluder);
-    place(4, out.squared_depth), place(5, out.first_depth), place(6, out.median_depth);
-    place(7, out.normal), place(8, out.id), place(9, out.median_id), place(10, out.features);
+    for_each_place([&](std::size_t plane, std::size_t, auto& to) { place(plane, to); }, out);
+    place(occluder, out.occluder);
     return out;
   }
   bool has(std::size_t plane) const { return pixel_[plane] > 0; }
@@ -103,6 +103,17 @@ class PlanesMemory {
   std::array<std::vector<unsigned char>, planes> bytes;  ///< of the planes in the order of `frame`
 
  private:
+  /// f(index of the plane here, its channels, of.plane) for each plane of the table.
+  template <class F>
+  static void for_each_place(const F& f, auto& of) {
+    std::size_t plane = 0;
+    for_each_plane(
+        [&](std::size_t channels, auto& of_plane) {
+          if (plane == occluder) ++plane;
+          f(plane++, channels, of_plane);
+        },
+        of);
+  }
   /// Bytes of a row and of those behind it.
   std::size_t row(std::size_t plane) const { return pixel_[plane] * std::size_t(width_) + beside_; }
 

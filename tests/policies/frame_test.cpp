@@ -349,13 +349,18 @@ TEST_CASE("frame: planes that cannot be written are refused in words") {
   for (const StoredDepth& stored : {StoredDepth::perspective(2, 2), StoredDepth::perspective(0, 1)})
     refuses({.stored_depth = stored}, "expected stored depths that are finite and differ");
   refuses({.over = true}, "expected colour to render over");
-  const auto check = [&](const std::string& name, std::ptrdiff_t least, auto plane, int channels = 0) {
+  const auto check = [&](const PlaneRow& plane) {
+    const std::string name = plane.name;
     CAPTURE(name);
+    const std::ptrdiff_t least = 160 * (plane.channels != 0 ? plane.channels : 2);
     const auto frame = [&](std::ptrdiff_t pitch, std::size_t off = 0) {
-      FrameView out{.feature_channels = channels};
-      auto& to = out.*plane;
+      FrameView out{.feature_channels = 2};
       unsigned char* const bytes = reinterpret_cast<unsigned char*>(memory.data()) + off;
-      to = {reinterpret_cast<decltype(to.data)>(bytes), pitch};
+      for_each_plane(
+          [&]<class T>(std::size_t, Plane<T>& to, const PlaneRow& row) {
+            if (row.name == name) to = {reinterpret_cast<T*>(bytes), pitch};
+          },
+          out, plane_table);
       return out;
     };
     CHECK_NOTHROW(accepts(frame(least)));
@@ -364,11 +369,7 @@ TEST_CASE("frame: planes that cannot be written are refused in words") {
                                 " bytes, expected at least " + std::to_string(least));
     refuses(frame(least, 2), "render: expected " + name + " aligned to 4 bytes");
   };
-  check("alpha", 160, &FrameView::alpha), check("depth", 160, &FrameView::depth);
-  check("squared_depth", 160, &FrameView::squared_depth), check("normal", 480, &FrameView::normal);
-  check("first_depth", 160, &FrameView::first_depth), check("median_depth", 160, &FrameView::median_depth);
-  check("id", 160, &FrameView::id), check("median_id", 160, &FrameView::median_id);
-  check("features", 320, &FrameView::features, 2);
+  for_each_plane([&](std::size_t, const PlaneRow& row) { check(row); }, plane_table);
   for (const int channels : {0, -1})
     refuses({.features = {memory.data(), 160}, .feature_channels = channels},
             "render: expected a frame with features to say how many channels");

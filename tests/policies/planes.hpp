@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstddef>
 #include <limits>
+#include <string_view>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -84,9 +85,8 @@ struct PlaneBounds {
   double occluder = 0;   ///< depths this near the occluder are close, in parts of them
 };
 
-/// Largest differences from the reference, and pixels with close decisions.
-struct PlaneErrors {
-  double colour = 0, alpha = 0, depth = 0, squared_depth = 0, normal = 0, features = 0;
+/// Largest differences of sums and means from the reference, and pixels with close decisions.
+struct PlaneErrors : PerPlane<double> {
   std::size_t wrong_picks = 0;
   std::size_t at_threshold = 0, at_first = 0, at_median = 0, at_id = 0, undecided_normals = 0;
 };
@@ -94,50 +94,64 @@ struct PlaneErrors {
 /// Compares the first `frame.feature_channels` features.
 inline PlaneErrors plane_errors(const Frame& frame, const ReferencePlanes& expected,
                                 const PlaneBounds& bounds) {
-  REQUIRE(frame.pixels() == expected.pixels());
+  const std::size_t pixels = frame.pixels();
+  REQUIRE(pixels == expected.pixels());
   REQUIRE(frame.feature_channels <= expected.feature_channels);
-  double most = std::numeric_limits<double>::min();
-  for (const double feature : expected.features) most = std::max(most, std::abs(feature));
+  for_each_plane([&]([[maybe_unused]] std::size_t channels,
+                     const auto& values) { REQUIRE(values.size() == channels * pixels); },
+                 frame);
+  double most_feature = std::numeric_limits<double>::min();
+  for (const double feature : expected.features) most_feature = std::max(most_feature, std::abs(feature));
   PlaneErrors out;
-  const auto note = [](double& worst, double found, double wanted, double unit, double allowed = 0) {
-    const double error = (std::abs(found - wanted) - allowed) / unit;
-    worst = error >= 0 || error < 0 ? std::max(worst, error) : INFINITY;
-  };
-  const auto differ = [&](float found, double wanted) {
-    return !(std::abs(double(found) - wanted) <= bounds.picked * std::max(bounds.least, std::abs(wanted)));
-  };
-  const std::size_t channels = std::size_t(frame.feature_channels);
-  for (std::size_t i = 0; i < frame.pixels(); ++i) {
+  for (std::size_t i = 0; i < pixels; ++i) {
     if (expected.threshold_margin[i] <= bounds.threshold || expected.occluder_margin[i] < bounds.occluder) {
       ++out.at_threshold;
       continue;
     }
-    for (std::size_t c = 3 * i; c < 3 * i + 3; ++c)
-      note(out.colour, double(frame.colour[c]), expected.colour[c], 1);
-    note(out.alpha, double(frame.alpha[i]), expected.alpha[i], 1);
-    const double tiny = std::numeric_limits<float>::min();
-    note(out.depth, double(frame.depth[i]), expected.depth[i],
-         std::max({tiny, bounds.least, std::abs(expected.depth[i])}));
-    note(out.squared_depth, double(frame.squared_depth[i]), expected.squared_depth[i],
-         std::max({tiny, bounds.least * bounds.least, expected.squared_depth[i]}));
     const double undecided = expected.undecided_normals[i];
+    const bool first = !(expected.first_margin[i] > bounds.pick);
+    const bool median = !(expected.median_margin[i] > bounds.pick);
+    const bool id = expected.weight[i] != 0 && !(expected.weight[i] - expected.next_weight[i] > bounds.pick);
     out.undecided_normals += undecided > 0;
-    for (std::size_t c = 3 * i; c < 3 * i + 3; ++c)
-      note(out.normal, double(frame.normal[c]), expected.normal[c], 1, 2 * undecided);
-    for (std::size_t c = 0; c < channels; ++c)
-      note(out.features, double(frame.features[channels * i + c]),
-           expected.features[std::size_t(expected.feature_channels) * i + c], most);
-
-    const bool first = expected.first_margin[i] > bounds.pick;
-    const bool median = expected.median_margin[i] > bounds.pick;
-    const bool id = expected.weight[i] == 0 || expected.weight[i] - expected.next_weight[i] > bounds.pick;
-    out.at_first += !first, out.at_median += !median, out.at_id += !id;
-    out.wrong_picks += first && differ(frame.first_depth[i], expected.first_depth[i]);
-    out.wrong_picks += median && differ(frame.median_depth[i], expected.median_depth[i]);
-    out.wrong_picks += median && frame.median_id[i] != expected.median_id[i];
-    out.wrong_picks += id && frame.id[i] != expected.id[i];
+    out.at_first += first, out.at_median += median, out.at_id += id;
+    const PerPlane<bool> close{.first_depth = first, .median_depth = median, .id = id, .median_id = median};
+    const PerPlane<double> allowed{.normal = 2 * undecided};
+    for_each_plane(
+        [&](std::size_t, const PlaneRow& row, const auto& values, const auto& wanted_values, double& worst,
+            bool is_close, double allowance) {
+          const std::size_t channels = values.size() / pixels, stride = wanted_values.size() / pixels;
+          for (std::size_t c = 0; c < channels; ++c) {
+            const auto found = double(values[channels * i + c]);
+            const auto wanted = double(wanted_values[stride * i + c]);
+            const double apart = std::abs(found - wanted);
+            if (row.accumulator == Accumulator::pick) {
+              const double unit = row.length_power > 0 ? std::max(bounds.least, std::abs(wanted)) : 0;
+              out.wrong_picks += !is_close && !(apart <= bounds.picked * unit);
+              continue;
+            }
+            double unit = row.channels > 0 ? 1 : most_feature;
+            if (row.accumulator == Accumulator::mean)
+              unit = std::max({double(std::numeric_limits<float>::min()),
+                               std::pow(bounds.least, row.length_power), std::abs(wanted)});
+            const double error = (apart - allowance) / unit;
+            worst = error >= 0 || error < 0 ? std::max(worst, error) : INFINITY;
+          }
+        },
+        plane_table, frame, expected, out, close, allowed);
   }
   return out;
+}
+
+/// Checks sums and means.
+inline void check_sums(const PlaneErrors& errors, const PlaneBounds& bounds) {
+  for_each_plane(
+      [&](std::size_t, [[maybe_unused]] const PlaneRow& row, [[maybe_unused]] double worst) {
+        CAPTURE(row.name);
+        [[maybe_unused]] const bool is_colour = row.name == std::string_view("colour");
+        CHECK(worst <=
+              (row.accumulator == Accumulator::mean ? bounds.mean : (is_colour ? 3 : 1) * bounds.sum));
+      },
+      plane_table, errors);
 }
 
 /// Checks colours and all planes of a frame before black, of whose pixels no more than a part `close` may be
@@ -145,12 +159,7 @@ inline PlaneErrors plane_errors(const Frame& frame, const ReferencePlanes& expec
 inline void check_planes(const Frame& frame, const ReferencePlanes& expected, const PlaneBounds& bounds,
                          [[maybe_unused]] double close = 0.02) {
   const PlaneErrors errors = plane_errors(frame, expected, bounds);
-  CHECK(errors.colour <= 3 * bounds.sum);
-  CHECK(errors.alpha <= bounds.sum);
-  CHECK(errors.normal <= bounds.sum);
-  CHECK(errors.features <= bounds.sum);
-  CHECK(errors.depth <= bounds.mean);
-  CHECK(errors.squared_depth <= bounds.mean);
+  check_sums(errors, bounds);
   CHECK(errors.wrong_picks == 0);
   for ([[maybe_unused]] const std::size_t pixels :
        {errors.at_threshold, errors.at_first, errors.at_median, errors.at_id, errors.undecided_normals})
