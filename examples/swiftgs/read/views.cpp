@@ -197,7 +197,6 @@ void place_views(std::vector<View>& views, const Scene& scene, const std::option
   }
 }
 
-namespace {
 Outputs planes_of(const std::string& text) {
   Outputs planes;
   if (text.empty()) return planes;
@@ -215,7 +214,6 @@ Outputs planes_of(const std::string& text) {
   }
   return planes;
 }
-}  // namespace
 
 RenderSettings settings_of(const ViewOptions& options) {
   RenderSettings settings;

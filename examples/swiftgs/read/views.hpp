@@ -56,6 +56,9 @@ std::vector<View> views_left_out(const Cameras& cameras, const ViewOptions& opti
 /// for `scene`.
 void place_views(std::vector<View>& views, const Scene& scene, const std::optional<Camera>& of_file);
 
+/// Planes by their names, separated by commas; an empty text names none. Throws `std::invalid_argument`.
+Outputs planes_of(const std::string& names);
+
 /// What `options` say about conventions and background.
 RenderSettings settings_of(const ViewOptions& options);
 

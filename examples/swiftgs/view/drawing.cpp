@@ -6,10 +6,10 @@
 #include <filesystem>
 #include <iterator>
 #include <stdexcept>
-#include <type_traits>
 #include <utility>
 
 #include "read/placed_input.hpp"
+#include "read/views.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -91,13 +91,7 @@ std::vector<PlacedGaussians> Drawing::visible() const {
 
 void Drawing::show_plane(std::string_view name) {
   plane_ = name;
-  settings_.outputs = {};
-  for_each_plane(
-      [&]<class Wanted>(std::size_t, const PlaneRow& row, Wanted& wanted) {
-        if constexpr (std::is_same_v<Wanted, bool>)
-          if (name == row.name) wanted = true;
-      },
-      plane_table, settings_.outputs);
+  settings_.outputs = planes_of(plane_);
 }
 
 void Drawing::draw(const Camera& camera, bool count) {
