@@ -14,7 +14,6 @@
 #include <string>
 #include <string_view>
 #include <system_error>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -29,6 +28,8 @@
 #include <swiftgs/orbit.hpp>
 #include <swiftgs/rotation.hpp>
 #include <swiftgs/scene_bounds.hpp>
+
+#include "policies/all_planes.hpp"
 
 using namespace swiftgs;
 
@@ -137,13 +138,7 @@ struct Both {
   /// Draws with both, checks that all planes have the same bits, and returns the frame of C++.
   Frame compare(const Camera& camera, const Conventions& conventions, const swiftgs_conventions& given,
                 ShownScenes shows = {}) {
-    Outputs outputs;
-    for_each_plane(
-        [](std::size_t, auto& wanted) {
-          if constexpr (!std::is_const_v<std::remove_reference_t<decltype(wanted)>>) wanted = true;
-        },
-        outputs);
-    outputs.features = 3;
+    const Outputs outputs = test::all_planes(3);
     Frame expected, found;
     View drawn =
         make_view(camera, conventions, prepare(expected, width, height, outputs), vec3(0.1f, 0.2f, 0.3f));

@@ -27,11 +27,8 @@ inline std::vector<Outputs> each_plane(int features) {
   Outputs outputs;
   for_each_plane(
       [&]<class Wanted>(std::size_t, Wanted& wanted) {
-        if constexpr (!std::is_const_v<Wanted>) {
-          wanted = Wanted(features);
-          each.push_back(outputs);
-          wanted = {};
-        }
+        if constexpr (!std::is_const_v<Wanted>)
+          wanted = Wanted(features), each.push_back(outputs), wanted = {};
       },
       outputs);
   return each;

@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstring>
 #include <limits>
+#include <tuple>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -26,11 +27,7 @@ class PlanesMemory {
  public:
   static constexpr unsigned char nobodys = Image::nobodys;
   /// Number of planes: those of the table, with the occluder among them.
-  static constexpr std::size_t planes = [] {
-    std::size_t count = 1;
-    for_each_plane([&](std::size_t, const PlaneRow&) { ++count; }, plane_table);
-    return count;
-  }();
+  static constexpr std::size_t planes = 1 + std::tuple_size_v<decltype(plane_table.buffers(plane_table))>;
   static constexpr std::size_t occluder = 3;
 
   /// Rows of all planes go down. Behind each are bytes `beside` it, a multiple of 8.
