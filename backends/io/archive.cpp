@@ -7,6 +7,7 @@
 
 #include "listed.hpp"
 #include "name_ending.hpp"
+#include "scene_format.hpp"
 
 namespace swiftgs::io {
 namespace {
@@ -14,9 +15,8 @@ namespace {
 /// A name that begins with `._` is that of what macOS stores beside a file.
 bool is_scene_name(const std::string& name) {
   if (name.substr(name.rfind('/') + 1).starts_with("._")) return false;
-  for (const char* ending : {".ply", ".spz", ".splat", ".ksplat", ".sog", ".glb", ".gltf", "meta.json"})
-    if (has_ending(name, ending)) return true;
-  return false;
+  return std::any_of(std::begin(scene_formats), std::end(scene_formats),
+                     [&](const SceneFormat* format) { return is_named_as(*format, name); });
 }
 
 }  // namespace

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <string>
 #include <string_view>
 #include <system_error>
@@ -16,8 +16,10 @@
 #include "file_errors.hpp"
 #include "file_kind.hpp"
 #include "foreign_file.hpp"
+#include "listed.hpp"
 #include "mapped_file.hpp"
 #include "name_ending.hpp"
+#include "scene_format.hpp"
 
 namespace swiftgs {
 namespace io {
@@ -46,16 +48,41 @@ fs::path trained_in(const fs::path& folder) {
   return scene;
 }
 
-/// What describes a SOG that is a folder, a streamed one first: its chunks lie in folders of their own.
-constexpr std::string_view sog_files[] = {"lod-meta.json", "meta.json"};
+using Names = std::vector<std::string_view>;
 
-/// Endings of scenes. Those that other programs write a scene into again, or that may hold something else,
-/// such as a mesh, count where a folder has no other scene.
-constexpr std::string_view endings[] = {".spz", ".compressed.ply", ".ply", ".sog"};
-constexpr std::string_view other_endings[] = {".ksplat", ".splat", ".glb", ".gltf"};
+/// What formats of scenes say of names in the folder of a capture, preferred formats first.
+struct SceneNames {
+  Names endings{}, last_endings{};
+  Names whole{};  ///< of what describes a scene that is a folder
+};
+
+const SceneNames& scene_names() {
+  static const SceneNames names = [] {
+    auto formats = std::to_array(scene_formats);
+    std::ranges::sort(formats, {}, &SceneFormat::place_in_capture);
+    SceneNames sorted;
+    for (const SceneFormat* format : formats)
+      for (const std::string_view name : format->names) {
+        Names& endings = format->last_in_capture ? sorted.last_endings : sorted.endings;
+        if (!name.empty()) (name.starts_with('.') ? endings : sorted.whole).push_back(name);
+      }
+    return sorted;
+  }();
+  return names;
+}
+
+/// ".spz, .ply or .sog": no ending that ends in another one.
+std::string choice_of(const Names& endings) {
+  std::vector<std::string> names;
+  for (const std::string_view ending : endings)
+    if (std::none_of(endings.begin(), endings.end(),
+                     [&](std::string_view other) { return other != ending && has_ending(ending, other); }))
+      names.emplace_back(ending);
+  return either(names);
+}
 
 /// The ending of a scene's name, or nothing.
-std::string_view ending_of(std::string_view name, std::span<const std::string_view> known) {
+std::string_view ending_of(std::string_view name, const Names& known) {
   for (const std::string_view ending : known)
     if (has_ending(name, ending)) return ending;
   return {};
@@ -63,8 +90,7 @@ std::string_view ending_of(std::string_view name, std::span<const std::string_vi
 
 /// The scene with one of the endings `known` in `folder`: the one that is called as the folder, of several
 /// the one whose ending comes first, or else the only one. Otherwise empty, and `found` has their names.
-fs::path scene_in(const fs::path& folder, std::span<const std::string_view> known,
-                  std::vector<std::string>& found) {
+fs::path scene_in(const fs::path& folder, const Names& known, std::vector<std::string>& found) {
   const std::string name = name_of(folder);
   std::vector<std::string> scenes;
   for (const auto& entry : fs::directory_iterator(folder)) {
@@ -113,23 +139,22 @@ std::string found_instead(const fs::path& folder) {
 
 fs::path scene_in(const fs::path& folder) {
   std::vector<std::string> scenes;
+  const auto& [endings, last_endings, whole] = scene_names();
   if (fs::path scene = scene_in(folder, endings, scenes); !scene.empty()) return scene;
-  for (const std::string_view file : sog_files)
+  for (const std::string_view file : whole)
     if (scenes.empty() && fs::exists(folder / file)) return folder / file;
   if (scenes.empty())
-    if (fs::path scene = scene_in(folder, other_endings, scenes); !scene.empty()) return scene;
+    if (fs::path scene = scene_in(folder, last_endings, scenes); !scene.empty()) return scene;
   std::string found = scenes.empty() ? found_instead(folder) : "";
   for (const std::string& scene : scenes) found += (found.empty() ? "" : ", ") + scene;
-  detail::refuse(folder.string(),
-                 ": expected a capture, a folder with one .spz, .ply or .sog in it, or else one "
-                 ".ksplat, .splat, .glb or .gltf, found ",
-                 found);
+  detail::refuse(folder.string(), ": expected a capture, a folder with one ", choice_of(endings),
+                 " in it, or else one ", choice_of(last_endings), ", found ", found);
 }
 
 std::string name_of_scene(const fs::path& scene) {
   const std::string file = scene.filename().string();
-  for (const auto& known : {std::span<const std::string_view>(endings), {other_endings}})
-    if (const std::string_view ending = ending_of(file, known); !ending.empty())
+  for (const Names* known : {&scene_names().endings, &scene_names().last_endings})
+    if (const std::string_view ending = ending_of(file, *known); !ending.empty())
       return file.substr(0, file.size() - ending.size());
   return scene.stem().string();
 }
@@ -167,7 +192,7 @@ Capture find(const fs::path& path) {
   } else {
     capture.scene = scene_in(path);
   }
-  for (const std::string_view file : sog_files)
+  for (const std::string_view file : scene_names().whole)
     if (capture.scene.filename() == file && fs::is_directory(folder)) capture.name = name_of(folder);
   if (capture.name.empty()) capture.name = name_of_scene(capture.scene);
   capture.cameras = cameras_in(folder);

@@ -1,68 +1,53 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "file_kind.hpp"
 
-#include <algorithm>
-
 #include <nlohmann/json.hpp>
 
 #include "archive.hpp"
 #include "foreign_file.hpp"
-#include "gltf_document.hpp"
 #include "json_entry.hpp"
-#include "ksplat_layout.hpp"
-#include "name_ending.hpp"
 #include "spz_content.hpp"
 #include "text_beginning.hpp"
 
 namespace swiftgs::io {
 namespace {
 
-/// In the order of `FileKind`.
-constexpr const char* names[] = {"a PLY",
-                                 "an SPZ",
-                                 "a glTF",
-                                 "a .ksplat",
-                                 "a SOG",
-                                 "a streamed SOG",
-                                 "a .splat",
-                                 "JSON of cameras (cameras.json)",
-                                 "JSON of cameras (transforms.json)",
-                                 "JSON of cameras (camera_path.json)",
-                                 "a list of scenes"};
+/// What a file is, and its format if it is a scene.
+struct Finding {
+  FileKind kind;
+  const SceneFormat* format = nullptr;
+};
 
-/// Whether the first line is `ply`. Exporters pad it, and end it in any way.
-bool is_ply(std::string_view text) {
-  text.remove_prefix(mark_bytes(text));
-  if (!text.starts_with("ply")) return false;
-  const std::size_t end = text.find_first_not_of(" \t", 3);
-  return end != text.npos && (text[end] == '\n' || text[end] == '\r');
-}
+/// Of kinds from `cameras_json` on.
+constexpr const char* names[] = {"JSON of cameras (cameras.json)", "JSON of cameras (transforms.json)",
+                                 "JSON of cameras (camera_path.json)", "a list of scenes"};
 
-/// Whether an archive is a SOG. The list of its files is at its end. A streamed SOG is read by its folder
-/// alone.
-bool holds_sog(std::string_view archive) {
-  const std::size_t end = archive.size() - std::min(archive.size(), beginning_bytes);
-  return archive.rfind("meta.json") != archive.npos &&
-         archive.substr(end).find("lod-meta.json") == archive.npos;
-}
-
-/// A file may hold numbers that begin as JSON does, so that only its keys tell.
-FileKind kind_of_json(std::string_view text, std::string_view name) {
-  const char first = text[json_start(text)];
+/// A file that is no scene may hold numbers that begin as JSON does, so that only its keys tell.
+FileKind kind_of_json(std::string_view text) {
+  const std::string_view json = text.substr(json_start(text));
   const auto holds = [&](std::string_view key) { return text.find(key) != text.npos; };
-  if (first == '[')
+  if (json.starts_with('['))
     return holds("\"img_name\"") ? FileKind::cameras_json
            : holds("\"file\"")   ? FileKind::scene_list
                                  : FileKind::other;
-  if (first != '{') return FileKind::other;
-  if (looks_like_gltf(text) || has_ending(name, ".gltf")) return FileKind::gltf;
-  if (holds("\"means\"") && holds("\"quats\"")) return FileKind::sog;
-  if (holds("\"lodLevels\"") && holds("\"filenames\"")) return FileKind::streamed_sog;
+  if (!json.starts_with('{')) return FileKind::other;
   // Of a long file only the beginning may be at hand, and the frames may follow later.
   if (holds("\"frames\"") || holds("\"transform_matrix\"") || holds("\"camera_angle_x\"") ||
       holds("\"fl_x\""))
     return FileKind::transforms_json;
   return holds("\"camera_path\"") ? FileKind::camera_path : FileKind::other;
+}
+
+Finding find(std::string_view text, std::string_view name) {
+  for (const SceneFormat* format : scene_formats)
+    if (format->has_mark && format->has_mark(text)) return {FileKind::scene, format};
+  if (is_surely_foreign(text)) return {FileKind::other};
+  for (const SceneFormat* format : scene_formats)
+    if (format->looks_so && format->looks_so(text, name)) return {FileKind::scene, format};
+  if (const FileKind kind = kind_of_json(text); kind != FileKind::other) return {kind};
+  for (const SceneFormat* format : scene_formats)
+    if (format->goes_by_name && is_named_as(*format, name)) return {FileKind::scene, format};
+  return {FileKind::other};
 }
 
 /// JSON that nobody reads.
@@ -89,21 +74,17 @@ std::string gzip_of(std::string_view text) {
 
 }  // namespace
 
-FileKind kind_of(std::string_view text, std::string_view name) {
-  if (is_ply(text)) return FileKind::ply;
-  if (text.starts_with("NGSP") || is_gzip_of_spz(text)) return FileKind::spz;
-  if (is_zip(text)) return holds_sog(text) ? FileKind::sog : FileKind::other;
-  if (text.starts_with("glTF")) return FileKind::gltf;
-  if (is_surely_foreign(text)) return FileKind::other;
-  if (json_start(text) < text.size())
-    if (const FileKind kind = kind_of_json(text, name); kind != FileKind::other) return kind;
-  if (has_ending(name, ".ksplat") || looks_like_ksplat(text)) return FileKind::ksplat;
-  return has_ending(name, ".splat") ? FileKind::splat : FileKind::other;
+FileKind kind_of(std::string_view text, std::string_view name) { return find(text, name).kind; }
+
+const SceneFormat* scene_format_of(std::string_view text, std::string_view name) {
+  return find(text, name).format;
 }
 
 std::string what_it_is(std::string_view text, std::string_view name) {
   if (text.empty()) return "an empty file";
-  if (const FileKind kind = kind_of(text, name); kind != FileKind::other) return names[int(kind)];
+  const auto [kind, format] = find(text, name);
+  if (format) return std::string(format->name);
+  if (kind != FileKind::other) return names[int(kind) - int(FileKind::cameras_json)];
   if (is_gzip(text)) return gzip_of(text);
   if (const std::string foreign = foreign_file(text, name); foreign != something_else) return foreign;
   if (const std::string_view encoding = other_encoding(text); !encoding.empty())

@@ -137,14 +137,6 @@ std::optional<GltfDocument::DataUri> GltfDocument::data_uri(const JsonEntry& ent
   return DataUri{uri, entry.offset()};
 }
 
-bool looks_like_gltf(std::string_view text) {
-  const std::string_view beginning = text.substr(json_start(text), 1 << 16);
-  if (!beginning.starts_with('{')) return false;
-  const auto holds = [&](std::string_view word) { return beginning.find(word) != beginning.npos; };
-  return holds("\"KHR_gaussian_splatting") || holds("\"KHR_spz_gaussian") ||
-         (holds("\"asset\"") && (holds("\"buffers\"") || holds("\"accessors\"") || holds("\"meshes\"")));
-}
-
 std::string shown(const json& value) {
   constexpr std::size_t most = 60;
   std::string text = value.dump(-1, ' ', true);

@@ -72,9 +72,6 @@ class GltfDocument {
   std::map<std::string, std::vector<std::uint64_t>, std::less<>> offsets_{};  ///< of elements of arrays
 };
 
-/// Whether a file is JSON that a glTF alone has. A SOG folder's, too, may have a member "asset".
-bool looks_like_gltf(std::string_view text);
-
 /// A string of the file as JSON writes it, cut where it is long: fit for a message of one line.
 std::string shown(const nlohmann::json& value);
 

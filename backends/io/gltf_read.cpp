@@ -12,8 +12,10 @@
 
 #include "gltf_nodes.hpp"
 #include "gltf_primitive.hpp"
+#include "name_ending.hpp"
 #include "scene_building.hpp"
-#include "scene_readers.hpp"
+#include "scene_format.hpp"
+#include "text_beginning.hpp"
 
 namespace swiftgs::io {
 namespace {
@@ -260,7 +262,7 @@ class GltfReader {
     SceneReadOptions options;
     options.spz_frame = options_.spz_frame == SpzFrame::specified ? SpzFrame::luf : options_.spz_frame;
     options.progress = [&](double done) { return progress.report(done), true; };
-    SceneFile nested = read_spz(instance.gaussians->spz_source(document_.source()), options);
+    SceneFile nested = spz_format.read(instance.gaussians->spz_source(document_.source()), options);
     file_.stored += nested.stored;
     file_.left_out += nested.left_out;
     file_.notes.insert(file_.notes.end(), nested.notes.begin(), nested.notes.end());
@@ -351,10 +353,30 @@ class GltfReader {
   SceneFile file_{};
 };
 
-}  // namespace
+bool is_binary_gltf(std::string_view text) { return text.starts_with("glTF"); }
+
+/// Whether a file is JSON that a glTF alone has, or is called so. A SOG folder's, too, may have a member
+/// "asset".
+bool looks_like_gltf(std::string_view text, std::string_view name) {
+  const std::string_view beginning = text.substr(json_start(text), 1 << 16);
+  if (!beginning.starts_with('{')) return false;
+  const auto holds = [&](std::string_view word) { return beginning.find(word) != beginning.npos; };
+  return has_ending(name, ".gltf") || holds("\"KHR_gaussian_splatting") || holds("\"KHR_spz_gaussian") ||
+         (holds("\"asset\"") && (holds("\"buffers\"") || holds("\"accessors\"") || holds("\"meshes\"")));
+}
 
 SceneFile read_gltf(const Source& source, const SceneReadOptions& options) {
   return GltfReader(source, options).read();
 }
+
+}  // namespace
+
+constinit const SceneFormat gltf_format{.name = "a glTF",
+                                        .names = {".glb", ".gltf"},
+                                        .has_mark = is_binary_gltf,
+                                        .looks_so = looks_like_gltf,
+                                        .read = read_gltf,
+                                        .place_in_capture = 8,
+                                        .last_in_capture = true};
 
 }  // namespace swiftgs::io

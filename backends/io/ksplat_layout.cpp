@@ -96,7 +96,7 @@ KsplatSection parse_section(const Header& header, ByteReader& reader, int level)
 
 }  // namespace
 
-bool looks_like_ksplat(std::string_view text) {
+bool looks_like_ksplat(std::string_view text, std::string_view /*name*/) {
   if (text.size() < header_bytes + section_header_bytes) return false;
   const auto* bytes = reinterpret_cast<const std::byte*>(text.data());
   const auto number = [&](std::size_t at) { return std::uint64_t(load<std::uint32_t>(bytes + at)); };

@@ -42,7 +42,7 @@ inline constexpr std::size_t ksplat_sh_bytes[] = {4, 2, 1};
 
 /// Whether a file begins as a `.ksplat` does, whose mark is no more than a version. It asks for more zeros
 /// and small numbers than other files without a mark begin with.
-bool looks_like_ksplat(std::string_view text);
+bool looks_like_ksplat(std::string_view text, std::string_view name);
 
 KsplatLayout parse_ksplat(const Source& source);
 

@@ -10,7 +10,7 @@
 #include "ksplat_layout.hpp"
 #include "parallel.hpp"
 #include "scene_building.hpp"
-#include "scene_readers.hpp"
+#include "scene_format.hpp"
 
 namespace swiftgs::io {
 namespace {
@@ -132,8 +132,6 @@ dvec3 origin_of(const KsplatLayout& layout) {
   return choice.origin();
 }
 
-}  // namespace
-
 SceneFile read_ksplat(const Source& source, const SceneReadOptions& options) {
   const ProgressMeter progress(options.progress, source.name);
   const KsplatLayout layout = parse_ksplat(source);
@@ -156,5 +154,15 @@ SceneFile read_ksplat(const Source& source, const SceneReadOptions& options) {
   file.left_out = leave_out_invalid(file.scene);
   return file;
 }
+
+}  // namespace
+
+constinit const SceneFormat ksplat_format{.name = "a .ksplat",
+                                          .names = {".ksplat"},
+                                          .looks_so = looks_like_ksplat,
+                                          .goes_by_name = true,
+                                          .read = read_ksplat,
+                                          .place_in_capture = 6,
+                                          .last_in_capture = true};
 
 }  // namespace swiftgs::io

@@ -23,4 +23,12 @@ inline std::string listed(const std::vector<std::string>& names, const std::stri
   return list;
 }
 
+/// "a, b or c".
+inline std::string either(const std::vector<std::string>& names) {
+  std::string list;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    list += (i == 0 ? "" : i + 1 < names.size() ? ", " : " or ") + names[i];
+  return list;
+}
+
 }  // namespace swiftgs::io

@@ -9,7 +9,7 @@
 #include "row_writing.hpp"
 #include "scene_building.hpp"
 #include "scene_encoding.hpp"
-#include "scene_writers.hpp"
+#include "scene_format.hpp"
 
 namespace swiftgs::io {
 namespace {
@@ -107,8 +107,6 @@ void note_clamped_fields(const Scene& scene, std::vector<std::string>& notes) {
   harmonics.note("SH coefficients above band 0", "-4 to 4", notes);
 }
 
-}  // namespace
-
 WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene& scene,
                                   const SceneWriteOptions& options, LossMeter& losses) {
   const ProgressMeter progress(options.progress, path.string());
@@ -153,5 +151,12 @@ WrittenScene write_compressed_ply(const std::filesystem::path& path, const Scene
   if (const auto sentence = losses.sentence()) written.notes.push_back(*sentence);
   return written;
 }
+
+}  // namespace
+
+constinit const SceneFormat compressed_ply_format{.name = "a compressed PLY",
+                                                  .names = {".compressed.ply"},
+                                                  .write = write_compressed_ply,
+                                                  .place_in_capture = 2};
 
 }  // namespace swiftgs::io

@@ -18,7 +18,8 @@
 #include "ply_photograph.hpp"
 #include "ply_rows.hpp"
 #include "scene_building.hpp"
-#include "scene_readers.hpp"
+#include "scene_format.hpp"
+#include "text_beginning.hpp"
 
 namespace swiftgs::io {
 namespace {
@@ -153,7 +154,13 @@ void decode_vertices(const Source& source, const PlyHeader& header, const PlyEle
     decode_rows(source, position, layout, AnyScalar{order}, progress, scene);
 }
 
-}  // namespace
+/// Whether the first line is `ply`. Exporters pad it, and end it in any way.
+bool is_ply(std::string_view text) {
+  text.remove_prefix(mark_bytes(text));
+  if (!text.starts_with("ply")) return false;
+  const std::size_t end = text.find_first_not_of(" \t", 3);
+  return end != text.npos && (text[end] == '\n' || text[end] == '\r');
+}
 
 SceneFile read_ply(const Source& source, const SceneReadOptions& options) {
   const PlyHeader header = parse_ply_header(source);
@@ -194,5 +201,18 @@ SceneFile read_ply(const Source& source, const SceneReadOptions& options) {
   file.left_out = leave_out_invalid(file.scene);
   return file;
 }
+
+}  // namespace
+
+SceneWriter write_ply;
+
+constinit const SceneFormat ply_format{.name = "a PLY",
+                                       .names = {".ply"},
+                                       .has_mark = is_ply,
+                                       .read = read_ply,
+                                       .reads_parts = true,
+                                       .write = write_ply,
+                                       .holds_doubles = true,
+                                       .place_in_capture = 3};
 
 }  // namespace swiftgs::io

@@ -7,7 +7,7 @@
 #include "row_writing.hpp"
 #include "scene_building.hpp"
 #include "scene_encoding.hpp"
-#include "scene_writers.hpp"
+#include "scene_format.hpp"
 
 namespace swiftgs::io {
 namespace {

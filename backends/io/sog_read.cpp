@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "sog_read.hpp"
 
+#include <algorithm>
 #include <string>
 
+#include "archive.hpp"
+#include "foreign_file.hpp"
 #include "scene_building.hpp"
-#include "scene_readers.hpp"
+#include "scene_format.hpp"
+#include "text_beginning.hpp"
 
 namespace swiftgs::io {
 
@@ -27,6 +31,26 @@ void SogFindings::finish(SceneFile& file) const {
          " Gaussians name an entry that the palette of harmonics lacks; theirs are 0.");
 }
 
+bool has_sog_keys(std::string_view text, std::string_view name, std::string_view first,
+                  std::string_view second) {
+  return text.substr(json_start(text)).starts_with('{') && text.find(first) != text.npos &&
+         text.find(second) != text.npos && !gltf_format.looks_so(text, name);
+}
+
+namespace {
+
+/// Whether an archive is a SOG. The list of its files is at its end. A streamed SOG is read by its folder
+/// alone.
+bool is_sog_bundle(std::string_view text) {
+  if (!is_zip(text)) return false;
+  const std::size_t end = text.size() - std::min(text.size(), beginning_bytes);
+  return text.rfind("meta.json") != text.npos && text.substr(end).find("lod-meta.json") == text.npos;
+}
+
+bool is_sog_meta(std::string_view text, std::string_view name) {
+  return has_sog_keys(text, name, "\"means\"", "\"quats\"");
+}
+
 SceneFile read_sog(const Source& source, const SceneReadOptions& options) {
   const ProgressMeter progress(options.progress, source.name);
   progress.report(0);
@@ -46,5 +70,17 @@ SceneFile read_sog(const Source& source, const SceneReadOptions& options) {
   findings.finish(file);
   return file;
 }
+
+}  // namespace
+
+SceneWriter write_sog;
+
+constinit const SceneFormat sog_format{.name = "a SOG",
+                                       .names = {".sog", "meta.json"},
+                                       .has_mark = is_sog_bundle,
+                                       .looks_so = is_sog_meta,
+                                       .read = read_sog,
+                                       .write = write_sog,
+                                       .place_in_capture = 5};
 
 }  // namespace swiftgs::io

@@ -26,6 +26,10 @@ class SogFindings {
   std::uint64_t odd_labels_ = 0;
 };
 
+/// Whether a file is JSON with two keys of a SOG. Keys of a glTF may be any, these among them.
+bool has_sog_keys(std::string_view text, std::string_view name, std::string_view first,
+                  std::string_view second);
+
 /// Reads `lod-meta.json`, whose chunks and their images `open` opens by names relative to it.
 SceneFile read_streamed_sog(const Source& source, const SogFiles& open, const SceneReadOptions& options);
 

@@ -8,7 +8,7 @@
 
 #include "json_entry.hpp"
 #include "scene_building.hpp"
-#include "scene_readers.hpp"
+#include "scene_format.hpp"
 #include "sog_read.hpp"
 
 namespace swiftgs::io {
@@ -171,11 +171,15 @@ void decode_chunk(const SogFiles& open, const Chunk& chunk, const ProgressMeter&
   progress.report(1);
 }
 
-}  // namespace
+bool is_lod_meta(std::string_view text, std::string_view name) {
+  return has_sog_keys(text, name, "\"lodLevels\"", "\"filenames\"");
+}
 
-SceneFile read_streamed_sog(const Source& source, const SceneReadOptions& options) {
+SceneFile read_lod_meta(const Source& source, const SceneReadOptions& options) {
   return read_streamed_sog(source, files_beside(source), options);
 }
+
+}  // namespace
 
 SceneFile read_streamed_sog(const Source& source, const SogFiles& open, const SceneReadOptions& options) {
   const ProgressMeter progress(options.progress, source.name);
@@ -209,5 +213,11 @@ SceneFile read_streamed_sog(const Source& source, const SogFiles& open, const Sc
   findings.finish(file);
   return file;
 }
+
+constinit const SceneFormat streamed_sog_format{.name = "a streamed SOG",
+                                                .names = {"lod-meta.json"},
+                                                .looks_so = is_lod_meta,
+                                                .read = read_lod_meta,
+                                                .place_in_capture = 4};
 
 }  // namespace swiftgs::io

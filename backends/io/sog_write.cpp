@@ -15,7 +15,7 @@
 #include "output_file.hpp"
 #include "progress_meter.hpp"
 #include "scene_encoding.hpp"
-#include "scene_writers.hpp"
+#include "scene_format.hpp"
 #include "sog_pixels.hpp"
 #include "tasks.hpp"
 #include "zip_write.hpp"

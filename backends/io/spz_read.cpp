@@ -8,7 +8,7 @@
 
 #include "parallel.hpp"
 #include "scene_building.hpp"
-#include "scene_readers.hpp"
+#include "scene_format.hpp"
 #include "spz_axes.hpp"
 #include "spz_content.hpp"
 #include "spz_values.hpp"
@@ -91,12 +91,7 @@ class SpzDecoder {
   std::optional<ShRotation> turn_;
 };
 
-}  // namespace
-
-SpzHeader read_spz_header(const Source& source) {
-  if (source.text().starts_with("\x1f\x8b")) return read_spz_gzip_header(source);
-  return parse_spz_header(source, ByteReader(source).take(spz_header_size, "an SPZ header"));
-}
+bool is_spz(std::string_view text) { return text.starts_with("NGSP") || is_gzip_of_spz(text); }
 
 SceneFile read_spz(const Source& source, const SceneReadOptions& options) {
   const ProgressMeter progress(options.progress, source.name);
@@ -129,5 +124,22 @@ SceneFile read_spz(const Source& source, const SceneReadOptions& options) {
     file.notes.push_back("SH coefficients of degree 4 are stored; degree 3 and below are kept.");
   return file;
 }
+
+}  // namespace
+
+SpzHeader read_spz_header(const Source& source) {
+  if (source.text().starts_with("\x1f\x8b")) return read_spz_gzip_header(source);
+  return parse_spz_header(source, ByteReader(source).take(spz_header_size, "an SPZ header"));
+}
+
+SceneWriter write_spz;
+
+constinit const SceneFormat spz_format{.name = "an SPZ",
+                                       .names = {".spz"},
+                                       .has_mark = is_spz,
+                                       .read = read_spz,
+                                       .reads_parts = true,
+                                       .write = write_spz,
+                                       .place_in_capture = 1};
 
 }  // namespace swiftgs::io

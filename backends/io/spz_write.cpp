@@ -21,7 +21,7 @@
 #include "output_file.hpp"
 #include "parallel.hpp"
 #include "scene_encoding.hpp"
-#include "scene_writers.hpp"
+#include "scene_format.hpp"
 #include "spz_axes.hpp"
 #include "spz_content.hpp"
 #include "spz_encode.hpp"

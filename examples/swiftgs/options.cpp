@@ -8,6 +8,7 @@
 #include <CLI/CLI.hpp>
 
 #include <swiftgs/frame.hpp>
+#include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/views.hpp>
 
 #include "number_text.hpp"
@@ -19,7 +20,7 @@ void add_scene(CLI::App& command, SceneOptions& options) {
       .add_option(
           "SCENE", options.scene,
           std::string("A file, the folder of a capture, builtin, or builtin:N for N Gaussians; files are\n") +
-              scene_files)
+              readable_scenes())
       ->required();
   add_scene_reading(command, options);
 }

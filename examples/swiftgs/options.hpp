@@ -12,10 +12,6 @@ class Option;
 
 namespace swiftgs::cli {
 
-/// Names of files that are read, for texts of help.
-inline constexpr const char* scene_files =
-    ".ply, .compressed.ply, .spz, .sog, meta.json, lod-meta.json, .glb, .gltf, .splat or .ksplat";
-
 /// What says which scene to load.
 struct SceneOptions {
   std::string scene;                    ///< a file, the folder of a capture, `builtin`, or `builtin:N`

@@ -10,6 +10,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/version.hpp>
 
 #include "commands.hpp"
@@ -129,7 +130,7 @@ std::vector<std::string> with_help_as_option(std::vector<std::string> arguments)
 
 int run_command(int argc, char** argv) {
   CLI::App app(about, "swiftgs");
-  app.footer(std::string(start_here) + "\nScenes are read from " + scene_files + ".");
+  app.footer(std::string(start_here) + "\nScenes are read from " + readable_scenes() + ".");
   app.set_version_flag("--version", "swiftgs " + std::string(version));
   app.require_subcommand(0, 1);  // that none is there is said below: CLI11 would not name an unknown one
 

@@ -39,6 +39,14 @@ class Pages(unittest.TestCase):
                 else:
                     self.assertEqual(quoted, re.sub(r"\A// SPDX.*\n+", "", built))
 
+    def test_the_page_of_formats_has_the_names_of_all(self):
+        rows = re.compile(r"SceneFormat \w+_format\{.*?\.names = \{(.*?)\}", re.DOTALL)
+        names = [name for path in (ROOT / "backends/io").rglob("*.cpp")
+                 for row in rows.findall(path.read_text(encoding="utf-8")) for name in re.findall('"(.*?)"', row)]
+        self.assertGreater(len(names), 8)
+        page = PAGES[ROOT / "docs/formats.md"]
+        self.assertEqual([name for name in names if f"`{name}`" not in page], [])
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "scene_building.hpp"
-#include "scene_readers.hpp"
+#include "scene_format.hpp"
 #include "sog_read.hpp"
 #include "watched_read.hpp"
 
@@ -67,7 +67,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (!bundle && files.empty()) return 0;
   const bool streamed = !bundle && files.first().text().find("\"lodLevels\"") != std::string_view::npos;
   fuzz::read_watched(bytes, test::sog_memory, [&](SceneReadOptions options) {
-    if (bundle) return io::read_sog(source, options);
+    if (bundle) return io::sog_format.read(source, options);
     if (!streamed) return read_folder(files, options);
     options.level = std::to_integer<int>(bytes.back()) % 2;
     return io::read_streamed_sog(files.first(), files, options);

@@ -16,6 +16,7 @@
 
 #include "far_scene.hpp"
 #include "name_ending.hpp"
+#include "scene_format.hpp"
 #include "scenes.hpp"
 
 namespace swiftgs::test::writers_test {
@@ -56,7 +57,13 @@ Frame noise() {
   return frame;
 }
 
-const Strings scene_endings = {".ply", ".compressed.ply", ".spz", ".sog", ".splat"};
+/// Endings of all formats that are written.
+const Strings scene_endings = [] {
+  Strings endings;
+  for (const io::SceneFormat* format : io::scene_formats)
+    if (format->write) endings.emplace_back(format->names[0]);
+  return endings;
+}();
 
 using Writer = std::function<void(const fs::path&)>;
 

@@ -131,7 +131,7 @@ class Scene:
 
     def save(self, path: Path, *, format: Optional[str] = None,  # pylint: disable=redefined-builtin
              spz_version: int = 4, spz_axes: str = "specified", progress: Optional[Progress] = None) -> Tuple[str, ...]:
-        """Writes `.ply`, `.compressed.ply`, `.spz`, `.sog` or `.splat`, by the path's ending or by `format`.
+        """Writes the format that the path's ending or `format` names; docs/formats.md lists them.
 
         The new file takes the place of an old one when it is whole. Returns a sentence for each thing that the format
         does not carry, and one that says how much rounding changes at most. `progress` is called with the part that is

@@ -225,7 +225,7 @@ void add_render(CLI::App& app) {
       ->add_option(
           "SCENE", options->scenes,
           std::string("Files, folders of captures, builtin, or builtin:N for N Gaussians; files are\n") +
-              scene_files + ",\nor a .json list of scenes, shown in one frame")
+              readable_scenes() + ",\nor a .json list of scenes, shown in one frame")
       ->required();
   command->add_flag("--place", options->place,
                     "Show several SCENEs in one frame, each where its file has it");

@@ -263,8 +263,7 @@ void convert(const ConvertOptions& options) {
 }
 
 constexpr const char* convert_help =
-    R"(The ending of OUT says what is written: .ply, .compressed.ply, .spz, .sog or .splat.
-Several scenes become one. Then, in this order: --degree, --transform, --crop, --keep and --order.
+    R"(Several scenes become one. Then, in this order: --degree, --transform, --crop, --keep and --order.
 --transform and --crop may be given several times and act one after another.
 Prints what was read, left out and written.
 
@@ -283,7 +282,8 @@ Examples:
 
 void add_convert(CLI::App& app) {
   CLI::App* command = app.add_subcommand("convert", "Writes scenes in another format, joined and edited");
-  command->footer(std::string("Reads ") + scene_files + ".\n" + convert_help);
+  command->footer("Reads " + readable_scenes() +
+                  ".\nThe ending of OUT says what is written: " + writable_scenes() + ".\n" + convert_help);
   const auto options = std::make_shared<ConvertOptions>();
   command->add_option("FILE", options->files, "Scenes to read, and last the file to write")->required();
   add_scene_reading(*command, options->scene);

@@ -108,7 +108,7 @@ void add_view(CLI::App& app) {
       ->add_option(
           "SCENE", options->scenes,
           std::string("Files, folders of captures, builtin, or builtin:N for N Gaussians; files are\n") +
-              scene_files + ",\nor a .json list of scenes; each stands where its file has it")
+              readable_scenes() + ",\nor a .json list of scenes; each stands where its file has it")
       ->required();
   add_scene_reading(*command, options->scene);
   add_cameras(*command, options->view);

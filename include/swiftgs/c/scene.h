@@ -193,7 +193,7 @@ typedef struct swiftgs_write_options {
   void* context;              ///< what both are called with
 } swiftgs_write_options;
 
-/// Writes a scene as `.ply`, `.compressed.ply`, `.spz`, `.sog` or `.splat`. docs/formats.md says what each
+/// Writes a scene in the format that an ending names. docs/formats.md has the endings and what each format
 /// loses; none holds features. The new file takes the place of an old one when it is whole. `options` may be
 /// NULL. Errors: `SWIFTGS_INVALID_ARGUMENT` for an ending or an option that is not known, or that the scene
 /// does not allow, `SWIFTGS_CANCELLED`, `SWIFTGS_SYSTEM_ERROR`.

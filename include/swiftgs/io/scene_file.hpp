@@ -91,6 +91,13 @@ SWIFTGS_API Scene load_scene(const std::filesystem::path& path, const SceneReadO
 SWIFTGS_API SceneFile read_scene(std::span<const std::byte> bytes, const std::string& name,
                                  const SceneReadOptions& options = {});
 
+/// Names of the files that `read_scene` takes, as a sentence lists them: ".ply, .compressed.ply, ... or
+/// .ksplat".
+SWIFTGS_API std::string readable_scenes();
+
+/// The same of the files that `write_scene` makes.
+SWIFTGS_API std::string writable_scenes();
+
 struct SceneWriteOptions {
   std::string ending{};  ///< names the format, as `.ply` does; empty: the file's own name does
   int spz_version = 4;   ///< of an SPZ file to write; 3 is for programs of before 2026
@@ -127,20 +134,8 @@ struct WrittenScene {
   std::vector<std::string> notes{};  ///< what was left out or changed, with counts, a sentence each
 };
 
-/// Writes a scene in the format that an ending names, in upper or lower case:
-/// - `.ply`: INRIA PLY, little-endian, of floats. Opacities are kept within [1e-6, 1 - 1e-6], as it holds
-/// logits.
-/// - `.compressed.ply`: SuperSplat's compressed PLY. All numbers are rounded, positions to a part of what 256
-///   consecutive Gaussians span. The order is that of `spatial_order`; strays come last, and as many
-///   Gaussians of opacity 0 before them as fill 256.
-/// - `.spz`: SPZ version 4 or 3. Rounds means to 1/4096 (finer in a scene smaller than 4, coarser in one
-///   beyond 2048; a thousandth of strays is moved nearer instead, and noted), scales to 1/16 of their
-///   logarithm, opacities to 1/255, and SH coefficients to 1/38 in band 0, 1/16 in band 1 and 1/8 above.
-/// - `.sog`: SOG version 2, a bundle. Numbers are bytes, means 16 bits, and higher bands one of at most
-///   65,536 sets. The order is that of `spatial_order`.
-/// - `.splat`: antimatter15's records of 32 bytes, without higher bands, greatest splats first.
-///
-/// No format holds features.
+/// Writes a scene in the format that an ending names, in upper or lower case. docs/formats.md says what each
+/// format rounds and in which order it has the Gaussians; none holds features.
 ///
 /// All formats treat numbers that a file cannot hold alike, and `WrittenScene::notes` counts them:
 /// - A Gaussian is left out for the reasons of `LeftOut`, for which `read_scene` leaves it out, too.

@@ -1,19 +1,70 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <array>
+#include <cstddef>
+#include <cstdint>
 #include <string>
 #include <utility>
 
 #include <swiftgs/edit/select.hpp>
 
+#include "mapped_file.hpp"
+#include "parallel.hpp"
 #include "row_writing.hpp"
 #include "scene_building.hpp"
 #include "scene_encoding.hpp"
-#include "scene_writers.hpp"
-#include "splat_record.hpp"
+#include "scene_format.hpp"
+
+/// @file
+/// A `.splat` file is records of 32 bytes: mean and scales (3 floats each, the scales not logarithms), red,
+/// green, blue and opacity (a byte each, 255 is 1), and the rotation w, x, y, z (a byte each, 128 is 0 and
+/// 0 is -1, as the format's first viewer reads them). Some writers truncate where that viewer's own rounds;
+/// no file says which.
 
 namespace swiftgs::io {
 namespace {
+
+constexpr std::size_t splat_record_bytes = 32;
+
+/// The SH coefficient of band 0 that a byte of a colour stands for.
+float sh0_of_splat(std::uint8_t byte) { return float((double(byte) / 255 - 0.5) / sh_c0); }
+
+/// Decodes the Gaussian in `record` as number `i`.
+void decode_record(const std::byte* record, Scene& scene, std::size_t i) {
+  const auto three = [&](std::size_t offset) {
+    const auto at = [&](std::size_t k) { return load<float>(record + offset + 4 * k); };
+    return vec3(at(0), at(1), at(2));
+  };
+  const auto byte = [&](std::size_t offset) { return load<std::uint8_t>(record + offset); };
+  const auto component = [&](std::size_t offset) { return (float(byte(offset)) - 128) / 128; };
+  scene.means[i] = three(0);
+  scene.scales[i] = three(12);
+  for (std::size_t c = 0; c < 3; ++c) scene.sh0[i][int(c)] = sh0_of_splat(byte(24 + c));
+  scene.opacities[i] = float(byte(27)) / 255;
+  scene.rotations[i] = rotation_of(component(28), component(29), component(30), component(31));
+}
+
+SceneFile read_splat(const Source& source, const SceneReadOptions& options) {
+  const std::uint64_t size = source.bytes.size(), partial = size % splat_record_bytes;
+  if (partial != 0)
+    source.fail(size - partial, "records of 32 bytes, as a .splat scene has, found the last one with " +
+                                    std::to_string(partial));
+  SceneFile file;
+  file.format = ".splat";
+  const auto [first, last] = options.part.range(size / splat_record_bytes);
+  file.stored = last - first;
+  allocate(file.scene, file.stored, 0);
+  const ProgressMeter progress(options.progress, source.name);
+  const std::uint64_t position = first * splat_record_bytes;
+  for_parts(file.stored, progress, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      decode_record(source.bytes.data() + position + i * splat_record_bytes, file.scene, i);
+    let_go(source, position + begin * splat_record_bytes, position + end * splat_record_bytes);
+  });
+  drop_signs_of_scales(file);
+  file.left_out = leave_out_invalid(file.scene);
+  return file;
+}
 
 /// Puts Gaussians of more volume and opacity first: viewers that load a file little by little show them
 /// first.
@@ -73,8 +124,6 @@ void note_losses(const Scene& scene, const std::vector<std::uint32_t>& order,
   colours.note("Channels of colours", "0 to 1", notes);
 }
 
-}  // namespace
-
 WrittenScene write_splat(const std::filesystem::path& path, const Scene& scene,
                          const SceneWriteOptions& options, LossMeter& losses) {
   const ProgressMeter progress(options.progress, path.string());
@@ -93,5 +142,16 @@ WrittenScene write_splat(const std::filesystem::path& path, const Scene& scene,
   written.bytes = file.size();
   return written;
 }
+
+}  // namespace
+
+constinit const SceneFormat splat_format{.name = "a .splat",
+                                         .names = {".splat"},
+                                         .goes_by_name = true,
+                                         .read = read_splat,
+                                         .reads_parts = true,
+                                         .write = write_splat,
+                                         .place_in_capture = 7,
+                                         .last_in_capture = true};
 
 }  // namespace swiftgs::io
