@@ -5,8 +5,8 @@
 
 #include "archive.hpp"
 #include "foreign_file.hpp"
+#include "formats/spz/spz_content.hpp"
 #include "json_entry.hpp"
-#include "spz_content.hpp"
 #include "text_beginning.hpp"
 
 namespace swiftgs::io {

@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "archive.hpp"
+#include "formats/sog/sog_files.hpp"
 #include "listed.hpp"
 #include "name_ending.hpp"
-#include "sog_files.hpp"
 #include "text_beginning.hpp"
 
 namespace swiftgs::io {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "formats/sog/sog_read.hpp"
 #include "scene_building.hpp"
 #include "scene_format.hpp"
-#include "sog_read.hpp"
 #include "watched_read.hpp"
 
 namespace {

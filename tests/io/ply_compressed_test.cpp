@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "ply_compressed.hpp"
+#include "formats/ply/ply_compressed.hpp"
 
 #include <random>
 

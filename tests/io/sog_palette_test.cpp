@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "sog_palette.hpp"
+#include "formats/sog/sog_palette.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +11,8 @@
 
 #include <doctest/doctest.h>
 
+#include "formats/sog/sog_codebook.hpp"
 #include "nearest_points.hpp"
-#include "sog_codebook.hpp"
 
 namespace swiftgs::test::sog_palette_test {
 

@@ -21,11 +21,12 @@ struct Capture {
 /// In a folder NAME the scene is the first of these that is there; endings may be in capitals:
 /// - `point_cloud/iteration_N/point_cloud.ply` with the greatest N, which INRIA's training writes and which
 ///   takes the name of the folder,
-/// - `NAME.spz`, `NAME.compressed.ply`, `NAME.ply` or `NAME.sog`,
-/// - the only `.spz`, `.ply` or `.sog`. `input.ply` does not count: INRIA's training keeps its points there,
+/// - NAME with an ending of a format that docs/formats.md lists for captures, in its order,
+/// - the only file with one of these endings. `input.ply` does not count: INRIA's training keeps its points
+///   there,
 /// - `lod-meta.json` or `meta.json` of a SOG, which take the name of the folder,
-/// - `NAME.ksplat`, `NAME.splat`, `NAME.glb` or `NAME.gltf`,
-/// - the only file with one of these four endings.
+/// - NAME with an ending that the page lists behind these,
+/// - the only file with one of those.
 ///
 /// Cameras are a COLMAP model in the folder itself, `cameras.json`, a COLMAP model in `sparse/0`, `sparse` or
 /// `0`, `transforms.json`, or one that ends in `_train`, `_test` or `_val`, the first that is there.

@@ -5,9 +5,9 @@
 #include <atomic>
 #include <cmath>
 
+#include "formats/spz/spz_content.hpp"
 #include "parallel.hpp"
 #include "scene_building.hpp"
-#include "spz_content.hpp"
 
 namespace swiftgs::io {
 namespace {
