@@ -150,25 +150,6 @@ SWIFTGS_DEVICE_CASE(
   }
 }
 
-SWIFTGS_DEVICE_CASES("cuda embedding: a steady frame allocates nothing", Sort, StandardSort, EarlySort,
-                     AdaptiveSort) {
-  const Stream stream;
-  Usual<Cuda, Sort> renderer{Cuda(stream.get())};
-  const auto scene = renderer.backend().upload(random_scene(20'000, 2, 7));
-  RenderSettings settings = settings_of({true, true});
-  settings.count = true;
-  PlanesOn<Cuda> large(renderer.backend(), 400, 300, settings.outputs),
-      small(renderer.backend(), 120, 200, settings.outputs);
-  const auto render = [&](int frames) {
-    for (int i = 0; i < frames; ++i)
-      for (PlanesOn<Cuda>* image : {&large, &small}) draw(renderer, scene.view(), *image, settings);
-  };
-  render(60);  // until all points in time have been made
-  const std::size_t warm = free_memory();
-  render(100);
-  CHECK(free_memory() == warm);
-}
-
 SWIFTGS_DEVICE_CASE("cuda embedding: a renderer by name uses the stream and the memory of its options") {
   const auto scene = std::make_shared<const Scene>(random_scene(2000, 1, 8));
   Usual<Cuda> typed;

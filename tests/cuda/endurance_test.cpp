@@ -40,16 +40,23 @@ std::string refusal(BoundRenderer<Cuda>& renderer, const SceneView& scene, const
 
 }  // namespace
 
-SWIFTGS_DEVICE_CASE("cuda endurance: ten thousand frames keep their bits and take no memory") {
-  Usual<Cuda, AdaptiveSort> renderer;
+SWIFTGS_DEVICE_CASES("cuda endurance: ten thousand frames keep their bits and take no memory", Sort,
+                     StandardSort, EarlySort, AdaptiveSort) {
+  const Stream stream;
+  Usual<Cuda, Sort> renderer{Cuda(stream.get())};
   const auto scene = renderer.backend().upload(random_scene(300, 0, 1));
   const Camera cameras[] = {forward_camera(64, 48), forward_camera(48, 80), forward_camera(33, 17)};
   std::vector<PlanesOn<Cuda>> images;
   for (const Camera& camera : cameras)
     images.emplace_back(renderer.backend(), camera.width, camera.height, Outputs{true, true});
+  const auto counted = [](bool count) {
+    RenderSettings settings;
+    settings.count = count;
+    return settings;
+  };
   const auto render = [&](int frames) {
     for (int i = 0; i < frames; ++i)
-      renderer.render_into(scene.view(), cameras[i % 3], {}, images[std::size_t(i % 3)].view());
+      renderer.render_into(scene.view(), cameras[i % 3], counted(i % 2), images[std::size_t(i % 3)].view());
   };
   const auto colours = [&] {
     std::vector<std::vector<float>> out;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// The blending of kernels, on the host, against the serial backend and one splat against a group.
+// The blending of kernels, on the host: one splat against a group, and segments apart against segments in
+// turn.
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -9,12 +10,10 @@
 #include <doctest/doctest.h>
 #include <vector_functions.h>
 
-#include <swiftgs/serial.hpp>
-
 #include "blending.hpp"
 #include "policies/random_splats.hpp"
-#include "policies/tile_lists.hpp"
 #include "segment_picks.hpp"
+#include "weigh.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::kernels;
@@ -27,17 +26,6 @@ float above(float x) { return std::nextafter(x, 1.0f); }
 /// alpha_max of most tests here, by which alphas are divided before kernels blend them. A power of two rounds
 /// nothing. Alphas may be larger.
 constexpr float exact_unit = 0.5f;
-
-/// A rasterizer whose alpha is the splat's opacity in every pixel.
-struct GivenAlpha {
-  static constexpr std::string_view name = "given-alpha";
-  struct Kernel {
-    Kernel(const SplatShape& s, vec2, BlendRules) : opacity(s.opacity) {}
-    void start_row(float) {}
-    float alpha(int) const { return opacity; }
-    float opacity;
-  };
-};
 
 /// A splat of a pixel.
 struct Layer {
@@ -57,56 +45,12 @@ std::vector<Layer> random_layers(Random& random, std::size_t count, double large
   return layers;
 }
 
-/// Colour, alpha and depth of one pixel, with what it took.
-struct Blended {
-  float rgb[3] = {}, alpha = 0, depth = 0;
-  std::uint64_t pairs = 0, stopped = 0;
-
-  FrameView frame() { return {1, 1, {rgb, sizeof rgb}, PixelFormat::rgb_float, {&alpha, 4}, {&depth, 4}}; }
-};
-
-Blended blend_by_serial(const std::vector<Layer>& layers, float stop_below, const float* occluder) {
-  SplatSet splats;
-  std::vector<std::uint32_t> ids;
-  for (const Layer& layer : layers) {
-    SplatShape shape;
-    shape.l0 = shape.l1 = shape.l2 = 0, shape.cutoff = 1, shape.opacity = layer.alpha;
-    ids.push_back(std::uint32_t(splats.shapes.size()));
-    splats.add(shape, layer.depth, layer.rgb);
-  }
-  const TileRange range{0, std::uint32_t(layers.size())};
-  const TileListsView lists{{ids.data(), ids.size()}, {&range, 1}};
-  Blended out;
-  View view{.rules = {0, 1, stop_below}, .grid = TileGrid::covering(1, 1), .frame = out.frame()};
-  if (occluder) view.frame.occluder = {occluder, sizeof(float)};
-  RasterCounts counts;
-  Serial serial;
-  rasterize(serial, GivenAlpha{}, {splats.view(), splats.colours_view(), lists, {&view, 1}, &counts});
-  out.pairs = counts.contributing_pairs, out.stopped = counts.pixels_stopped;
-  return out;
-}
-
 /// Blends a layer as kernels do with extras.
 template <bool extras>
 void blend_one(Pixel& pixel, const Layer& layer, float occluder, float unit = exact_unit) {
   const float alpha = layer.alpha / unit;
   const float left = Pixel::dimmed_relative(pixel.transmittance, alpha * pixel.transmittance, unit);
   blend<extras>(pixel, alpha, left, layer.colour(), occluder);
-}
-
-Blended blend_by_kernels(const std::vector<Layer>& layers, float stop_below, const float* occluder) {
-  Pixel pixel;
-  pixel.start(stop_below);
-  Blended out;
-  for (const Layer& layer : layers) {
-    const bool was_live = pixel.live();
-    blend_one<true>(pixel, layer, occluder ? *occluder : INFINITY);
-    out.pairs += layer.alpha > 0 && pixel.live(), out.stopped += was_live && !pixel.live();
-  }
-  BlendedPixel blended = pixel.blended();
-  blended.colour *= exact_unit, blended.depth *= exact_unit;
-  store_pixel(out.frame(), 0, 0, blended, vec3(0));
-  return out;
 }
 
 bool same_bits(const Pixel& a, const Pixel& b) {
@@ -126,45 +70,6 @@ void blend_together(Pixel& pixel, const Layer* first, float unit = exact_unit) {
 }
 
 }  // namespace
-
-TEST_CASE("cuda arithmetic: pixels are blended as the serial backend blends them") {
-  Random random(1);
-  int stopped = 0, hidden = 0;
-  for (int i = 0; i < 3000; ++i) {
-    const std::vector<Layer> layers =
-        random_layers(random, std::size_t(random.in(0, 60)), i % 3 ? 0.05 : 0.99);
-    const float occluder = random.f(0, 90);
-    const float* hides = i % 2 ? &occluder : nullptr;
-    const Blended expected = blend_by_serial(layers, 1e-4f, hides),
-                  got = blend_by_kernels(layers, 1e-4f, hides);
-    for (int c = 0; c < 3; ++c) REQUIRE(got.rgb[c] == doctest::Approx(double(expected.rgb[c])).epsilon(2e-6));
-    REQUIRE(got.alpha == doctest::Approx(double(expected.alpha)).epsilon(2e-6));
-    REQUIRE(got.depth == doctest::Approx(double(expected.depth)).epsilon(4e-6));
-    REQUIRE(got.pairs == expected.pairs);
-    REQUIRE(got.stopped == expected.stopped);
-    stopped += expected.stopped && !hides, hidden += expected.stopped && hides;
-  }
-  CHECK(stopped > 200);
-  CHECK(hidden > 200);
-}
-
-TEST_CASE("cuda arithmetic: a pixel ends before the splat that brings it to the limit or only below it") {
-  const std::vector<Layer> halves(5, Layer{0.5f, {1, 0.5f, 0.25f}, 3});
-  for (const bool inclusive : {false, true}) {
-    CAPTURE(inclusive);
-    const float stop_below = inclusive ? above(0.25f) : 0.25f, left = inclusive ? 0.5f : 0.25f;
-    const Blended serial = blend_by_serial(halves, stop_below, nullptr);
-    const Blended kernels = blend_by_kernels(halves, stop_below, nullptr);
-    for (const Blended& blended : {serial, kernels}) {
-      CHECK(blended.alpha == 1 - left);
-      CHECK(blended.rgb[0] == 1 - left);
-      CHECK(blended.rgb[2] == 0.25f * (1 - left));
-      CHECK(blended.depth == 3);
-      CHECK(blended.pairs == (inclusive ? 1 : 2));
-      CHECK(blended.stopped == 1);
-    }
-  }
-}
 
 TEST_CASE("cuda arithmetic: a group is blended as its splats one by one wherever the pixel stops") {
   Random random(2);
@@ -226,6 +131,28 @@ TEST_CASE("cuda arithmetic: groups one after another are blended as all splats o
   CHECK(differences == 0);
   CHECK(stopped > 500);
   CHECK(stopped < 2500);
+}
+
+TEST_CASE("cuda arithmetic: a weight is what the pixel is dimmed by until it stops") {
+  const float unit = 0.75f;
+  Random random(1);
+  int stopped = 0;
+  for (int i = 0; i < 5000; ++i) {
+    Pixel weighed, blended;
+    weighed.start(1e-4f), blended.start(1e-4f);
+    for (int k = 0; k < 40; ++k) {
+      const float alpha = random.in(0, 1) < 0.3 ? 0.0f : random.f(1.0 / 255, i % 2 ? 0.99 : 0.05);
+      const float before = blended.transmittance;
+      blend<false>(blended, alpha, Pixel::dimmed_relative(before, alpha * before, unit),
+                   make_float4(0, 0, 0, 1), INFINITY);
+      const float weight = weigh(weighed, alpha, unit);
+      REQUIRE(weighed.transmittance == blended.transmittance);
+      REQUIRE(weighed.live() == blended.live());
+      REQUIRE(weight == (blended.live() ? alpha * before * unit : 0.0f));
+    }
+    stopped += !blended.live();
+  }
+  CHECK(stopped > 2000);
 }
 
 TEST_CASE("cuda arithmetic: a pixel outside of the image takes nothing") {

@@ -182,29 +182,26 @@ SWIFTGS_DEVICE_CASE("cuda project: splats are Serial's with other presets, camer
   check_projection(stage, random_scene(300, 0, 5), forward_camera(max_image_side, max_image_side));
 }
 
-SWIFTGS_DEVICE_CASE("cuda project: coefficients may have any stride and begin anywhere") {
+SWIFTGS_DEVICE_CASE("cuda project: nothing behind the last coefficient of any stride is read") {
   Stage stage;
   const Camera camera = forward_camera(320, 200);
   for (const int degree : {1, 2, 3}) {
     const Scene scene = random_scene(1000, degree, 6);
     const DeviceScene uploaded = stage.backend.upload(scene);
+    const SplatSet expected = stage.run(uploaded.view(), camera);
     const std::size_t used = 3 * std::size_t(sh_rest_count(degree));
     for (const std::size_t stride : {used, used + 1, used + 2, used + 3, used + 4, std::size_t(48)})
       for (const std::size_t begin : {0, 1, 2, 3, 4}) {
         CAPTURE(degree);
         CAPTURE(stride);
         CAPTURE(begin);
-        // What lies between must not be used, and nothing behind the last coefficient be touched.
         std::vector<float> spread(begin + (scene.size() - 1) * stride + used, NAN);
         for (std::size_t i = 0; i < scene.size(); ++i)
           std::copy_n(&scene.sh_rest[used * i], used, &spread[begin + stride * i]);
         const ExactMemory coefficients(spread);
         SceneView on_device = uploaded.view();
         on_device.sh_rest = {coefficients.data + begin, scene.size(), stride * sizeof(float)};
-        const SplatSet expected = StageOn<Serial>().run(view(scene), camera);
-        const Match result = match(stage.run(on_device, camera), expected);
-        CHECK(result.different == 0);
-        CHECK(result.alone <= 1);
+        CHECK(same_splats(stage.run(on_device, camera), expected));
       }
   }
 }
@@ -217,26 +214,6 @@ SWIFTGS_DEVICE_CASE("cuda project: nothing may be visible or all") {
   CHECK(stage.footprints.intersections.most == 0);
   for (std::size_t i = 0; i < scene.size(); ++i) scene.means[i] = vec3(0, 0, 4), scene.opacities[i] = 0.7f;
   CHECK(check_projection(stage, scene, forward_camera(320, 200)) == 3000);
-}
-
-SWIFTGS_DEVICE_CASE("cuda project: scenes may grow and shrink from frame to frame") {
-  // Each number of frames before a larger scene, odd and even, since memory alternates.
-  const Camera camera = forward_camera(320, 200);
-  for (const int frames : {1, 2, 3}) {
-    CAPTURE(frames);
-    Stage stage;
-    for (const std::size_t n : {100, 5000, 300, 9000, 9000, 0, 20'000}) {
-      CAPTURE(n);
-      const Scene scene = random_scene(n, 0, n + 1);
-      const DeviceScene uploaded = stage.backend.upload(scene);
-      for (int frame = 0; frame < frames; ++frame) {
-        CAPTURE(frame);
-        const SplatSet set = stage.run(uploaded.view(), camera);
-        CHECK(stage.found_tiles(set, camera));
-        CHECK(match(set, StageOn<Serial>().run(view(scene), camera)).alone <= 2);
-      }
-    }
-  }
 }
 
 SWIFTGS_DEVICE_CASE("cuda project: chunks that a view cannot show change no splat") {
