@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "bench/judge.hpp"
 
-#include <cmath>
 #include <memory>
 
 #include <doctest/doctest.h>

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Frames in buffers and textures of OpenGL, beside frames of the host.
+#include <algorithm>
 #include <cstddef>
 #include <stdexcept>
 #include <string>

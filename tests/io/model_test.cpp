@@ -3,7 +3,6 @@
 // Rendering models as text, and in files.
 #include <stdexcept>
 #include <string>
-#include <utility>
 
 #include <swiftgs/io/model_text.hpp>
 

@@ -10,7 +10,6 @@
 #include <memory>
 #include <stdexcept>
 #include <string_view>
-#include <type_traits>
 #include <utility>
 #include <vector>
 

@@ -3,11 +3,8 @@
 // Hard frames and exact decisions on the serial backend and on every vector target of the cpu backend.
 #include "stability/sweep.hpp"
 
-#include <cmath>
 #include <cstdint>
-#include <set>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 

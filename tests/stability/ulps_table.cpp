@@ -2,7 +2,6 @@
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
-#include <string>
 #include <string_view>
 
 #include <nlohmann/json.hpp>

@@ -7,9 +7,7 @@
 #include <limits>
 #include <map>
 #include <stdexcept>
-#include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include <doctest/doctest.h>

@@ -5,8 +5,6 @@
 /// A box that a graphics library draws among the splats of the built-in scene: its cameras, what the host
 /// composes of them, and what a loop of frames may take.
 
-#include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdlib>
 #include <filesystem>
