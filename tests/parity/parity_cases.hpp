@@ -13,7 +13,6 @@
 #include <map>
 #include <memory>
 #include <string>
-#include <utility>
 
 #include <doctest/doctest.h>
 
@@ -23,7 +22,6 @@
 #include <swiftgs/reference.hpp>
 #include <swiftgs/swiftgs.hpp>
 
-#include "policies/double_drawing.hpp"
 #include "policies/planes.hpp"
 #include "policies/rasterizers.hpp"
 
@@ -31,19 +29,6 @@ namespace swiftgs::test {
 namespace {
 
 constexpr bool on_device = backends[0] == "cuda";
-
-/// A device may keep or lose a splat at a threshold, and rounds terms of half otherwise.
-void check_near_cpu(const std::string& name, const Frame& frame, const std::shared_ptr<const Scene>& scene,
-                    const Camera& camera, const RenderSettings& settings, bool half) {
-  const auto cpu = make_renderer("cpu" + name.substr(name.find('/')));
-  cpu->set_scene(scene);
-  Frame expected;
-  cpu->render(camera, settings, expected);
-  const Difference colour = difference(frame.colour, expected.colour, 5e-5);
-  CHECK(colour.largest < 0.05);  // colours reach 3
-  CHECK(colour.part_above <= (half ? 0.1 : 0.002));
-  CHECK(difference(frame.alpha, expected.alpha, 5e-5).part_above <= (half ? 0.1 : 0.002));
-}
 
 /// Renders with all renderers and checks all that holds between them and the reference.
 void check_all(const Scene& whole, const Camera& camera, Conventions conventions) {
@@ -54,8 +39,7 @@ void check_all(const Scene& whole, const Camera& camera, Conventions conventions
   settings.outputs = all_planes(2);
   const auto reference_of = [&](Conventions::Footprint footprint) {
     conventions.footprint = footprint;
-    return std::pair{render_reference(*scene, camera, conventions, dvec3(settings.background), 2),
-                     render_reference_planes(*scene, camera, conventions, 2)};
+    return render_reference(*scene, camera, conventions, dvec3(settings.background), 2);
   };
   const auto conservative = reference_of(Conventions::Footprint::alpha);
   const auto cut = reference_of(Conventions::Footprint::three_sigma_square);
@@ -81,20 +65,13 @@ void check_all(const Scene& whole, const Camera& camera, Conventions conventions
     CHECK(same_planes(first.first->second, frame));
     if (!first.second) continue;
 
-    const auto& [reference, planes] = square ? cut : conservative;
+    const ReferenceFrame& reference = square ? cut : conservative;
     // On a device split terms of floats err more where a warp block is far from the mean of a needle.
     const double least_db = half ? 40 : on_device && has("float-split") ? 105 : 120;
     CHECK(psnr(frame.colour, reference.colour) >= least_db);
     CHECK(psnr(frame.alpha, reference.alpha) >= least_db);
-    CHECK(psnr(frame.normal, planes.normal) >= least_db);
-    CHECK(psnr(frame.features, planes.features) >= least_db - 6);  // they reach 2
-    std::size_t same_ids = 0;
-    for (std::size_t i = 0; i < frame.pixels(); ++i)
-      same_ids += frame.id[i] == planes.id[i] && frame.median_id[i] == planes.median_id[i];
-    CHECK(double(same_ids) >= (half ? 0.9 : 0.99) * double(frame.pixels()));
     if (!half) CHECK(max_abs_difference(frame.colour, reference.colour) <= 1.0 / 255);
     if (!half) CHECK(max_abs_difference(frame.alpha, reference.alpha) <= 1.0 / 255);
-    if (on_device) check_near_cpu(name, frame, scene, camera, settings, half);
   }
   CHECK(first_of.size() == std::size(backends) * AllRasters::size * 2);
 }
