@@ -93,19 +93,6 @@ TEST_CASE("bench: a batch changes nothing of a row but its times") {
   }
 }
 
-TEST_CASE("bench: sorts and conservative bounds have equal errors") {
-  const TemporaryFolder place;
-  const Json rows =
-      measured(place,
-               "builtin:500 --renderers 'serial/*/per-pixel/ellipse,serial/early/per-pixel/opacity-box' "
-               "--views 0")
-          .at("rows");
-  for (const Json& row : rows) {
-    CHECK(row.at("psnr_db") == rows[0].at("psnr_db"));
-    CHECK(row.at("max_abs") == rows[0].at("max_abs"));
-  }
-}
-
 TEST_CASE("bench: planes are drawn and named in the rows") {
   const TemporaryFolder place;
   const std::string command = "builtin:500 --views 0" + one;
