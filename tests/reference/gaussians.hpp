@@ -59,10 +59,6 @@ inline std::size_t at(const ReferenceFrame& frame, int x, int y) {
 
 inline double alpha_at(const ReferenceFrame& frame, int x, int y) { return frame.alpha[at(frame, x, y)]; }
 
-inline double colour_at(const ReferenceFrame& frame, int x, int y, int channel) {
-  return frame.colour[3 * at(frame, x, y) + std::size_t(channel)];
-}
-
 /// Largest |value(x, y) - expected(x, y)| over the image, where `value` is alpha.
 template <class Expected>
 double worst_alpha(const ReferenceFrame& frame, const Expected& expected) {
