@@ -20,7 +20,7 @@ namespace swiftgs::io {
 /// Throws `FormatError` and `Cancelled`. `SceneFile::bytes` is left to be those of other files.
 using SceneReader = SceneFile(const Source& source, const SceneReadOptions& options);
 
-/// Takes a scene that is valid and `encodable`, and throws `Cancelled` and `std::system_error`. A writer that
+/// Takes a scene that is valid and `encodable`, and throws `Cancelled` and `FileError`. A writer that
 /// rounds gives `losses` the values that a reader will find in the file.
 using SceneWriter = WrittenScene(const std::filesystem::path& path, const Scene& scene,
                                  const SceneWriteOptions& options, LossMeter& losses);
