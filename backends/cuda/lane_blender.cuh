@@ -5,7 +5,7 @@
 
 #include <cuda_pipeline_primitives.h>
 
-#include "lane_planes.cuh"
+#include "accumulators.cuh"
 
 namespace swiftgs::kernels {
 
@@ -29,8 +29,8 @@ __device__ T& in_memory(T& variable) {
 }
 
 /// Exponents, colours and planes of queued splats.
-template <class Exponent, Extras extras>
-struct Queue : TermsQueue<Exponent>, QueuedPlanes<PlanesOf<extras>> {
+template <class Exponent, class Planes>
+struct Queue : TermsQueue<Exponent>, Planes::Queued {
   float4 colours[queue_size];  ///< RGB, depth
 
   /// Starts loading the colour and the planes of a splat.
@@ -47,17 +47,15 @@ struct Queue : TermsQueue<Exponent>, QueuedPlanes<PlanesOf<extras>> {
 };
 
 /// Blends queued splats into one or both pixels of a lane.
-template <class Exponent, bool threshold, Extras extras, unsigned pixel_count>
+template <class Exponent, bool threshold, class Planes, unsigned pixel_count>
 struct LaneBlender {
-  using Planes = PlanesOf<extras>;
-
   BlendRules rules;
   bool sums_depth;
   float x, y, right;  ///< first pixel in the warp block; a single pixel lies `right` columns to its right
   Pixel pixels[pixel_count];
   float occluders[pixel_count];
   LaneRays<Planes::rays, pixel_count> rays;
-  LanePlanes<Planes, pixel_count> planes;
+  typename Planes::template Lane<pixel_count> planes;
 
   __device__ LaneBlender(const RasterJob& job, const View& view, float x_, float y_)
       : rules(view.rules),
@@ -69,10 +67,10 @@ struct LaneBlender {
         rays(job, view),
         planes(view) {}
 
-  /// Blends `count` splats from `first` on: whole groups of `group_size` splats; with picks along the ray,
+  /// Blends `count` splats from `first` on: whole groups of `group_size` splats; one by one,
   /// any number.
-  __device__ void blend_queued(const Queue<Exponent, extras>& queue, unsigned first, unsigned count) {
-    if constexpr (extras == Extras::picks_along_ray) {
+  __device__ void blend_queued(const Queue<Exponent, Planes>& queue, unsigned first, unsigned count) {
+    if constexpr (Planes::one_by_one) {
       for (unsigned k = first; k < first + count; ++k) {
         float alphas[pixel_count];
         evaluate(queue.terms[k], queue.rests[k], alphas);
@@ -86,7 +84,7 @@ struct LaneBlender {
           if (alphas[p] > 0 && pixels[p].live()) planes.offer(p, queue.ids[k], alphas[p] * before, before);
         }
       }
-    } else if (extras != Extras::none && some_lie_behind(queue.colours[first + count - 1].w)) {
+    } else if (Planes::depth && some_lie_behind(queue.colours[first + count - 1].w)) {
       blend_groups<true>(queue, first, count);
     } else {
       blend_groups<false>(queue, first, count);
@@ -106,7 +104,7 @@ struct LaneBlender {
 
   /// `occluded`: some splats may lie at occluders or behind.
   template <bool occluded>
-  __device__ void blend_groups(const Queue<Exponent, extras>& queue, unsigned first, unsigned count) {
+  __device__ void blend_groups(const Queue<Exponent, Planes>& queue, unsigned first, unsigned count) {
     // Advance pointers: an index would cost a multiplication each time.
     const float4 *terms = queue.terms + first, *colours = queue.colours + first;
     const typename Exponent::Rest* rests = queue.rests + first;
@@ -131,7 +129,7 @@ struct LaneBlender {
 
   template <bool occluded>
   __device__ void blend_group(const float4* terms, const typename Exponent::Rest* rests,
-                              const float4* colours, const Queue<Exponent, extras>& queue, unsigned first) {
+                              const float4* colours, const Queue<Exponent, Planes>& queue, unsigned first) {
     float alphas[pixel_count][group_size], weights[pixel_count][group_size];
 #pragma unroll
     for (unsigned k = 0; k < group_size; ++k) {
@@ -144,7 +142,7 @@ struct LaneBlender {
     if constexpr (occluded) hidden = hide(alphas, colours, queue, first);
     float left[pixel_count][group_size + 1];
     weigh_group(pixels, alphas, rules.alpha_max, weights, left);
-    if constexpr (Planes::picks) planes.offer_group(queue, first, weights, left);
+    planes.offer_group(queue, first, weights, left);
     if constexpr (occluded) stop(hidden);
 
 #pragma unroll
@@ -153,17 +151,14 @@ struct LaneBlender {
 #pragma unroll
       for (unsigned p = 0; p < pixel_count; ++p) {
         pixels[p].add(weights[p][k], colour.x, colour.y, colour.z);
-        if constexpr (extras == Extras::depth)
-          pixels[p].depth = fmaf(weights[p][k], colour.w, pixels[p].depth);
+        if constexpr (Planes::always_depth) pixels[p].depth = fmaf(weights[p][k], colour.w, pixels[p].depth);
       }
-      if constexpr (Planes::rows != 0) {
-        float of_splat[pixel_count];
+      float of_splat[pixel_count];
 #pragma unroll
-        for (unsigned p = 0; p < pixel_count; ++p) of_splat[p] = weights[p][k];
-        planes.add(queue, first + k, of_splat);
-      }
+      for (unsigned p = 0; p < pixel_count; ++p) of_splat[p] = weights[p][k];
+      planes.add(queue, first + k, of_splat);
     }
-    if constexpr (extras > Extras::depth)
+    if constexpr (Planes::depth && !Planes::always_depth)
       if (sums_depth) {
 #pragma unroll
         for (unsigned k = 0; k < group_size; ++k)
@@ -178,7 +173,7 @@ struct LaneBlender {
   /// by one, because a segment that a pixel enters is joined with a rounding. By depths along the ray, which
   /// may fall, it goes on.
   __device__ unsigned hide(float (&alphas)[pixel_count][group_size], const float4* colours,
-                           const Queue<Exponent, extras>& queue, unsigned first) const {
+                           const Queue<Exponent, Planes>& queue, unsigned first) const {
     unsigned hidden = 0;
     if (!(colours[group_size - 1].w >= nearest_occluder())) return hidden;
     if constexpr (Planes::rays)
@@ -199,7 +194,7 @@ struct LaneBlender {
   }
 
   __device__ void hide_along_ray(float (&alphas)[pixel_count][group_size],
-                                 const Queue<Exponent, extras>& queue, unsigned first) const {
+                                 const Queue<Exponent, Planes>& queue, unsigned first) const {
     // A bit for each splat that a pixel shows: an index into `alphas` would have them in memory.
     unsigned shown = 0;
 #pragma unroll
@@ -223,12 +218,12 @@ struct LaneBlender {
 };
 
 /// Blends colours into a warp block. Holds the pixels of this lane.
-template <class Exponent, bool threshold, Extras extras>
+template <class Exponent, bool threshold, class Planes>
 struct ColourBlender {
   static constexpr bool in_segments = true;
   const RasterJob& job;
-  Queue<Exponent, extras>& queue;
-  LaneBlender<Exponent, threshold, extras, pixels_of_lane> lane;
+  Queue<Exponent, Planes>& queue;
+  LaneBlender<Exponent, threshold, Planes, pixels_of_lane> lane;
 
   __device__ void fill(unsigned slot, std::uint32_t id) const { queue.fetch(job, slot, id); }
 
@@ -242,7 +237,7 @@ struct ColourBlender {
   /// Blends `count` splats from `first` on. May overwrite slots behind them.
   __device__ void blend_queued(unsigned first, unsigned count) {
     // Pad the last group with splats that show nothing.
-    if constexpr (extras != Extras::picks_along_ray) {
+    if constexpr (!Planes::one_by_one) {
       if (lane_index() < (group_size - count % group_size) % group_size)
         queue.clear(first + count + lane_index());
       __syncwarp();

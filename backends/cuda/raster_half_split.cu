@@ -93,18 +93,18 @@ __global__ void __launch_bounds__(block_threads)
 template <bool threshold>
 struct HalfSplitKernel {
   static constexpr unsigned threads = block_threads;
-  template <Extras extras, class ViewSource>
-  static constexpr auto of = &raster_half_split<threshold, extras != Extras::none, ViewSource>;
+  template <bool planes, class ViewSource>
+  static constexpr auto of = &raster_half_split<threshold, planes, ViewSource>;
 };
 }  // namespace kernels
 
 void rasterize(Cuda& cuda, AxisShared<HalfSplit>, const RasterJob& job) {
   kernels::launch_raster_blocks<kernels::HalfSplitKernel<false>>(cuda, "rasterize axis-shared-half-split",
-                                                                 job);
+                                                                 job, kernels::asks_for_planes(job));
 }
 void rasterize(Cuda& cuda, AxisSharedThreshold<HalfSplit>, const RasterJob& job) {
   kernels::launch_raster_blocks<kernels::HalfSplitKernel<true>>(
-      cuda, "rasterize axis-shared-threshold-half-split", job);
+      cuda, "rasterize axis-shared-threshold-half-split", job, kernels::asks_for_planes(job));
 }
 
 }  // namespace swiftgs

@@ -57,13 +57,14 @@ __global__ void __launch_bounds__(block_threads, resident_blocks(extras ? 6 : 8,
 
 struct PerPixelKernel {
   static constexpr unsigned threads = block_threads;
-  template <Extras extras, class ViewSource>
-  static constexpr auto of = &raster_per_pixel<extras != Extras::none, ViewSource>;
+  template <bool planes, class ViewSource>
+  static constexpr auto of = &raster_per_pixel<planes, ViewSource>;
 };
 }  // namespace kernels
 
 void rasterize(Cuda& cuda, PerPixel, const RasterJob& job) {
-  kernels::launch_raster_blocks<kernels::PerPixelKernel>(cuda, "rasterize per-pixel", job);
+  kernels::launch_raster_blocks<kernels::PerPixelKernel>(cuda, "rasterize per-pixel", job,
+                                                         kernels::asks_for_planes(job));
 }
 
 }  // namespace swiftgs

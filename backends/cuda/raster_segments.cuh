@@ -13,12 +13,12 @@ namespace kernels {
 
 /// The helper kernel. It blends work items that `raster_warps` pushes, while that kernel still runs, in
 /// thread blocks that fit beside it. Clusters blend the longest items, single thread blocks the rest.
-template <class Exponent, bool threshold, Extras extras, class ViewSource>
-__global__ void __launch_bounds__(segment_threads, segment_occupancy<extras>)
+template <class Exponent, bool threshold, class Planes, class ViewSource>
+__global__ void __launch_bounds__(segment_threads, segment_occupancy<Planes>)
     raster_segments(const __grid_constant__ RasterInput<ViewSource> input,
                     const __grid_constant__ WorkQueues work_queues) {
   extern __shared__ __align__(16) std::byte memory[];
-  auto& shared = *reinterpret_cast<SegmentShared<Exponent, extras>*>(memory);
+  auto& shared = *reinterpret_cast<SegmentShared<Exponent, Planes>*>(memory);
   const Group cluster = Group::cluster();
   // Odd clusters take items for clusters first, even ones take items for single thread blocks first.
   bool as_cluster = cluster.blocks != 1 && blockIdx.x / cluster.blocks % 2 == 1;
@@ -34,8 +34,8 @@ __global__ void __launch_bounds__(segment_threads, segment_occupancy<extras>)
       group.sync();
       const WorkItem* const item = shared.item;
       if (!item) break;
-      using ItemPlanes = JoinedPlanes<PlanesOf<extras>, pixels_of_warp_block>;
-      WorkItemBlender<Exponent, threshold, extras, ViewSource>(input, *item, group, shared)
+      using ItemPlanes = typename Planes::template Joined<pixels_of_warp_block>;
+      WorkItemBlender<Exponent, threshold, Planes, ViewSource>(input, *item, group, shared)
           .run(*item, work_queues.planes_of<const ItemPlanes>(item));
       if (group.rank == 0 && threadIdx.x == 0) work_queues.end_item(as_cluster);
     }
@@ -44,23 +44,23 @@ __global__ void __launch_bounds__(segment_threads, segment_occupancy<extras>)
 }
 }  // namespace kernels
 
-/// Rasterizes with `Exponent` in registers.
-template <class Exponent, bool threshold>
+/// Rasterizes `Planes` with `Exponent` in registers.
+template <class Exponent, bool threshold, class Planes>
 void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
   using namespace kernels;
-  with_raster_input(cuda, job, [&]<Extras extras, class ViewSource>(const RasterInput<ViewSource>& input) {
-    using Shared = SegmentShared<Exponent, extras>;
-    const WorkQueues work_queues = WorkQueues::of<JoinedPlanes<PlanesOf<extras>, pixels_of_warp_block>>(
+  with_raster_input(cuda, job, [&]<class ViewSource>(const RasterInput<ViewSource>& input) {
+    using Shared = SegmentShared<Exponent, Planes>;
+    const WorkQueues work_queues = WorkQueues::of<typename Planes::template Joined<pixels_of_warp_block>>(
         cuda, input.raster_blocks.size() * warps_of_raster_block);
     const auto launch_warps = [&](auto warps) {
       launch(name, warps, blocks_of(input.raster_blocks), raster_threads, cuda.stream(), input, work_queues);
     };
-    // Picks along the ray are rare, and always shared: not to share would take kernels of their own.
-    if constexpr (extras != Extras::picks_along_ray)
+    // Occluders along the ray are rare, and always shared: not to share would take kernels of their own.
+    if constexpr (!Planes::one_by_one)
       if (!WorkQueues::are_shared(cuda) || sizeof(Shared) > cuda.shared_memory())
-        return launch_warps(raster_warps<Exponent, threshold, extras, false, ViewSource>);
-    launch_warps(raster_warps<Exponent, threshold, extras, true, ViewSource>);
-    const auto segments = raster_segments<Exponent, threshold, extras, ViewSource>;
+        return launch_warps(raster_warps<Exponent, threshold, Planes, false, ViewSource>);
+    launch_warps(raster_warps<Exponent, threshold, Planes, true, ViewSource>);
+    const auto segments = raster_segments<Exponent, threshold, Planes, ViewSource>;
     const BlockShape block(segment_threads, sizeof(Shared));
     const unsigned clusters = unsigned(cuda.multiprocessors()) * blocks_of_multiprocessor / blocks_of_group;
     try {
@@ -72,6 +72,16 @@ void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
       throw;
     }
   });
+}
+
+/// Rasterizes colour and alpha, and depth if a view has to sum depths or to hide splats by them.
+template <class Exponent, bool threshold>
+void rasterize_colour(Cuda& cuda, const char* name, const RasterJob& job) {
+  using namespace kernels;
+  if (some_view_has_depth(job))
+    rasterize_warps<Exponent, threshold, PixelPlanes<Depths::of_means>>(cuda, name, job);
+  else
+    rasterize_warps<Exponent, threshold, PixelPlanes<Depths::none>>(cuda, name, job);
 }
 
 }  // namespace swiftgs

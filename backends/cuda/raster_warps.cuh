@@ -13,20 +13,20 @@
 namespace swiftgs::kernels {
 
 /// Pixels at the end of the last segment.
-template <Extras extras>
+template <class Planes>
 struct TraversedSegments {
-  JoinedPixels<extras != Extras::none, pixels_of_lane> pixels;
-  JoinedPlanes<PlanesOf<extras>, pixels_of_lane> planes;
+  JoinedPixels<Planes::depth, pixels_of_lane> pixels;
+  typename Planes::template Joined<pixels_of_lane> planes;
   SegmentEnd end;
 };
 
 /// Composites the segments of a traversal.
-template <class Exponent, bool threshold, Extras extras>
+template <class Exponent, bool threshold, class Planes>
 struct SegmentJoiner {
-  using ItemPlanes = JoinedPlanes<PlanesOf<extras>, pixels_of_warp_block>;
+  using ItemPlanes = typename Planes::template Joined<pixels_of_warp_block>;
 
-  LaneBlender<Exponent, threshold, extras, pixels_of_lane>& lane;
-  TraversedSegments<extras>& traversed;
+  LaneBlender<Exponent, threshold, Planes, pixels_of_lane>& lane;
+  TraversedSegments<Planes>& traversed;
 
   /// Joins segment k, which ended at `end`, to those in front of it. Starts the next.
   __device__ void end_segment(std::uint32_t k, const SegmentEnd& end) const {
@@ -104,34 +104,26 @@ struct SegmentJoiner {
 };
 
 /// Thread blocks of a multiprocessor at once.
-/// Measured on an H100 when chosen, frames of herz and of `builtin:4000000` over those of colour alone: with
-/// depth 1.02 and 1.08, with nine blocks 1.12 and 1.13; with picks 1.16 and 1.20, with seven 1.16 and 1.26;
-/// with a row 1.20 and 1.19, with seven 1.30 and 1.29; with rows 1.84 and 1.70, with five 1.90 and 1.93.
-template <class Exponent, Extras extras>
-inline constexpr unsigned raster_occupancy = extras == Extras::depth   ? std::min(Exponent::blocks, 8u)
-                                             : extras == Extras::picks ? 6
-                                             : extras == Extras::row   ? 6
-                                             : extras == Extras::row_and_picks ? 5
-                                             : extras == Extras::rows          ? 4
-                                                                               : Exponent::blocks;
+template <class Exponent, class Planes>
+inline constexpr unsigned raster_occupancy = std::min(Exponent::blocks, Planes::most_blocks);
 
 /// Intersections that a traversal must have left to be pushed before it is long, if a helper is idle. Planes
 /// cost pushing and joining more.
 /// Measured on an H100: if traversals with picks are not pushed before they are long, frames of herz take
 /// 0.56 ms, not 0.58, but those of `builtin:1000000` 0.80, not 0.63.
-template <Extras extras>
+template <class Planes>
 inline constexpr std::uint32_t least_left_to_help =
-    extras < Extras::picks || extras == Extras::picks_along_ray ? least_left : 2 * least_left;
+    Planes::few || Planes::one_by_one ? least_left : 2 * least_left;
 
 /// Blends the list of one raster block: one thread block per raster block, one warp per warp block. If
 /// `shared`, pushes the rest of a long traversal to the work queues.
-template <class Exponent, bool threshold, Extras extras, bool shared, class ViewSource>
+template <class Exponent, bool threshold, class Planes, bool shared, class ViewSource>
 __global__ void __launch_bounds__(raster_threads,
-                                  (resident_blocks(raster_occupancy<Exponent, extras>, raster_threads)))
+                                  (resident_blocks(raster_occupancy<Exponent, Planes>, raster_threads)))
     raster_warps(const __grid_constant__ RasterInput<ViewSource> input,
                  const __grid_constant__ WorkQueues work_queues) {
   if constexpr (shared) let_next_start();
-  __shared__ Queue<Exponent, extras> queues[warps_of_raster_block];
+  __shared__ Queue<Exponent, Planes> queues[warps_of_raster_block];
   const unsigned warp = threadIdx.x / warp_size;
   const RasterJob& job = input.job;
   const OwnRasterBlock raster_block(input);
@@ -140,22 +132,22 @@ __global__ void __launch_bounds__(raster_threads,
   const WarpBlockPlace place(raster_block, warp);
   if (place.outside(view.frame)) return;
 
-  using Lane = LaneBlender<Exponent, threshold, extras, pixels_of_lane>;
-  ColourBlender<Exponent, threshold, extras> blender{job, queues[warp],
+  using Lane = LaneBlender<Exponent, threshold, Planes, pixels_of_lane>;
+  ColourBlender<Exponent, threshold, Planes> blender{job, queues[warp],
                                                      Lane(job, view, float(place.column), float(place.row))};
   blender.lane.rays.put(view, place.x + place.column, place.y + place.row);
 #pragma unroll
   for (unsigned p = 0; p < pixels_of_lane; ++p) {
-    const PixelPlace at = place.pixel(view.frame, p, extras != Extras::none);
+    const PixelPlace at = place.pixel(view.frame, p, Planes::depth);
     if (at.inside) blender.lane.pixels[p].start(rules.stop_below);
-    if constexpr (extras != Extras::none) blender.lane.occluders[p] = blender.lane.rays.take(p, at.occluder);
+    if constexpr (Planes::depth) blender.lane.occluders[p] = blender.lane.rays.take(p, at.occluder);
   }
 
   const TileRange range = raster_block.list(input);
   if (!range.drawn()) return;
   ListTraversal<Exponent> traversal(job, range, place.first_centre(view), rules, queues[warp]);
-  TraversedSegments<extras> traversed;
-  const SegmentJoiner<Exponent, threshold, extras> joiner{blender.lane, in_memory(traversed)};
+  TraversedSegments<Planes> traversed;
+  const SegmentJoiner<Exponent, threshold, Planes> joiner{blender.lane, in_memory(traversed)};
   WorkItem* item = nullptr;
   while (!item) {
     const std::uint32_t limit =
@@ -170,7 +162,7 @@ __global__ void __launch_bounds__(raster_threads,
       }
     }
     if constexpr (shared)
-      item = work_queues.reserve_item<least_left_to_help<extras>>(traversal.blended(), traversal.visited(),
+      item = work_queues.reserve_item<least_left_to_help<Planes>>(traversal.blended(), traversal.visited(),
                                                                   traversal.left());
   }
   if constexpr (!shared) work_queues.end_traversal(traversal.blended(), traversal.visited());
@@ -180,7 +172,7 @@ __global__ void __launch_bounds__(raster_threads,
   traversal.blend_rest(blender);
 
   if (item) {
-    using Joiner = SegmentJoiner<Exponent, threshold, extras>;
+    using Joiner = SegmentJoiner<Exponent, threshold, Planes>;
     const ResumeAt next =
         traversal.segments() == 0 ? traversal.here() : traversal.behind(joiner.traversed.end);
     joiner.write(*item, work_queues.planes_of<typename Joiner::ItemPlanes>(item),

@@ -12,8 +12,8 @@ namespace swiftgs::kernels {
 /// Warps of a thread block of the helper kernel.
 inline constexpr unsigned segment_warps = 8, segment_threads = segment_warps * warp_size;
 /// Thread blocks that a multiprocessor can hold.
-template <Extras extras>
-inline constexpr unsigned segment_occupancy = extras >= Extras::picks ? 2 : 3;
+template <class Planes>
+inline constexpr unsigned segment_occupancy = Planes::few ? 3 : 2;
 /// Thread blocks launched for each multiprocessor. One more is no faster on long lists, and starts later on
 /// short ones.
 /// Measured on an H200: with three, frames of garden and fox, whose lists are short, take 2.3 us longer than
@@ -28,31 +28,29 @@ using SegmentSplats = TouchedSplats<segment_warps, segment_warps * segment_size,
                                     segment_warps * most_segments_of_warp * segment_size>;
 
 /// Shared memory of a thread block.
-template <class Exponent, Extras extras>
+template <class Exponent, class Planes>
 struct SegmentShared {
-  using Planes = PlanesOf<extras>;
-  static constexpr bool with_depth = extras != Extras::none;
-
   /// After a segment is blended, its pixels have their sums of attributes where those of splats were queued.
-  Queue<Exponent, extras> queues[segment_warps];
+  Queue<Exponent, Planes> queues[segment_warps];
   SegmentSplats::Shared splats;
   // Of pixels in segments, by `Round::at`.
   float4 segments[pixels_of_round];  ///< RGB and `mark_stopped` transmittance
-  float depths[with_depth ? pixels_of_round : 1];
-  JoinedPicks picks[Planes::picks ? pixels_of_round : 1];
+  float depths[Planes::depth ? pixels_of_round : 1];
+  typename Planes::template Segments<pixels_of_round> planes_of_segments;
   /// Transmittances behind the segments of all thread blocks. Without attributes they lie in the queues.
-  float gathered[Planes::rows != 0 ? blocks_of_group * pixels_of_round : 1];
-  JoinedWarpBlock<with_depth> joined;
-  JoinedPlanes<Planes, pixels_of_warp_block> planes;  ///< joined
-  unsigned live[pixels_of_lane];                      ///< bits of pixels that did not stop
+  float gathered[Planes::fills_queues ? blocks_of_group * pixels_of_round : 1];
+  JoinedWarpBlock<Planes::depth> joined;
+  typename Planes::template Joined<pixels_of_warp_block> planes;
+  unsigned live[pixels_of_lane];  ///< bits of pixels that did not stop
   std::uint32_t pixel_of_slot[pixels_of_warp_block];
   const WorkItem* item;
 };
 
 /// What lies in front of a segment of a pixel.
+template <class Planes>
 struct BeforeSegment {
   float transmittance;  ///< negative: no pixel, or it has stopped
-  PickLimits limits{};  ///< in the segment; passed where the transmittance is only a bound
+  typename Planes::Before planes{};
 };
 
 /// In a round each warp blends one segment, or some at once. If more than half of the warp block's pixels are

@@ -9,13 +9,13 @@
 namespace swiftgs::kernels {
 
 /// Blends a work item in rounds, by a group of thread blocks.
-template <class Exponent, bool threshold, Extras extras, class ViewSource>
+template <class Exponent, bool threshold, class Planes, class ViewSource>
 struct WorkItemBlender {
-  using Planes = PlanesOf<extras>;
+  using Before = BeforeSegment<Planes>;
 
   const RasterInput<ViewSource>& input;
   const Group group;
-  SegmentShared<Exponent, extras>& shared;
+  SegmentShared<Exponent, Planes>& shared;
   const OwnRasterBlock raster_block;
   const View& view;
   const BlendRules rules;
@@ -23,7 +23,7 @@ struct WorkItemBlender {
   const vec2 first_centre;
 
   __device__ WorkItemBlender(const RasterInput<ViewSource>& of, const WorkItem& item, const Group& by,
-                             SegmentShared<Exponent, extras>& in)
+                             SegmentShared<Exponent, Planes>& in)
       : input(of),
         group(by),
         shared(in),
@@ -36,7 +36,8 @@ struct WorkItemBlender {
   __device__ static unsigned warp() { return threadIdx.x / warp_size; }
 
   /// `planes`: of the item.
-  __device__ void run(const WorkItem& item, const JoinedPlanes<Planes, pixels_of_warp_block>& planes) {
+  __device__ void run(const WorkItem& item,
+                      const typename Planes::template Joined<pixels_of_warp_block>& planes) {
     const TileRange range = raster_block.list(input);
     if (threadIdx.x < pixels_of_warp_block) {
       shared.joined.store(threadIdx.x, item.joined.load(threadIdx.x));
@@ -81,7 +82,7 @@ struct WorkItemBlender {
     const std::uint32_t count = min(splats.count(), most);
     if (warp() == 0) {
       const Share share(Round(1, pixels_of_warp_block, 0), 0);
-      LaneBlender<Exponent, threshold, extras, pixels_of_lane> lane(input.job, view, float(place.column),
+      LaneBlender<Exponent, threshold, Planes, pixels_of_lane> lane(input.job, view, float(place.column),
                                                                     float(place.row));
       lane.rays.put(view, place.x + place.column, place.y + place.row);
 #pragma unroll
@@ -90,7 +91,7 @@ struct WorkItemBlender {
         lane.pixels[p] = from.stopped();
         if (shared.live[p] >> lane_index() & 1) lane.pixels[p].start(rules.stop_below, from.total.w);
         shared.planes.go_on(pixel_of_warp_block(p), lane.planes, p, lane.pixels[p].live(), rules);
-        if constexpr (extras != Extras::none)
+        if constexpr (Planes::depth)
           lane.occluders[p] = lane.rays.take(p, place.pixel(view.frame, p, true).occluder);
       }
       __syncwarp();
@@ -115,7 +116,7 @@ struct WorkItemBlender {
   /// `builtin:4000000`. So a single view that needs the branch has a kernel with picks. Stored views have the
   /// branch, since those of a recorded frame may change.
   __device__ float log2_opacity_of(const SplatShape& shape) const {
-    if constexpr (extras >= Extras::picks || !ViewSource::only)
+    if constexpr (!Planes::few || !ViewSource::only)
       return relative_log2_opacity(shape, rules);
     else
       return shape.cutoff + rules.log2_relative_min;
@@ -157,8 +158,8 @@ struct WorkItemBlender {
   template <unsigned pixel_count>
   __device__ void blend_round(const SegmentSplats& splats, const Round& round) {
     const Share share(round, group.rank);
-    LaneBlender<Exponent, threshold, extras, pixel_count> lane(input.job, view, 0, 0);
-    BeforeSegment befores[pixel_count];
+    LaneBlender<Exponent, threshold, Planes, pixel_count> lane(input.job, view, 0, 0);
+    Before befores[pixel_count];
 #pragma unroll
     for (unsigned p = 0; p < pixel_count; ++p) {
       const unsigned slot = share.slot + p * warp_size;
@@ -173,10 +174,11 @@ struct WorkItemBlender {
       // A pixel that stops by the transmittance before the round stops in this segment or an earlier one.
       const float before = shared.joined.totals[pixel].w;
       befores[p].transmittance = !live ? -1 : share.segment == 0 ? before : most_before(before);
-      if constexpr (Planes::picks)
-        if (live && share.segment == 0)
-          befores[p].limits = limits_of(lane, pixel).in_segment(before, round.first);
-      if constexpr (extras != Extras::none)
+      if (live && share.segment == 0) {
+        befores[p].planes = shared.planes.before(pixel, lane.planes, rules);
+        befores[p].planes.enter(before, round.first);
+      }
+      if constexpr (Planes::depth)
         lane.occluders[p] = lane.rays.take(
             p, PixelPlace(view.frame, place.x + int(at.column), place.y + int(at.row), true).occluder);
     }
@@ -197,24 +199,17 @@ struct WorkItemBlender {
     group.sync();
   }
 
-  /// Limits that a pixel has not passed before the round.
-  template <unsigned pixel_count>
-  __device__ PickLimits limits_of(const LaneBlender<Exponent, threshold, extras, pixel_count>& lane,
-                                  unsigned pixel) const {
-    return lane.planes.whole_limits(rules).behind(shared.planes.picks[pixel]);
-  }
-
   /// Blends this warp's segments, given what lies in front of them.
   template <unsigned pixel_count>
-  __device__ void blend_segments(LaneBlender<Exponent, threshold, extras, pixel_count>& lane,
+  __device__ void blend_segments(LaneBlender<Exponent, threshold, Planes, pixel_count>& lane,
                                  const SegmentSplats& splats, const Round& round, const Share& share,
-                                 std::uint32_t most, const BeforeSegment (&befores)[pixel_count]) {
+                                 std::uint32_t most, const Before (&befores)[pixel_count]) {
 #pragma unroll
     for (unsigned p = 0; p < pixel_count; ++p) {
       lane.pixels[p] = {};
       const float before = befores[p].transmittance;
       if (before >= 0) start_segment(lane.pixels[p], rules.stop_below, before, round.first + share.segment);
-      lane.planes.start(p, befores[p].limits);
+      lane.planes.start(p, befores[p].planes);
     }
 
     blend_splats(lane, splats, share.own * segment_size, round.splats_of(share.segment), most, share);
@@ -227,27 +222,20 @@ struct WorkItemBlender {
       const unsigned at = round.at(share.own, share.slot + p * warp_size);
       shared.segments[at] = make_float4(pixel.colour.x, pixel.colour.y, pixel.colour.z,
                                         mark_stopped(pixel.transmittance, stopped));
-      if constexpr (extras != Extras::none) shared.depths[at] = pixel.depth;
-      if constexpr (Planes::picks) {
-        lane.planes.end(p, pixel.transmittance);
-        shared.picks[at] = lane.planes.picks(p);
-      }
-      for_each_row<Planes::rows>([&](auto r) {
-        shared.queues[warp()].attributes[r][at % pixels_of_warp_block] =
-            lane.planes.sums[p * Planes::rows + r];
-      });
+      if constexpr (Planes::depth) shared.depths[at] = pixel.depth;
+      lane.planes.put(shared.planes_of_segments, shared.queues[warp()], at, p, pixel.transmittance);
     }
   }
 
   /// Blends `count` splats of a lane's segment, from the `first`-th found on. Segments of the warp have at
   /// most `most` splats.
   template <unsigned pixel_count>
-  __device__ void blend_splats(LaneBlender<Exponent, threshold, extras, pixel_count>& lane,
+  __device__ void blend_splats(LaneBlender<Exponent, threshold, Planes, pixel_count>& lane,
                                const SegmentSplats& splats, std::uint32_t first, std::uint32_t count,
                                std::uint32_t most, const Share& share) {
     // Queue one half while the other is blended, and load the shapes of the next. Each lane queues for its
     // own segment. Behind a segment's end it queues splats that show nothing.
-    Queue<Exponent, extras>& queue = shared.queues[warp()];
+    Queue<Exponent, Planes>& queue = shared.queues[warp()];
     std::uint32_t id = share.slot < count ? splats.id(first + share.slot) : 0;
     SplatShape shape = load_shape(input.job.splats, id);
     unsigned half = 0;
@@ -300,15 +288,14 @@ struct WorkItemBlender {
     group.sync();
   }
   __device__ float* gathered() const {
-    return Planes::rows != 0 ? shared.gathered : reinterpret_cast<float*>(shared.queues);
+    return Planes::fills_queues ? shared.gathered : reinterpret_cast<float*>(shared.queues);
   }
 
   /// Replaces `befores` by what lies in front of segments. Returns whether a pixel stops or passes a limit in
   /// a segment of this warp.
   template <unsigned pixel_count>
-  __device__ bool find_befores(const LaneBlender<Exponent, threshold, extras, pixel_count>& lane,
-                               const Round& round, const Share& share,
-                               BeforeSegment (&befores)[pixel_count]) {
+  __device__ bool find_befores(const LaneBlender<Exponent, threshold, Planes, pixel_count>& lane,
+                               const Round& round, const Share& share, Before (&befores)[pixel_count]) {
     bool again = false;
     if (share.segment != 0 && share.segment < round.segments()) {
 #pragma unroll
@@ -316,8 +303,7 @@ struct WorkItemBlender {
         bool live = befores[p].transmittance >= 0;
         const unsigned slot = share.slot + p * warp_size, pixel = pixel_in<pixel_count>(slot, live);
         float before = shared.joined.totals[pixel].w;
-        PickLimits limits;
-        if constexpr (Planes::picks) limits = limits_of(lane, pixel);
+        typename Planes::Before planes = shared.planes.before(pixel, lane.planes, rules);
         const auto transmittance = [&](unsigned k) {
           return group.blocks == 1 ? shared.segments[round.at(k, slot)].w
                                    : gathered()[k * round.slots + slot];
@@ -329,17 +315,13 @@ struct WorkItemBlender {
         for (unsigned k = 0; k < share.segment; ++k) {
           const float left = transmittance(k);
           live = live && !stops(k, left);
-          if constexpr (Planes::picks)
-            limits = limits.behind(limits.in_segment(before, round.first + k), fabsf(left));
+          planes.pass(before, round.first + k, fabsf(left));
           before = before * scale_of_segment(round.first + k) * fabsf(left);
         }
         const float left = transmittance(share.segment);
-        bool differs = stops(share.segment, left);
-        if constexpr (Planes::picks) {
-          limits = limits.in_segment(before, round.first + share.segment);
-          differs = differs || limits.some_above(fabsf(left));
-        }
-        befores[p] = {live ? before : -1, limits};
+        planes.enter(before, round.first + share.segment);
+        const bool differs = stops(share.segment, left) || planes.differs(fabsf(left));
+        befores[p] = {live ? before : -1, planes};
         again = again || (live && differs);
       }
     }
@@ -359,40 +341,32 @@ struct WorkItemBlender {
     const unsigned pixel = pixel_in<pixel_count>(slot, was_live);
     bool live = was_live;
     float before = 0, all = 0, depth = 0;
-    JoinedPicks picks;
-    float sums[Planes::rows == 0 ? 1 : Planes::rows] = {};  // of a channel
+    typename Planes::Channel planes;
     if (was_live) {  // Other warps and blocks may be writing the other pixels.
       before = shared.joined.totals[pixel].w, all = (&shared.joined.totals[pixel].x)[channel];
-      if constexpr (extras != Extras::none) depth = shared.joined.depths[pixel];
-      if constexpr (Planes::picks) picks = shared.planes.picks[pixel];
-      for_each_row<Planes::rows>([&](auto r) { sums[r] = (&shared.planes.sums[r][pixel].x)[channel]; });
+      if constexpr (Planes::depth) depth = shared.joined.depths[pixel];
+      planes.load(shared.planes, pixel, channel);
     }
 #pragma unroll 4
     for (unsigned k = 0; k < round.segments(); ++k) {
-      const SegmentShared<Exponent, extras>& of = group.in(k / of_block, shared);
+      const SegmentShared<Exponent, Planes>& of = group.in(k / of_block, shared);
       const unsigned at = round.at(k % of_block, slot);
       const float left = of.segments[at].w, value = (&of.segments[at].x)[channel];
-      const float of_depth = extras != Extras::none ? of.depths[at] : 0;
+      const float of_depth = Planes::depth ? of.depths[at] : 0;
       if (!live) continue;
       // As `JoinedPixel::join`.
       const float scaled = before * scale_of_segment(round.first + k);
       all = fmaf(scaled, value, all), depth = fmaf(scaled, of_depth, depth);
-      if constexpr (Planes::picks) picks.join(of.picks[at], scaled);
-      for_each_row<Planes::rows>([&](auto r) {
-        const float4& sum = of.queues[at / pixels_of_warp_block].attributes[r][at % pixels_of_warp_block];
-        sums[r] = fmaf(scaled, (&sum.x)[channel], sums[r]);
-      });
+      planes.join(of, at, channel, scaled);
       before = scaled * fabsf(left), live = !signbit(left);
     }
     __syncwarp();  // all lanes have read what is overwritten
     if (!was_live) return;
     for (unsigned b = 0; b < group.blocks; ++b) {
-      SegmentShared<Exponent, extras>& of = group.in(b, shared);
+      SegmentShared<Exponent, Planes>& of = group.in(b, shared);
       (&of.joined.totals[pixel].x)[channel] = channel + 1 == channels ? before : all;
-      if (extras != Extras::none && channel == 0) of.joined.depths[pixel] = depth;
-      if constexpr (Planes::picks)
-        if (channel == 0) of.planes.picks[pixel] = picks;
-      for_each_row<Planes::rows>([&](auto r) { (&of.planes.sums[r][pixel].x)[channel] = sums[r]; });
+      if (Planes::depth && channel == 0) of.joined.depths[pixel] = depth;
+      planes.store(of.planes, pixel, channel);
       if (channel == 0 && !live) atomicAnd(&of.live[pixel / warp_size], ~(1u << pixel % warp_size));
     }
   }

@@ -24,12 +24,6 @@ SWIFTGS_HD inline float sum_of_squares(const float* squares, vec2 place) {
   return squares[0] + (linear + (by_x * place.x + by_y * place.y));
 }
 
-/// Centre of pixel (x, y) of the view's frame, from the middle of its image. Exact. @units{pixels}
-SWIFTGS_HD inline vec2 place_of(const View& view, std::size_t x, std::size_t y) {
-  return vec2(float(view.left() + int(x)) + 0.5f - 0.5f * view.camera.width,
-              float(view.top() + int(y)) + 0.5f - 0.5f * view.camera.height);
-}
-
 /// How the image and depth move with a Gaussian's own unit sphere.
 struct SphereSlopes {
   ImageAxes<double> image;

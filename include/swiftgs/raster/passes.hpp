@@ -30,6 +30,12 @@ struct RayDepth {
   }
 };
 
+/// Centre of pixel (x, y) of the view's frame, from the middle of its image. Exact. @units{pixels}
+SWIFTGS_HD inline vec2 place_of(const View& view, std::size_t x, std::size_t y) {
+  return vec2(float(view.left() + int(x)) + 0.5f - 0.5f * view.camera.width,
+              float(view.top() + int(y)) + 0.5f - 0.5f * view.camera.height);
+}
+
 /// Whether pixels of `view` need depths along their rays, which are then its first attributes.
 SWIFTGS_HD inline bool takes_ray_depth(const View& view) {
   const FrameView& frame = view.frame;

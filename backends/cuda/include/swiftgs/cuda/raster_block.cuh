@@ -89,75 +89,22 @@ struct OwnRasterBlock {
   }
 };
 
-/// Outputs beside colour and alpha. Each value has kernels of its own.
-enum class Extras {
-  none,
-  depth,            ///< and occluders
-  picks,            ///< and depth: splats that pixels remember
-  row,              ///< and depth: up to four attributes
-  row_and_picks,    ///< and depth
-  rows,             ///< and depth: up to sixteen attributes
-  picks_along_ray,  ///< and depth: occluders hide by depths along the ray; no attributes
-};
-
-/// Whether kernels remember splats.
-constexpr bool picks_of(Extras extras) {
-  return extras == Extras::picks || extras == Extras::row_and_picks || extras == Extras::picks_along_ray;
-}
-
-/// Rows of attributes that kernels sum.
-constexpr unsigned rows_of(Extras extras) {
-  return extras == Extras::row || extras == Extras::row_and_picks ? 1
-         : extras == Extras::rows                                 ? AttributesView::most_rows
-                                                                  : 0;
-}
-
 /// Whether some view of `job` has to remember splats.
 inline bool some_view_picks(const RasterJob& job) {
   return std::any_of(job.views.begin(), job.views.end(), [&](const View& view) { return job.picks(view); });
 }
 
-/// The first view stands for a single one. The kernels of colour and of depth take no alphas far below 1/255,
-/// unless views are stored.
-inline Extras extras_of(const RasterJob& job) {
-  const bool picks = some_view_picks(job);
-  // The kernel of picks alone knows no depths along the ray.
-  const bool hides_by_row =
-      picks && job.attributes.rows == 0 && std::any_of(job.views.begin(), job.views.end(), hides_along_ray);
-  if (hides_by_row) return Extras::picks_along_ray;
-  if (job.attributes.rows > 1) return Extras::rows;
-  if (job.attributes.rows == 1) return picks ? Extras::row_and_picks : Extras::row;
-  if (picks || (!job.views.stored && !keeps_digits(job.views[0].rules.log2_relative_min)))
-    return Extras::picks;
-  const auto wants = [&](const View& view) { return job.sums_depth(view) || view.frame.occluder.data; };
-  return std::any_of(job.views.begin(), job.views.end(), wants) ? Extras::depth : Extras::none;
+/// Whether some view of `job` has to sum attributes or to remember splats.
+inline bool sums_or_picks(const RasterJob& job) { return job.attributes.rows != 0 || some_view_picks(job); }
+
+/// Whether some view of `job` has to sum depths or to hide splats by them.
+inline bool some_view_has_depth(const RasterJob& job) {
+  return std::any_of(job.views.begin(), job.views.end(),
+                     [&](const View& view) { return job.sums_depth(view) || view.frame.occluder.data; });
 }
 
-/// `with_raster_input` of views that convert no colours.
-template <class F>
-void with_unconverted(Cuda& cuda, const RasterJob& job, const F& f) {
-  const RasterBlocks raster_blocks = raster_blocks_of(job);
-  const std::uint32_t* const order = order_raster_blocks(cuda, job.lists, raster_blocks);
-  with_views(job.views, [&]<class ViewSource>(const ViewSource& views) {
-    const RasterInput<ViewSource> input{job, views, raster_blocks, order};
-    switch (extras_of(job)) {
-      case Extras::none:
-        return f.template operator()<Extras::none>(input);
-      case Extras::depth:
-        return f.template operator()<Extras::depth>(input);
-      case Extras::picks:
-        return f.template operator()<Extras::picks>(input);
-      case Extras::row:
-        return f.template operator()<Extras::row>(input);
-      case Extras::row_and_picks:
-        return f.template operator()<Extras::row_and_picks>(input);
-      case Extras::rows:
-        return f.template operator()<Extras::rows>(input);
-      case Extras::picks_along_ray:
-        return f.template operator()<Extras::picks_along_ray>(input);
-    }
-  });
-}
+/// Whether `job` asks for more than colour and alpha.
+inline bool asks_for_planes(const RasterJob& job) { return sums_or_picks(job) || some_view_has_depth(job); }
 
 /// Copies of the views in which a view that converts colours draws unconverted ones to memory of the backend.
 /// A single such view is `one`.
@@ -171,29 +118,26 @@ inline bool some_view_converts(const RasterJob& job) {
   });
 }
 
-/// Calls f.operator()<extras>(input), once or several times. Throws as `raster_blocks_of`.
+/// Calls f(input). Throws as `raster_blocks_of`.
 template <class F>
 void with_raster_input(Cuda& cuda, const RasterJob& job, const F& f) {
-  // The kernels of warps have no registers for picks and several rows.
-  if (job.attributes.rows > 1 && some_view_picks(job)) {
-    RasterJob picks = job, rows = job;
-    picks.attributes.rows = 0, rows.only_attributes = true;
-    with_raster_input(cuda, picks, f);
-    return with_raster_input(cuda, rows, f);
-  }
-  if (!some_view_converts(job)) return with_unconverted(cuda, job, f);
   View one;
-  RasterJob redirected = job;
-  redirected.views = redirect_colours(cuda, job.views, one);
-  with_unconverted(cuda, redirected, f);
-  convert_colours(cuda, job);
+  const bool converts = some_view_converts(job);
+  const Views views = converts ? redirect_colours(cuda, job.views, one) : job.views;
+  const RasterBlocks raster_blocks = raster_blocks_of(job);
+  const std::uint32_t* const order = order_raster_blocks(cuda, job.lists, raster_blocks);
+  with_views(views, [&]<class ViewSource>(const ViewSource& source) {
+    f(RasterInput<ViewSource>{job, source, raster_blocks, order});
+  });
+  if (converts) convert_colours(cuda, job);
 }
 
-/// Starts the kernel `Kernel::of<extras, ViewSource>` of a rasterizer on all raster blocks of `job`.
+/// Starts the kernel `Kernel::of<planes, ViewSource>` of a rasterizer on all raster blocks of `job`.
 template <class Kernel>
-void launch_raster_blocks(Cuda& cuda, const char* name, const RasterJob& job) {
-  with_raster_input(cuda, job, [&]<Extras extras, class ViewSource>(const RasterInput<ViewSource>& input) {
-    const auto kernel = Kernel::template of<extras, ViewSource>;
+void launch_raster_blocks(Cuda& cuda, const char* name, const RasterJob& job, bool planes) {
+  with_raster_input(cuda, job, [&]<class ViewSource>(const RasterInput<ViewSource>& input) {
+    const auto kernel =
+        planes ? Kernel::template of<true, ViewSource> : Kernel::template of<false, ViewSource>;
     launch(name, kernel, blocks_of(input.raster_blocks), Kernel::threads, cuda.stream(), input);
   });
 }

@@ -83,14 +83,14 @@ __global__ void __launch_bounds__(raster_pixels_threads)
 template <RasterPolicy R>
 struct RasterPixelsKernel {
   static constexpr unsigned threads = raster_pixels_threads;
-  template <Extras extras, class ViewSource>
-  static constexpr auto of = &raster_pixels<R, (extras >= Extras::picks), ViewSource>;
+  template <bool planes, class ViewSource>
+  static constexpr auto of = &raster_pixels<R, planes, ViewSource>;
 };
 
 template <RasterPolicy R>
 void run_raster_pixels(Cuda& cuda, const RasterJob& job) {
   static constexpr ComposedName name{"rasterize ", R::name};
-  launch_raster_blocks<RasterPixelsKernel<R>>(cuda, name.view().data(), job);
+  launch_raster_blocks<RasterPixelsKernel<R>>(cuda, name.view().data(), job, sums_or_picks(job));
 }
 
 }  // namespace swiftgs::kernels
