@@ -11,19 +11,20 @@ namespace kernels {
 inline constexpr unsigned block_threads = raster_block_side * raster_block_side;
 
 /// The pixel of this thread, where a thread block blends a raster block and each thread loads splats for all.
-template <bool extras, class ViewSource>
+/// With `depth` it sums depths and occluders hide by them, with `planes` it picks and sums attributes too.
+template <bool depth, bool planes, class ViewSource>
 struct RasterBlockPixel {
   const RasterInput<ViewSource>& input;
   OwnRasterBlock raster_block;
   PixelPlace place;
   Pixel pixel;
-  SplatPicks picks;                    ///< with extras, as are sums
+  SplatPicks picks;
   float sums[AttributesView::most]{};  ///< of attributes
 
   __device__ explicit RasterBlockPixel(const RasterInput<ViewSource>& of)
       : input(of),
         raster_block(of),
-        place(view().frame, raster_block.x + column(), raster_block.y + row(), extras) {
+        place(view().frame, raster_block.x + column(), raster_block.y + row(), depth) {
     if (place.inside) pixel.start(view().rules.stop_below);
   }
 
@@ -46,7 +47,7 @@ struct RasterBlockPixel {
 
   /// Blends the splat whose id is `lists.ids[at]`.
   __device__ void blend(float alpha, const float4& colour, std::uint32_t at) {
-    if constexpr (!extras) {
+    if constexpr (!depth) {
       kernels::blend<false>(pixel, alpha, Pixel::dimmed(pixel.transmittance, alpha), colour, INFINITY);
     } else {
       const RasterJob& job = input.job;
@@ -55,16 +56,18 @@ struct RasterBlockPixel {
       if (along_ray && alpha > 0 && job.attributes.ray_depth(id).at(ray_place()) >= place.occluder) return;
       const float before = pixel.transmittance, left = Pixel::dimmed(before, alpha);
       kernels::blend<true>(pixel, alpha, left, colour, along_ray ? INFINITY : place.occluder);
-      if (!(alpha > 0 && pixel.live())) return;
-      job.attributes.add(sums, id, alpha * before);
-      if (job.picks(view())) picks.offer(id, alpha * before, left, view().rules.first_below);
+      if constexpr (planes) {
+        if (!(alpha > 0 && pixel.live())) return;
+        job.attributes.add(sums, id, alpha * before);
+        if (job.picks(view())) picks.offer(id, alpha * before, left, view().rules.first_below);
+      }
     }
   }
 
   __device__ void store() const {
     const auto x = std::size_t(place.x), y = std::size_t(place.y);
     if (place.inside) {
-      if constexpr (extras) {
+      if constexpr (planes) {
         store_pixel(input.job, view(), x, y, pixel.blended(), sums);
         if (input.job.picks(view())) store_picks(input.job, view(), x, y, picks);
       } else {

@@ -1,12 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/raster_block.cuh>
 #include <swiftgs/store_pixel.hpp>
 
+#include "planes.hpp"
 #include "raster_memory.hpp"
 
 namespace swiftgs::kernels {
@@ -41,14 +43,35 @@ BlendedColours colours_of(Cuda& cuda, const FrameTiles& tiles) {
   return {raster.at_least(cuda, raster.colours, BlendedColours::size(tiles)), tiles};
 }
 
+/// Colour, alpha and depths of means, which were drawn.
+struct DrawnPlanes {
+  /// Takes them from `view`.
+  SWIFTGS_HD void take(View& view) const {
+    FrameView& frame = view.frame;
+    frame.colour = {}, frame.alpha = {};
+    if (!view.camera.depth_along_ray) frame.depth = {};
+  }
+};
+
 /// One thread per view.
+template <class Planes>
 __global__ void __launch_bounds__(redirect_threads)
-    redirect_views(const View* from, std::uint32_t count, const BlendedColours colours, View* to) {
+    redirect_views(const View* from, std::uint32_t count, const Planes planes, View* to) {
   const std::uint32_t i = blockIdx.x * blockDim.x + threadIdx.x;
   if (i >= count) return;
   View view = from[i];
-  colours.take(view);
+  planes.take(view);
   to[i] = view;
+}
+
+/// Replaces stored views by copies after planes.take(view), in memory of the backend.
+template <class Planes>
+void redirect_stored(Cuda& cuda, Views& views, const Planes& planes) {
+  RasterMemory& raster = RasterMemory::of(cuda);
+  View* const to = raster.at_least(cuda, raster.views, views.size());
+  launch("redirect_views", redirect_views<Planes>, blocks_for(views.size(), redirect_threads),
+         redirect_threads, cuda.stream(), views.stored, std::uint32_t(views.size()), planes, to);
+  views.stored = to;
 }
 
 /// One thread block per raster block, one thread per pixel.
@@ -72,17 +95,22 @@ __global__ void __launch_bounds__(convert_threads)
 Views redirect_colours(Cuda& cuda, const Views& views, View& one) {
   const BlendedColours colours = colours_of(cuda, views.tiles);
   Views out = views;
-  if (!views.stored) {
+  if (views.stored) {
+    redirect_stored(cuda, out, colours);
+  } else {
     one = views.each[0];
     colours.take(one);
     out.each = {&one, 1};
-    return out;
   }
-  RasterMemory& raster = RasterMemory::of(cuda);
-  View* const to = raster.at_least(cuda, raster.views, views.size());
-  launch("redirect_views", redirect_views, blocks_for(views.size(), redirect_threads), redirect_threads,
-         cuda.stream(), views.stored, std::uint32_t(views.size()), colours, to);
-  out.stored = to;
+  return out;
+}
+
+Views further_planes_of(Cuda& cuda, const Views& views, std::vector<View>& each) {
+  each.assign(views.begin(), views.end());
+  for (View& view : each) DrawnPlanes().take(view);
+  Views out = views;
+  out.each = {each.data(), each.size()};
+  if (views.stored) redirect_stored(cuda, out, DrawnPlanes());
   return out;
 }
 

@@ -4,20 +4,21 @@
 
 namespace swiftgs {
 
+namespace kernels {
 namespace {
 template <bool threshold>
-void rasterize_float(Cuda& cuda, const char* name, const RasterJob& job) {
-  using Exponent = kernels::CholeskyExponent;
-  kernels::takes_planes(job) ? rasterize_planes<Exponent, threshold>(cuda, name, job)
-                             : rasterize_colour<Exponent, threshold>(cuda, name, job);
+void rasterize_cholesky(Cuda& cuda, const char* name, const RasterJob& job) {
+  if (sums_or_picks(job) || keeps_faint(job)) return rasterize_planes<threshold>(cuda, name, job);
+  rasterize_colour<CholeskyExponent, threshold>(cuda, name, job);
 }
 }  // namespace
+}  // namespace kernels
 
 void rasterize(Cuda& cuda, AxisShared<FloatCholesky>, const RasterJob& job) {
-  rasterize_float<false>(cuda, "rasterize axis-shared-float-cholesky", job);
+  kernels::rasterize_cholesky<false>(cuda, "rasterize axis-shared-float-cholesky", job);
 }
 void rasterize(Cuda& cuda, AxisSharedThreshold<FloatCholesky>, const RasterJob& job) {
-  rasterize_float<true>(cuda, "rasterize axis-shared-threshold-float-cholesky", job);
+  kernels::rasterize_cholesky<true>(cuda, "rasterize axis-shared-threshold-float-cholesky", job);
 }
 
 }  // namespace swiftgs

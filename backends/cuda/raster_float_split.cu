@@ -4,20 +4,25 @@
 
 namespace swiftgs {
 
+namespace kernels {
 namespace {
 template <bool threshold>
-void rasterize_float(Cuda& cuda, const char* name, const RasterJob& job) {
-  using Exponent = kernels::SplitExponent;
-  kernels::takes_planes(job) ? rasterize_planes<Exponent, threshold>(cuda, name, job)
-                             : rasterize_colour<Exponent, threshold>(cuda, name, job);
+void rasterize_split(Cuda& cuda, const char* name, const RasterJob& job) {
+  rasterize_few<threshold>(cuda, name, job, [&](const RasterJob& few) {
+    if (some_view_hides_along_ray(few) || keeps_faint(few))
+      rasterize_warps<SplitExponent, threshold, PixelPlanes<Depths::of_rays>>(cuda, name, few);
+    else
+      rasterize_colour<SplitExponent, threshold>(cuda, name, few);
+  });
 }
 }  // namespace
+}  // namespace kernels
 
 void rasterize(Cuda& cuda, AxisShared<FloatSplit>, const RasterJob& job) {
-  rasterize_float<false>(cuda, "rasterize axis-shared-float-split", job);
+  kernels::rasterize_split<false>(cuda, "rasterize axis-shared-float-split", job);
 }
 void rasterize(Cuda& cuda, AxisSharedThreshold<FloatSplit>, const RasterJob& job) {
-  rasterize_float<true>(cuda, "rasterize axis-shared-threshold-float-split", job);
+  kernels::rasterize_split<true>(cuda, "rasterize axis-shared-threshold-float-split", job);
 }
 
 }  // namespace swiftgs

@@ -4,6 +4,7 @@
 #include <swiftgs/cuda.hpp>
 
 #include "block.cuh"
+#include "planes.hpp"
 
 namespace swiftgs {
 
@@ -45,12 +46,12 @@ __device__ inline void compute_term(HalfBatch& batch, unsigned buffer, unsigned 
 
 /// One thread block per raster block, one thread per pixel. Each mini-batch has its terms computed by all
 /// threads, and is then blended by all.
-template <bool threshold, bool extras, class ViewSource>
+template <bool threshold, bool depth, class ViewSource>
 __global__ void __launch_bounds__(block_threads)
     raster_half_split(const __grid_constant__ RasterInput<ViewSource> input) {
   __shared__ HalfBatch batch;
   const RasterJob& job = input.job;
-  RasterBlockPixel<extras, ViewSource> mine(input);
+  RasterBlockPixel<depth, false, ViewSource> mine(input);
   if (mine.raster_block.outside(input)) return;
   const TileRange range = mine.raster_block.list(input);
   if (!range.drawn()) return;
@@ -93,18 +94,23 @@ __global__ void __launch_bounds__(block_threads)
 template <bool threshold>
 struct HalfSplitKernel {
   static constexpr unsigned threads = block_threads;
-  template <bool planes, class ViewSource>
-  static constexpr auto of = &raster_half_split<threshold, planes, ViewSource>;
+  template <bool depth, class ViewSource>
+  static constexpr auto of = &raster_half_split<threshold, depth, ViewSource>;
 };
+
+template <bool threshold>
+void rasterize_half(Cuda& cuda, const char* name, const RasterJob& job) {
+  rasterize_few<threshold>(cuda, name, job, [&](const RasterJob& few) {
+    launch_raster_blocks<HalfSplitKernel<threshold>>(cuda, name, few, some_view_has_depth(few));
+  });
+}
 }  // namespace kernels
 
 void rasterize(Cuda& cuda, AxisShared<HalfSplit>, const RasterJob& job) {
-  kernels::launch_raster_blocks<kernels::HalfSplitKernel<false>>(cuda, "rasterize axis-shared-half-split",
-                                                                 job, kernels::asks_for_planes(job));
+  kernels::rasterize_half<false>(cuda, "rasterize axis-shared-half-split", job);
 }
 void rasterize(Cuda& cuda, AxisSharedThreshold<HalfSplit>, const RasterJob& job) {
-  kernels::launch_raster_blocks<kernels::HalfSplitKernel<true>>(
-      cuda, "rasterize axis-shared-threshold-half-split", job, kernels::asks_for_planes(job));
+  kernels::rasterize_half<true>(cuda, "rasterize axis-shared-threshold-half-split", job);
 }
 
 }  // namespace swiftgs

@@ -16,7 +16,7 @@ struct RasterMemory {
   DeviceBuffer<std::byte> scratch;
   DeviceBuffer<std::uint32_t> order;  ///< of raster blocks
   DeviceBuffer<vec4> colours;         ///< of frames that convert them
-  DeviceBuffer<View> views;           ///< that draw to these
+  DeviceBuffer<View> views;           ///< whose planes were replaced
   DeviceBuffer<std::uint32_t> word;   ///< one counter of quiet frames, which kernels keep
   /// The word as the host knows it: from the last report that it has awaited, so before that frame was
   /// rasterized. 0 before the first report, and while frames are recorded.

@@ -20,12 +20,12 @@ struct FactorBatch {
 
 /// One thread block per raster block, one thread per pixel: the whole exponent and exponential of every
 /// listed splat, as gsplat has it.
-template <bool extras, class ViewSource>
-__global__ void __launch_bounds__(block_threads, resident_blocks(extras ? 6 : 8, block_threads))
+template <bool planes, class ViewSource>
+__global__ void __launch_bounds__(block_threads, resident_blocks(planes ? 6 : 8, block_threads))
     raster_per_pixel(const __grid_constant__ RasterInput<ViewSource> input) {
   __shared__ FactorBatch batch;
   const RasterJob& job = input.job;
-  RasterBlockPixel<extras, ViewSource> mine(input);
+  RasterBlockPixel<planes, planes, ViewSource> mine(input);
   if (mine.raster_block.outside(input)) return;
   const TileRange range = mine.raster_block.list(input);
   if (!range.drawn()) return;

@@ -7,9 +7,7 @@
 #include "raster_warps.cuh"
 #include "segment_rounds.cuh"
 
-namespace swiftgs {
-
-namespace kernels {
+namespace swiftgs::kernels {
 
 /// The helper kernel. It blends work items that `raster_warps` pushes, while that kernel still runs, in
 /// thread blocks that fit beside it. Clusters blend the longest items, single thread blocks the rest.
@@ -42,12 +40,10 @@ __global__ void __launch_bounds__(segment_threads, segment_occupancy<Planes>)
   }
   if (threadIdx.x == 0) work_queues.leave();
 }
-}  // namespace kernels
 
 /// Rasterizes `Planes` with `Exponent` in registers.
 template <class Exponent, bool threshold, class Planes>
 void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
-  using namespace kernels;
   with_raster_input(cuda, job, [&]<class ViewSource>(const RasterInput<ViewSource>& input) {
     using Shared = SegmentShared<Exponent, Planes>;
     const WorkQueues work_queues = WorkQueues::of<typename Planes::template Joined<pixels_of_warp_block>>(
@@ -77,11 +73,10 @@ void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
 /// Rasterizes colour and alpha, and depth if a view has to sum depths or to hide splats by them.
 template <class Exponent, bool threshold>
 void rasterize_colour(Cuda& cuda, const char* name, const RasterJob& job) {
-  using namespace kernels;
   if (some_view_has_depth(job))
     rasterize_warps<Exponent, threshold, PixelPlanes<Depths::of_means>>(cuda, name, job);
   else
     rasterize_warps<Exponent, threshold, PixelPlanes<Depths::none>>(cuda, name, job);
 }
 
-}  // namespace swiftgs
+}  // namespace swiftgs::kernels

@@ -13,6 +13,7 @@
 #include "cuda/device.hpp"
 #include "cuda/graph.hpp"
 #include "policies/double_drawing.hpp"
+#include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 #include "raster_memory.hpp"
 
@@ -444,13 +445,16 @@ SWIFTGS_DEVICE_CASE("cuda long lists: frames stop sharing after eight short ones
   const int side = 64;
   const Scene long_lists = with_features(layers(30'000, 0.0003, 0.006), 7),
               short_lists = with_features(layers(500, 0.004, 0.01), 7);
-  for_each_segmented([&](auto&& renderer) {
+  for_each_type(Segmented(), [&]<class Raster>(Raster) {
+    CAPTURE(Raster::name);
+    Usual<Cuda, EarlySort, Raster> renderer;
     Cuda& cuda = renderer.backend();
     const DeviceScene of_long = cuda.upload(long_lists), of_short = cuda.upload(short_lists);
     for (const Wanted& wanted : wanted_planes()) {
       CAPTURE(std::string(wanted.name));
-      // Picks and several rows are rasterized apart.
-      const std::uint32_t rasterized = wanted.further.id && wanted.further.features != 0 ? 2 : 1;
+      // Picks and several rows are rasterized apart, and both apart from colours of split terms.
+      const bool apart = is_split(Raster::name) && (wanted.further.id || wanted.further.normal);
+      const std::uint32_t rasterized = (wanted.further.id && wanted.further.features != 0 ? 2 : 1) + apart;
       std::vector<PlanesMemory> drawn;
       // Returns what the host knows when the next frame begins: frames without long warp blocks, of those
       // before the one that is drawn, each as often as it was rasterized.
