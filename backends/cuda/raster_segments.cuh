@@ -48,14 +48,15 @@ void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
     using Shared = SegmentShared<Exponent, Planes>;
     const WorkQueues work_queues = WorkQueues::of<typename Planes::template Joined<pixels_of_warp_block>>(
         cuda, input.raster_blocks.size() * warps_of_raster_block);
+    const bool shared = WorkQueues::are_shared(cuda) && sizeof(Shared) <= cuda.shared_memory();
     const auto launch_warps = [&](auto warps) {
-      launch(name, warps, blocks_of(input.raster_blocks), raster_threads, cuda.stream(), input, work_queues);
+      launch(name, warps, blocks_of(input.raster_blocks), raster_threads, cuda.stream(), input,
+             shared ? work_queues : work_queues.closed());
     };
-    // Occluders along the ray are rare, and always shared: not to share would take kernels of their own.
-    if constexpr (!Planes::one_by_one)
-      if (!WorkQueues::are_shared(cuda) || sizeof(Shared) > cuda.shared_memory())
-        return launch_warps(raster_warps<Exponent, threshold, Planes, false, ViewSource>);
+    if constexpr (Planes::few)
+      if (!shared) return launch_warps(raster_warps<Exponent, threshold, Planes, false, ViewSource>);
     launch_warps(raster_warps<Exponent, threshold, Planes, true, ViewSource>);
+    if (!shared) return;
     const auto segments = raster_segments<Exponent, threshold, Planes, ViewSource>;
     const BlockShape block(segment_threads, sizeof(Shared));
     const unsigned clusters = unsigned(cuda.multiprocessors()) * blocks_of_multiprocessor / blocks_of_group;

@@ -116,7 +116,8 @@ inline constexpr std::uint32_t least_left_to_help =
     Planes::few || Planes::one_by_one ? least_left : 2 * least_left;
 
 /// Blends the list of one raster block: one thread block per raster block, one warp per warp block. If
-/// `shared`, pushes the rest of a long traversal to the work queues.
+/// `shared`, pushes the rest of a long traversal to the work queues. Kernels of colour and depth are faster if
+/// they are compiled without that too; others push nothing where the queues are closed.
 template <class Exponent, bool threshold, class Planes, bool shared, class ViewSource>
 __global__ void __launch_bounds__(raster_threads,
                                   (resident_blocks(raster_occupancy<Exponent, Planes>, raster_threads)))
@@ -165,7 +166,8 @@ __global__ void __launch_bounds__(raster_threads,
       item = work_queues.reserve_item<least_left_to_help<Planes>>(traversal.blended(), traversal.visited(),
                                                                   traversal.left());
   }
-  if constexpr (!shared) work_queues.end_traversal(traversal.blended(), traversal.visited());
+  if (!shared || (!Planes::few && work_queues.are_closed()))
+    work_queues.end_traversal(traversal.blended(), traversal.visited());
   // A helper resumes at the end of the last segment and queues the splats behind it again. Within the first
   // segment it resumes here: blend the queued splats.
   if (item && traversal.segments() != 0) traversal.drop_rest();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <type_traits>
 
 #include <cuda/atomic>
@@ -161,6 +162,14 @@ struct WorkQueues {
   /// Whether the next frame uses work queues. Recorded frames do: nobody awaits them, so the host knows
   /// nothing of the frames before.
   static bool are_shared(const Cuda& cuda) { return RasterMemory::of(cuda).known_word < most_quiet_frames; }
+
+  /// Without room: kernels push nothing to them.
+  WorkQueues closed() const {
+    WorkQueues all = *this;
+    std::fill(std::begin(all.first), std::end(all.first), 0);
+    return all;
+  }
+  __device__ bool are_closed() const { return first[queue_count] == 0; }
 
   /// Empties the queues for the next frame.
   void forget(Cuda& cuda) const { cuda.clear(state, head); }
