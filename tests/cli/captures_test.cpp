@@ -12,8 +12,9 @@
 #include "cli/json_in.hpp"
 #include "cli/pictures.hpp"
 
+namespace swiftgs::test::captures_test {
+
 using nlohmann::json;
-using namespace swiftgs::test;
 
 namespace {
 
@@ -148,3 +149,5 @@ TEST_CASE("cli cameras: cameras are refused before the scene is looked at") {
   fails(place, "render missing.ply --views 1", {"--views '1'"});
   fails(place, "render missing.ply --scale 0", {"--scale"});
 }
+
+}  // namespace swiftgs::test::captures_test

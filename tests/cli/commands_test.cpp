@@ -16,8 +16,9 @@
 #include "cli/json_in.hpp"
 #include "cli/pictures.hpp"
 
+namespace swiftgs::test::commands_test {
+
 using nlohmann::json;
-using namespace swiftgs::test;
 namespace fs = std::filesystem;
 
 TEST_CASE("cli: info tells format and count and percentiles") {
@@ -216,3 +217,5 @@ TEST_CASE("cli: help explains every command and gives examples") {
     if (command != "list") CHECK(contains(more, "\n  swiftgs " + command));
   }
 }
+
+}  // namespace swiftgs::test::commands_test

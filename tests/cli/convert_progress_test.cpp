@@ -14,7 +14,7 @@
 
 #include "cli/background_run.hpp"
 
-using namespace swiftgs::test;
+namespace swiftgs::test::convert_progress_test {
 
 const std::set<std::string> no_result = {"stdout.txt"};  // of the tool itself
 
@@ -76,3 +76,5 @@ TEST_CASE("cli convert: a tool that was started to ignore Ctrl-C goes on and one
     if (ignored) CHECK((written == content_of(place / "whole.ply")));
   }
 }
+
+}  // namespace swiftgs::test::convert_progress_test

@@ -13,10 +13,9 @@
 #include "cli/command.hpp"
 #include "cli/json_in.hpp"
 
+namespace swiftgs::test::convert_test {
+
 using nlohmann::json;
-using swiftgs::load_scene;
-using swiftgs::Scene;
-using namespace swiftgs::test;
 
 namespace {
 
@@ -250,3 +249,5 @@ TEST_CASE("cli convert: bad arguments are one line, and nothing is written") {
   fails(place, "a.ply a.ply", "expected another file than that of FILE");
   CHECK(content_of(place / "a.ply").size() > 1000);
 }
+
+}  // namespace swiftgs::test::convert_test

@@ -10,7 +10,7 @@
 #include "cli/command.hpp"
 #include "support/skip.hpp"
 
-using namespace swiftgs::test;
+namespace swiftgs::test::errors_test {
 
 TEST_CASE("cli errors: files that are missing, foreign or cut short are named with what was expected") {
   const TemporaryFolder place;
@@ -162,3 +162,5 @@ TEST_CASE("cli errors: a standard output that takes nothing is an error") {
     CHECK(content_of(place / "full.txt") == "swiftgs: standard output: " + reason + "\n");
   }
 }
+
+}  // namespace swiftgs::test::errors_test

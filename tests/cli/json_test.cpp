@@ -15,8 +15,9 @@
 #include "cli/json_in.hpp"
 #include "support/ply_numbers.hpp"
 
+namespace swiftgs::test::json_test {
+
 using nlohmann::json;
-using namespace swiftgs::test;
 
 namespace {
 
@@ -132,3 +133,5 @@ TEST_CASE("cli json: results are not written over what is read") {
   fails(place, "check capture --json capture/cameras.json", {"expected another file than that of --cameras"});
   CHECK(swiftgs::load_scene(place / "capture/scene.ply").size() == 10);
 }
+
+}  // namespace swiftgs::test::json_test

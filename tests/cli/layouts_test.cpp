@@ -13,12 +13,7 @@
 #include "io/far_scene.hpp"
 #include "io/ply_text.hpp"
 
-using namespace swiftgs::test;
-using swiftgs::dvec3;
-using swiftgs::Image;
-using swiftgs::load_scene;
-using swiftgs::read_image;
-using swiftgs::vec3;
+namespace swiftgs::test::layouts_test {
 
 namespace {
 
@@ -138,3 +133,5 @@ TEST_CASE("cli layouts: convert moves scenes to places that float cannot hold an
   CHECK(load_scene(place / "back.ply").origin == dvec3(0));
   CHECK(load_scene(place / "back.ply").means == near.means);
 }
+
+}  // namespace swiftgs::test::layouts_test

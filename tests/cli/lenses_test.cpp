@@ -14,9 +14,9 @@
 #include "cli/json_in.hpp"
 #include "cli/pictures.hpp"
 
+namespace swiftgs::test::lenses_test {
+
 using nlohmann::json;
-using swiftgs::Image;
-using namespace swiftgs::test;
 
 namespace {
 
@@ -104,3 +104,5 @@ TEST_CASE("cli lenses: info tells those of a capture's cameras") {
   check_holds(run(place, "info garden").out,
               {"Gaussians       100\n", "note            garden/cameras.json"});
 }
+
+}  // namespace swiftgs::test::lenses_test

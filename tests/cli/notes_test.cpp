@@ -13,8 +13,9 @@
 #include "io/png_encoder.hpp"
 #include "support/ply_numbers.hpp"
 
+namespace swiftgs::test::notes_test {
+
 using nlohmann::json;
-using namespace swiftgs::test;
 
 namespace {
 
@@ -93,3 +94,5 @@ TEST_CASE("cli notes: compare says that alpha is not compared") {
   CHECK(contains(outcome.err, "swiftgs: " + note + "\n"));
   CHECK(json::parse(outcome.out)["notes"] == json::array({note}));
 }
+
+}  // namespace swiftgs::test::notes_test

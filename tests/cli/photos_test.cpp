@@ -17,8 +17,9 @@
 #include "cli/command.hpp"
 #include "cli/json_in.hpp"
 
+namespace swiftgs::test::photos_test {
+
 using nlohmann::json;
-using namespace swiftgs::test;
 namespace fs = std::filesystem;
 
 namespace {
@@ -224,3 +225,5 @@ TEST_CASE("cli photographs: alpha is blended over the background, and grey is re
   CHECK(is_own(behind));
   CHECK_FALSE(is_own(""));
 }
+
+}  // namespace swiftgs::test::photos_test

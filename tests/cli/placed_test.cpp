@@ -16,14 +16,13 @@
 #include "cli/cameras.hpp"
 #include "cli/command.hpp"
 
-using namespace swiftgs::test;
-using swiftgs::Scene;
+namespace swiftgs::test::placed_test {
 
 namespace {
 
 /// The pixels that `render` draws of `scenes`.
-std::vector<float> drawn(const TemporaryFolder& place, const std::string& scenes,
-                         const std::string& cameras = " --cameras cameras.json") {
+std::vector<float> pixels_of(const TemporaryFolder& place, const std::string& scenes,
+                             const std::string& cameras = " --cameras cameras.json") {
   run_noting(place, "render " + scenes + cameras + " --format pfm");
   return swiftgs::read_image(place / "renders" / (cameras.empty() ? "view.pfm" : "a.pfm")).pixels;
 }
@@ -47,12 +46,12 @@ TEST_CASE("cli placed: parts of a scene in one frame are the scene") {
   place.write("parts/one.json",
               "\xef\xbb\xbf"
               R"(  [{"file": "b.ply"}])");  // with a byte order mark
-  const std::vector<float> expected = drawn(place, "whole.ply");
-  CHECK(drawn(place, "a.ply parts/b.ply --place") == expected);
-  CHECK(drawn(place, "parts/scenes.json") == expected);
-  CHECK(drawn(place, "ranges.json") == expected);
-  CHECK(drawn(place, "parts/one.json a.ply --place") == expected);
-  CHECK(drawn(place, "a.ply") != expected);
+  const std::vector<float> expected = pixels_of(place, "whole.ply");
+  CHECK(pixels_of(place, "a.ply parts/b.ply --place") == expected);
+  CHECK(pixels_of(place, "parts/scenes.json") == expected);
+  CHECK(pixels_of(place, "ranges.json") == expected);
+  CHECK(pixels_of(place, "parts/one.json a.ply --place") == expected);
+  CHECK(pixels_of(place, "a.ply") != expected);
 
   check_holds(run_noting(place, "render parts/scenes.json --cameras cameras.json --stats --json -").out,
               {"\"scene\":\"a+b\"", "\"gaussians\":3000"});
@@ -62,7 +61,7 @@ TEST_CASE("cli placed: a view that is found for the first scene goes where the s
   const TemporaryFolder place;
   write_scene(place / "room.ply", swiftgs::make_builtin_scene(3000));
   place.write("alone.json", R"([{"file": "room.ply", "translation": [1, 2, 3], "rotation": [1, 1, 0, 0]}])");
-  CHECK(swiftgs::psnr(drawn(place, "alone.json", ""), drawn(place, "room.ply", "")) > 80);
+  CHECK(swiftgs::psnr(pixels_of(place, "alone.json", ""), pixels_of(place, "room.ply", "")) > 80);
 }
 
 TEST_CASE("cli placed: what cannot be placed is named") {
@@ -104,3 +103,5 @@ TEST_CASE("cli placed: each scene is drawn as it was trained, unless --model say
   CHECK(both != picture("b.spz b.spz"));
   CHECK(picture("a.spz b.spz --model antialiased=no") == plain);
 }
+
+}  // namespace swiftgs::test::placed_test

@@ -12,8 +12,9 @@
 #include "cli/command.hpp"
 #include "cli/json_in.hpp"
 
+namespace swiftgs::test::prune_test {
+
 using nlohmann::json;
-using namespace swiftgs::test;
 
 namespace {
 
@@ -124,3 +125,5 @@ TEST_CASE("cli prune: views that show nothing of the scene are an error") {
   CHECK(content_of(place / "earlier.ply") == "a scene");
   CHECK(content_of(place / "earlier.json") == "its results");
 }
+
+}  // namespace swiftgs::test::prune_test

@@ -11,8 +11,7 @@
 #include "cli/command.hpp"
 #include "support/skip.hpp"
 
-using namespace swiftgs;
-using namespace swiftgs::test;
+namespace swiftgs::test::video_test {
 
 namespace {
 
@@ -74,3 +73,5 @@ TEST_CASE("cli: a video that cannot be made is refused in one line") {
   fails(place, render + "v.nope", {"--video v.nope: ffmpeg failed: ", "'file:v.nope'"});
   fails(place, render + "none/v.mp4", {"--video none/v.mp4: ffmpeg failed: ", "No such file or directory"});
 }
+
+}  // namespace swiftgs::test::video_test

@@ -13,8 +13,9 @@
 #include "cli/command.hpp"
 #include "cli/json_in.hpp"
 
+namespace swiftgs::test::stress_cli_test {
+
 using Json = nlohmann::json;
-using namespace swiftgs::test;
 
 namespace {
 
@@ -132,3 +133,5 @@ TEST_CASE("stress: options that make no sense are one line with what was typed a
   fails("--renderers nothing", {"--renderers 'nothing'", "swiftgs list"});
   fails("--json no/such/folder/r.json" + one, {"no/such/folder"});
 }
+
+}  // namespace swiftgs::test::stress_cli_test

@@ -13,7 +13,7 @@
 #include "cli/command.hpp"
 #include "cli/json_in.hpp"
 
-using namespace swiftgs::test;
+namespace swiftgs::test::bench_cli_test {
 
 namespace {
 
@@ -289,3 +289,5 @@ TEST_CASE("bench: Ctrl-C leaves the rows so far, tells how to go on, and ends th
   CHECK(contains(content_of(place / "stdout.txt"), "| `serial/"));
   CHECK(files_in(place.path()) == std::set<std::string>{"r.json", "stdout.txt"});
 }
+
+}  // namespace swiftgs::test::bench_cli_test
