@@ -26,5 +26,6 @@ inline constexpr MemoryFactor spz_memory{5'100, own_megabytes};  ///< versions 1
 inline constexpr MemoryFactor spz_streams_memory{50'000, 20};    ///< version 4
 inline constexpr MemoryFactor sog_memory{12'000, 64};
 inline constexpr MemoryFactor gltf_memory{2'000, 64};
+inline constexpr MemoryFactor gltf_spz_memory{5'200, 84};  ///< with SPZ inside
 
 }  // namespace swiftgs::test
