@@ -57,6 +57,18 @@ if(SWIFTGS_BUILD_CUDA)
   find_package(CUDAToolkit ${swiftgs_cuda_version} REQUIRED)
 endif()
 
+set(gpu_is_here OFF)
+if(swiftgs_gpus_here)
+  set(gpu_is_here ON)
+endif()
+cmake_dependent_option(SWIFTGS_TEST_ON_GPU "Build the tests that need a GPU: they take as long to compile as all others"
+  ${gpu_is_here} "SWIFTGS_BUILD_CUDA;SWIFTGS_BUILD_TESTS" OFF)
+# To ask whether there is a GPU takes memory of it: tests that ask run one at a time, and beside none on the GPU.
+set(swiftgs_gpu_lock)
+if(swiftgs_gpus_here OR SWIFTGS_TEST_ON_GPU)
+  set(swiftgs_gpu_lock RESOURCE_LOCK gpu)
+endif()
+
 # swiftgs::gl needs OpenGL's header, and nothing of its library.
 find_path(SWIFTGS_GL_INCLUDE GL/gl.h)
 mark_as_advanced(SWIFTGS_GL_INCLUDE)
