@@ -12,6 +12,8 @@ bool unavailable() { return false; }
 
 #define SWIFTGS_PARITY "parity"
 #include "parity/parity_cases.hpp"
+#define SWIFTGS_METAMORPHIC "metamorphic"
+#include "parity/metamorphic_cases.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
