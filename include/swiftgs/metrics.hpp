@@ -31,15 +31,16 @@ inline double distance(double a, double b) { return a == b ? 0 : std::abs(a - b)
 
 }  // namespace metrics
 
-/// Peak signal-to-noise ratio of `a` against `b` over all values, for a peak of 1 @units{dB}: infinity when
-/// all are equal, NaN when one is NaN. Throws `InvalidArgument` when the sizes differ or are 0.
+/// Peak signal-to-noise ratio of `a` against `b` over all values @units{dB}; `peak` is the largest value that
+/// an image can have. Infinity when all are equal, NaN when one is NaN. Throws `InvalidArgument` when the
+/// sizes differ or are 0.
 template <class A, class B>
-double psnr(const A& a, const B& b) {
+double psnr(const A& a, const B& b, double peak = 1) {
   metrics::require_same_size(a, b);
   double sum = 0, count = 0;
   auto other = b.begin();
   for (const double value : a) {
-    const double d = metrics::distance(value, double(*other++));
+    const double d = metrics::distance(value / peak, double(*other++) / peak);
     sum += d * d, ++count;
   }
   return -10 * std::log10(sum / count);

@@ -47,7 +47,7 @@ struct PlaneJudge {
   double normalised(double value, double expected, double move, double ambiguous) const {
     const double error = std::abs(value - expected);
     if (!(error <= std::numeric_limits<double>::max())) return std::numeric_limits<double>::infinity();
-    const double rounding = std::ldexp(std::max(std::abs(expected), peak / 16), -23);
+    const double rounding = 0x1p-23 * std::max(std::abs(expected), peak / 16);
     const double beyond = error - ambiguous * span;
     return beyond > 0 ? beyond / (move + rounding) : 0;
   }
@@ -83,7 +83,8 @@ inline StressVerdict judge(const ConditionedFrame& reference, const Frame& frame
     };
     const double of_pixel = error(decisions[i]);
     if (of_pixel > out.strict_normalised_error) out.strict_normalised_error = of_pixel, out.worst_pixel = i;
-    out.normalised_error = std::max(out.normalised_error, error(allowed[i]));
+    out.normalised_error =
+        std::max(out.normalised_error, allowed[i] == decisions[i] ? of_pixel : error(allowed[i]));
     out.flips += decisions[i] > 0 && of_pixel <= 10 && error(0) > 10;
     out.ambiguity = std::max(out.ambiguity, allowed[i]);
     out.allowed = std::max(out.allowed, std::min(1.0, allowed[i]) - std::min(1.0, decisions[i]));
@@ -95,13 +96,7 @@ inline StressVerdict judge(const ConditionedFrame& reference, const Frame& frame
         std::max(out.normalised_depth_error,
                  depth.normalised(double(frame.depth[i]), z, reference.depth_move[i], ambiguous));
   }
-  const double peak = std::max(1.0, reference.peak);
-  const auto relative = [&](const auto& values) {
-    std::vector<double> scaled(values.begin(), values.end());
-    for (double& value : scaled) value /= peak;
-    return scaled;
-  };
-  out.psnr_db = psnr(relative(frame.colour), relative(reference.frame.colour));
+  out.psnr_db = psnr(frame.colour, reference.frame.colour, std::max(1.0, reference.peak));
   out.max_abs = max_abs_difference(frame.colour, reference.frame.colour);
   return out;
 }
