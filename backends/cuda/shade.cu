@@ -12,6 +12,7 @@
 #include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/project.hpp>
+#include <swiftgs/shade_stage.hpp>
 
 #include "sh_words.hpp"
 
