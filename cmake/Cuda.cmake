@@ -57,10 +57,7 @@ if(SWIFTGS_BUILD_CUDA)
   find_package(CUDAToolkit ${swiftgs_cuda_version} REQUIRED)
 endif()
 
-set(gpu_is_here OFF)
-if(swiftgs_gpus_here)
-  set(gpu_is_here ON)
-endif()
+string(COMPARE NOTEQUAL "${swiftgs_gpus_here}" "" gpu_is_here)
 cmake_dependent_option(SWIFTGS_TEST_ON_GPU "Build the tests that need a GPU: they take as long to compile as all others"
   ${gpu_is_here} "SWIFTGS_BUILD_CUDA;SWIFTGS_BUILD_TESTS" OFF)
 # To ask whether there is a GPU takes memory of it: tests that ask run one at a time, and beside none on the GPU.

@@ -17,8 +17,6 @@ namespace swiftgs::test::bench_cli_test {
 
 namespace {
 
-using Json = nlohmann::json;
-
 void fails(const std::string& arguments, std::initializer_list<std::string> words) {
   swiftgs::test::fails(TemporaryFolder(), "bench " + arguments, words);
 }
@@ -26,7 +24,7 @@ void fails(const std::string& arguments, std::initializer_list<std::string> word
 const std::string one = " --renderers 'serial/early/per-pixel/ellipse'";
 
 /// The results of a quick measurement, which prints into `stdout.txt`.
-Json measured(const TemporaryFolder& place, const std::string& arguments,
+json measured(const TemporaryFolder& place, const std::string& arguments,
               const std::string& max_frames = "4") {
   const std::string quick = " --scales 0.1 --min-frames 2 --json r.json --max-frames " + max_frames;
   const Outcome outcome = swiftgs::test::swiftgs(place, "bench " + arguments + quick);
@@ -38,7 +36,7 @@ Json measured(const TemporaryFolder& place, const std::string& arguments,
 
 TEST_CASE("bench: every combination has a row and every row what the schema says") {
   const TemporaryFolder place;
-  const Json results =
+  const json results =
       measured(place,
                "builtin:500 --renderers 'serial/*/per-pixel/ellipse,serial/early/per-pixel/three*' "
                "--views 0,2 --conventions gsplat,inria --gaussians 300,900");
@@ -51,13 +49,13 @@ TEST_CASE("bench: every combination has a row and every row what the schema says
   CHECK(results.at("scenes").size() == 2);
   CHECK(results.at("views").size() == 2 * 2 * 2);
   REQUIRE(results.at("rows").size() == 4 * 2 * 2 * 2);
-  for (const Json& row : results.at("rows")) {
+  for (const json& row : results.at("rows")) {
     CAPTURE(row.dump());
     CHECK(row.at("renderer") ==
           row.at("backend").get<std::string>() + "/" + row.at("sort").get<std::string>() + "/" +
               row.at("raster").get<std::string>() + "/" + row.at("bounds").get<std::string>());
     for (const char* stage : {"project", "sort", "raster", "total", "wall"}) {
-      const Json& ms = row.at("ms").at(stage);
+      const json& ms = row.at("ms").at(stage);
       CHECK(ms.at("low") <= ms.at("median"));
       CHECK(ms.at("median") <= ms.at("high"));
       CHECK(ms.at("p10") <= ms.at("p90"));
@@ -78,7 +76,7 @@ TEST_CASE("bench: every combination has a row and every row what the schema says
 TEST_CASE("bench: a batch changes nothing of a row but its times") {
   const TemporaryFolder place;
   const std::string bench = "builtin:500 --views 0,2,5" + one;
-  const Json single = measured(place, bench, "2").at("rows"),
+  const json single = measured(place, bench, "2").at("rows"),
              four = measured(place, bench + " --batch 4", "2").at("rows");
   REQUIRE(four.size() == 3);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -96,7 +94,7 @@ TEST_CASE("bench: a batch changes nothing of a row but its times") {
 TEST_CASE("bench: planes are drawn and named in the rows") {
   const TemporaryFolder place;
   const std::string command = "builtin:500 --views 0" + one;
-  const Json plain = measured(place, command).at("rows")[0],
+  const json plain = measured(place, command).at("rows")[0],
              row = measured(place, command + " --planes alpha,depth,normal,id").at("rows")[0];
   CHECK(row.at("planes") == "alpha,depth,normal,id");
   CHECK(row.at("bytes").at("raster").get<double>() > plain.at("bytes").at("raster").get<double>());
@@ -106,9 +104,9 @@ TEST_CASE("bench: rows say how they were measured, and errors are of the views t
   const TemporaryFolder place;
   const std::string bench = "builtin:500 --views 0,2 --errors 1 --threads 1 --enlarge 1,4" + one;
   for (const std::string kept : {"float", "half"}) {
-    const Json rows = measured(place, bench + " --harmonics " + kept).at("rows");
+    const json rows = measured(place, bench + " --harmonics " + kept).at("rows");
     REQUIRE(rows.size() == 4);
-    for (const Json& row : rows) {
+    for (const json& row : rows) {
       check_members(row,
                     R"({"threads": 1, "harmonics": ")" + (kept == "half" ? "halves" : kept + "s") + "\"}");
       CHECK(row.at("psnr_db").is_number() == (row.at("view") == "front"));
@@ -123,7 +121,7 @@ TEST_CASE("bench: rows say how they were measured, and errors are of the views t
 TEST_CASE("bench: --model says how scenes were trained, for frames and for what they are compared with") {
   const TemporaryFolder place;
   const std::string bench = "builtin:500 --views 0" + one, model = "blur=0.5,antialiased=yes,order=distance";
-  const Json as_usual = measured(place, bench), changed = measured(place, bench + " --model " + model);
+  const json as_usual = measured(place, bench), changed = measured(place, bench + " --model " + model);
   CHECK(as_usual.at("scenes")[0].at("model") == "");
   CHECK(changed.at("scenes")[0].at("model") == model);
   CHECK(changed.at("rows")[0].at("intersections") != as_usual.at("rows")[0].at("intersections"));
@@ -198,12 +196,12 @@ namespace {
 const std::string resumable =
     "builtin:300 --renderers 'serial/*/per-pixel/ellipse' --views 0,2 --gaussians 200,300";
 
-void write_json(const TemporaryFolder& place, const Json& results) {
+void write_json(const TemporaryFolder& place, const json& results) {
   std::ofstream(place / "r.json") << results.dump();
 }
 
 /// What `--resume` makes of the file at `place`.
-Json resumed(const TemporaryFolder& place, const std::string& arguments) {
+json resumed(const TemporaryFolder& place, const std::string& arguments) {
   return measured(place, arguments + " --resume");
 }
 
@@ -211,16 +209,16 @@ Json resumed(const TemporaryFolder& place, const std::string& arguments) {
 
 TEST_CASE("bench: --resume keeps the rows of a stopped run and measures the others") {
   const TemporaryFolder place;
-  const Json whole = measured(place, resumable);
+  const json whole = measured(place, resumable);
   CHECK(whole == resumed(place, resumable));  // nothing is left to measure
   // As a run leaves it that was stopped in the second view of the first scene.
-  Json stopped = whole;
+  json stopped = whole;
   stopped["rows"].erase(stopped["rows"].begin() + 4, stopped["rows"].end());
   stopped["views"].erase(stopped["views"].begin() + 2, stopped["views"].end());
   stopped["scenes"].erase(1);
   stopped["rows"][1]["ms"]["total"]["median"] = 1e6;
   write_json(place, stopped);
-  const Json results = resumed(place, resumable);
+  const json results = resumed(place, resumable);
   CHECK(results.at("command") == whole.at("command"));
   CHECK(results.at("scenes") == whole.at("scenes"));
   CHECK(results.at("views") == whole.at("views"));
@@ -243,13 +241,13 @@ TEST_CASE("bench: --resume begins where no file is and needs a file to be named"
 TEST_CASE("bench: --resume refuses a file of something else and leaves it as it is") {
   const TemporaryFolder place;
   const std::string command = "builtin:300 --views 0" + one;
-  const Json whole = measured(place, command);
+  const json whole = measured(place, command);
   const std::string resume =
       "bench " + command + " --scales 0.1 --min-frames 2 --json r.json --max-frames 4 --resume";
-  const auto refuses = [&](const std::string& pointer, const Json& value,
+  const auto refuses = [&](const std::string& pointer, const json& value,
                            std::initializer_list<std::string> parts) {
-    Json changed = whole;
-    changed[Json::json_pointer(pointer)] = value;
+    json changed = whole;
+    changed[json::json_pointer(pointer)] = value;
     write_json(place, changed);
     const std::string before = content_of(place / "r.json");
     swiftgs::test::fails(place, resume, parts);
@@ -264,7 +262,7 @@ TEST_CASE("bench: --resume refuses a file of something else and leaves it as it 
   refuses("/scenes/0/model", "antialiased=yes", {"expected the Gaussians and the model"});
   refuses("/format", "swiftgs-stress", {"format is \"swiftgs-stress\"; expected \"swiftgs-bench\""});
   refuses("/rows/0/frames", "few", {"--resume r.json: expected what bench has written"});
-  refuses("/rows", Json{{"a", 1}}, {"--resume r.json: expected what bench has written"});
+  refuses("/rows", json{{"a", 1}}, {"--resume r.json: expected what bench has written"});
   for (const std::string text : {"", "[]", "{\"format\": \"swiftgs-bench\"", "\xff"}) {
     std::ofstream(place / "r.json") << text;
     swiftgs::test::fails(place, resume, {"--resume r.json: "});

@@ -14,8 +14,6 @@
 
 namespace swiftgs::test::captures_test {
 
-using nlohmann::json;
-
 namespace {
 
 void write_capture(const TemporaryFolder& place, const std::string& folder) {

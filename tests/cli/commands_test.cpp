@@ -18,7 +18,6 @@
 
 namespace swiftgs::test::commands_test {
 
-using nlohmann::json;
 namespace fs = std::filesystem;
 
 TEST_CASE("cli: info tells format and count and percentiles") {

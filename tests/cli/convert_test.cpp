@@ -15,8 +15,6 @@
 
 namespace swiftgs::test::convert_test {
 
-using nlohmann::json;
-
 namespace {
 
 /// A folder with the built-in scene of 300 Gaussians in `a.ply`, as a file holds it.

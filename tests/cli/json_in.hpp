@@ -12,20 +12,20 @@
 
 namespace swiftgs::test {
 
-/// What a command wrote to `file`.
-inline nlohmann::json json_in(const std::filesystem::path& file) {
-  return nlohmann::json::parse(content_of(file));
-}
+using nlohmann::json;
 
-inline std::set<std::string> members_of(const nlohmann::json& object) {
+/// What a command wrote to `file`.
+inline json json_in(const std::filesystem::path& file) { return json::parse(content_of(file)); }
+
+inline std::set<std::string> members_of(const json& object) {
   std::set<std::string> members;
   for (const auto& item : object.items()) members.insert(item.key());
   return members;
 }
 
 /// Checks that `object` has the members of the JSON `expected` with their values.
-inline void check_members(const nlohmann::json& object, const std::string& expected) {
-  const auto members = nlohmann::json::parse(expected);
+inline void check_members(const json& object, const std::string& expected) {
+  const auto members = json::parse(expected);
   for (const auto& member : members.items()) {
     CAPTURE(member.key());
     CHECK(object.at(member.key()) == member.value());

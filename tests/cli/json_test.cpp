@@ -17,8 +17,6 @@
 
 namespace swiftgs::test::json_test {
 
-using nlohmann::json;
-
 namespace {
 
 const std::string one = " --renderers serial/early/per-pixel/ellipse";

@@ -16,8 +16,6 @@
 
 namespace swiftgs::test::lenses_test {
 
-using nlohmann::json;
-
 namespace {
 
 /// The front view of the built-in scene, before white.

@@ -15,8 +15,6 @@
 
 namespace swiftgs::test::notes_test {
 
-using nlohmann::json;
-
 namespace {
 
 const std::string left_out = "scene.ply: Gaussians with a NaN or an infinity are left out: 1.";

@@ -19,7 +19,6 @@
 
 namespace swiftgs::test::photos_test {
 
-using nlohmann::json;
 namespace fs = std::filesystem;
 
 namespace {

@@ -14,8 +14,6 @@
 
 namespace swiftgs::test::prune_test {
 
-using nlohmann::json;
-
 namespace {
 
 /// Expects one line of error that holds `part`, and no file `small.ply`.

@@ -15,8 +15,6 @@
 
 namespace swiftgs::test::stress_cli_test {
 
-using Json = nlohmann::json;
-
 namespace {
 
 void fails(const std::string& arguments, std::initializer_list<std::string> words) {
@@ -49,14 +47,14 @@ TEST_CASE("stress: results have a head and a row for each family with severity a
   run(place,
       "stress --families little-blur,needles --size 16x12,20x10 --seeds 2 --json r.json"
       " --renderers 'serial/early/per-pixel/ellipse,serial/standard/axis-shared-half-split/ellipse'");
-  const Json results = json_in(place / "r.json");
+  const json results = json_in(place / "r.json");
   CHECK(results.at("format") == "swiftgs-stress");
   CHECK(results.at("machine").at("version") == swiftgs::version);
   CHECK(
       results.at("command").get<std::string>().starts_with("swiftgs stress --families little-blur,needles "));
   REQUIRE(results.at("rows").size() == 2 * 2 * 10);
   std::set<std::string> places;
-  for (const Json& row : results.at("rows")) {
+  for (const json& row : results.at("rows")) {
     CAPTURE(row.dump());
     places.insert(row.at("family").dump() + row.at("severity").dump() + row.at("width").dump() +
                   row.at("renderer").dump());
@@ -96,11 +94,11 @@ TEST_CASE("stress: a search prints what it found and writes a row for each famil
           .out;
   CHECK(contains(text, "serial/early/per-pixel/ellipse: worst normalised error "));
   CHECK(contains(text, " of colour from equal-stacks\n"));
-  const Json results = json_in(place / "r.json");
+  const json results = json_in(place / "r.json");
   CHECK(results.at("format") == "swiftgs-stress-search");
   REQUIRE(results.at("rows").size() == swiftgs::AllSorts::size * 2 * 2);
   std::set<std::string> places;
-  for (const Json& row : results.at("rows")) {
+  for (const json& row : results.at("rows")) {
     CAPTURE(row.dump());
     places.insert(row.at("renderer").dump() + row.at("family").dump() + row.at("plane").dump());
     CHECK(row.at("tries") > 0);
