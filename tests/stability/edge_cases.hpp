@@ -69,13 +69,6 @@ TEST_CASE(SWIFTGS_STABILITY ": alpha that equals the least is kept and less is s
   }
 }
 
-TEST_CASE(SWIFTGS_STABILITY ": alpha is cut at the largest") {
-  StressCase settings = exact_case();
-  settings.conventions.alpha_max = 0.75f;
-  check_shown(settings, dot(2, 1), true, 0.75f);
-  check_shown(settings, dot(2, 0.75f), true, 0.75f);
-}
-
 TEST_CASE(SWIFTGS_STABILITY
           ": a transmittance that equals the stop ends the pixel where the preset says so") {
   StressCase drawn = exact_case();
@@ -159,18 +152,6 @@ TEST_CASE(SWIFTGS_STABILITY ": equal depths are drawn by index and the least dif
   check_order(3, 1.5f, green_first);
   check_order(1.5f, 3, red_first);
   check_order(1e4f, 0.02f, green_first);
-}
-
-TEST_CASE(SWIFTGS_STABILITY ": an occluder hides what is at it and behind it") {
-  StressCase settings = exact_case();
-  const std::size_t pixels = 40 * 40;
-  for (const float z : {0.7f, 3.0f, 12.1f}) {
-    CAPTURE(z);
-    settings.occluder.assign(pixels, z);
-    check_shown(settings, dot(below(z), 0.5f), true);
-    check_shown(settings, dot(z, 0.5f), false);
-    check_shown(settings, dot(above(z), 0.5f), false);
-  }
 }
 
 TEST_CASE(SWIFTGS_STABILITY ": compensation has the least value of the conventions") {
