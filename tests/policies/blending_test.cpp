@@ -232,54 +232,6 @@ SWIFTGS_BLENDING("colours may be as large as floats are") {
   });
 }
 
-SWIFTGS_BLENDING("needles and giants leave no pixel that is not a number") {
-  SplatSet splats = random_splats(500, 64, 64, 17);
-  add_needles(splats, 16);
-  with_each<B>([&](const BoundRaster<B>& raster) {
-    for (const DrawSettings& each : {DrawSettings(), lean()}) {
-      const Frame frame = draw(backend, raster, splats, 64, 64, each).frame;
-      CHECK(std::all_of(frame.colour.begin(), frame.colour.end(),
-                        [](float v) { return v >= 0 && v <= 1.001f; }));
-      CHECK(std::all_of(frame.alpha.begin(), frame.alpha.end(), [](float v) { return v >= 0 && v <= 1; }));
-    }
-  });
-}
-
-SWIFTGS_BLENDING("each output alone is the same as with the others and none may be there") {
-  const SplatSet splats = usual_splats(200, 50, 30, 15);
-  Picture<B, Ellipse> picture(backend, splats, 50, 30, {.count = false});
-  with_each<B>([&](const BoundRaster<B>& raster) {
-    PlanesOn<B> planes(backend, 50, 30, {true, true});
-    const FrameView whole = planes.view();
-    picture.draw(raster, {});
-    picture.draw(raster, {.colour = whole.colour});
-    picture.draw(raster, {.alpha = whole.alpha});
-    picture.draw(raster, {.depth = whole.depth});
-    CHECK(same_planes(planes.on_host(backend), draw(backend, raster, splats, 50, 30).frame));
-  });
-}
-
-SWIFTGS_BLENDING("conservative bounds draw the same bits of any splats") {
-  // Splats that barely reach the threshold are so large that a rounding of the exponent is pixels wide.
-  const int width = 240, height = 180;
-  Random random(5);
-  SplatSet faint;
-  for (int i = 0; i < 300; ++i) {
-    const double along = random.scale(300, 3e4), across = along * random.scale(0.02, 1);
-    const double opacity = (1 + random.scale(1e-6, 1e-2)) / 255, x = random.in(0, width);
-    faint.add(make_splat(x, random.in(0, height), along, across, random.in(0, 3.14), opacity), float(i + 1));
-  }
-  for (const SplatSet& splats : {random_splats(600, width, height, 18), faint})
-    with_each<B>([&](const BoundRaster<B>& raster) {
-      const Frame box = draw(backend, raster, splats, width, height).frame;
-      for_each_type(AllBounds(), [&]<class Bounds>(Bounds) {
-        CAPTURE(Bounds::name);
-        if constexpr (Bounds::conservative && !std::is_same_v<Bounds, OpacityBox>)
-          CHECK(same_planes(draw<Bounds>(backend, raster, splats, width, height).frame, box));
-      });
-    });
-}
-
 SWIFTGS_BLENDING("tiles of any side give the same bits") {
   const SplatSet splats = random_splats(1000, 200, 150, 31);
   with_each<B>([&](const BoundRaster<B>& raster) {
