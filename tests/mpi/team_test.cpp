@@ -6,12 +6,9 @@
 #include <string>
 
 #include <doctest/doctest.h>
-#include <fcntl.h>
 #include <nlohmann/json.hpp>
-#include <unistd.h>
 
 #include "cli/command.hpp"
-#include "support/skip.hpp"
 
 using namespace swiftgs::test;
 using nlohmann::json;
@@ -120,29 +117,6 @@ TEST_CASE("mpi team: what all find wrong is said once and at once") {
   const std::size_t first = mistyped.err.find("swiftgs: render: '--vievs' is not expected");
   CHECK(first != std::string::npos);
   CHECK(mistyped.err.find("swiftgs: render: '--vievs'", first + 1) == std::string::npos);
-}
-
-TEST_CASE("mpi team: a process that fails ends all with its line and leaves no part of a file") {
-  const TemporaryFolder place;
-  const int unnamed = ::open(place.path().c_str(), O_TMPFILE | O_WRONLY, 0600);
-  if (unnamed < 0) return skip("this file system has no files without a name");
-  ::close(unnamed);
-  // The last process finds a folder in the way of its third image.
-  const std::string all =
-      "render builtin:3000 --views all --scale 0.3 --renderer serial/early/per-pixel/ellipse "
-      "--json results.json";
-  std::filesystem::create_directories(place / "a/renders");
-  std::filesystem::create_directories(place / "b/renders/orbit-07.png");
-  const Outcome outcome = launch(place, "-n 2 -wdir a " + tool + all + " : -n 1 -wdir b " + tool + all);
-  CHECK(outcome.code == 1);
-  CHECK(contains(outcome.err, "swiftgs: rank 2 of 3: renders/orbit-07.png: Is a directory\n"));
-  CHECK(!std::filesystem::exists(place / "a/results.json"));
-  for (const char* folder : {"a/renders", "b/renders"})
-    for (const std::string& name : files_in(place / folder)) {
-      CHECK(name.ends_with(".png"));
-      const std::filesystem::path file = place / folder / name;
-      if (std::filesystem::is_regular_file(file)) CHECK(content_of(file).ends_with("IEND\xae\x42\x60\x82"));
-    }
 }
 
 TEST_CASE("mpi team: an error of a file is told as by one process") {

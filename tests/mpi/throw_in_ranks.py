@@ -94,13 +94,14 @@ def lose_a_folder(launch, program, folder):
     cameras = folder.parent / "cameras.json"
     cameras.write_text(json.dumps([{"id": k, "img_name": str(k), **camera} for k in range(VIEWS)]))
     images = folder / "last" / "renders"
-    command = [program, *f"render builtin:500 --cameras {cameras} --views all".split()]
+    command = [program, *f"render builtin:500 --cameras {cameras} --views all --json results.json".split()]
     with running(launch, command, folder, "last") as started:
         wait_for("the first image of the last rank", (images / f"{RANKS - 1}.png").exists, started)
         handles = watch(started, program, folder)
         begun = time.monotonic()  # a little before the next image finds it gone
         images.rename(folder / "gone")
         gone = await_end(handles)
+        require(not (folder / "results.json").exists(), "a run that failed has results")
         finish(started, folder, ": No such file or directory\n")
     check_files(folder, VIEWS)
     return gone - begun
