@@ -2,7 +2,6 @@
 /// @file
 /// Files as public programs lay them out, put together here; each test names program and version.
 #include "compressed_ply_text.hpp"
-#include "far_scene.hpp"
 #include "ply_text.hpp"
 #include "scenes.hpp"
 
@@ -219,16 +218,6 @@ TEST_CASE("layouts: positions that float cannot hold are relative to an origin")
   CHECK(file.scene.means[0].x == 0.1f);
   CHECK(file.scene.origin == dvec3(0));
   CHECK(file.notes.empty());
-}
-
-TEST_CASE("layouts: a scene ten thousand kilometres away has the means of one near by") {
-  const dvec3 far(10'000'000, -10'000'000, 9'999'999);
-  const SceneFile near = read(far_scene(dvec3(0), "float")), file = read(far_scene(far, "double"));
-  CHECK(near.scene.origin == dvec3(0));
-  CHECK(file.scene.origin == far);
-  CHECK(file.scene.means == near.scene.means);
-  CHECK(file.scene.scales == near.scene.scales);
-  CHECK(read(far_scene(dvec3(0), "double")).scene.means == near.scene.means);
 }
 
 TEST_CASE("layouts: Gaussians that are left out have no say in the origin and take no others along") {
