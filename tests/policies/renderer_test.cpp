@@ -200,16 +200,6 @@ TEST_CASE("renderer: a frame asks for no time unless its settings do") {
   CHECK(std::isnan(renderer.times().total));  // not those of the frame before
 }
 
-namespace {
-
-template <class B>
-Frame draw(const Scene& scene, const Camera& camera) {
-  Usual<B> renderer(test::make_backend<B>());
-  return renderer.render(renderer.backend().upload(scene), camera, settings_of({true, true}));
-}
-
-}  // namespace
-
 TEST_CASE("limits: cameras beyond what float holds are refused") {
   const auto check = [](const char* expected, const auto& change) {
     Camera camera = forward_camera(40, 30);
@@ -232,38 +222,6 @@ TEST_CASE("limits: cameras beyond what float holds are refused") {
     const char* const expected = good ? nullptr : "camera: expected a rotation with orthonormal rows";
     check(expected, [&](Camera& c) { c.rotation[0].y = off; });
     check(expected, [&](Camera& c) { c.rotation[2].z = std::sqrt(1 + off); });
-  }
-}
-
-TEST_CASE_TEMPLATE("limits: a mirrored rotation draws the mirrored world", B, SWIFTGS_TEST_HOSTS) {
-  // Camera and world mirrored alike: the same frame, but for the direction that harmonics are seen from.
-  const Scene scene = random_scene(60, 0, 3);
-  const Camera camera = forward_camera(64, 48);
-  Scene mirrored = scene;
-  for (vec3& mean : mirrored.means) mean.x = -mean.x;
-  for (Quaternion& q : mirrored.rotations) q = {q.w, q.x, -q.y, -q.z};
-  Camera mirror = camera;
-  mirror.rotation[0].x = -1;
-  const Frame expected = draw<B>(scene, camera), seen = draw<B>(mirrored, mirror);
-  CHECK(expected.alpha == seen.alpha);
-  CHECK(expected.colour == seen.colour);
-  const ReferenceFrame reference = render_reference(mirrored, mirror, {});
-  CHECK(max_abs_difference(seen.colour, reference.colour) < 1e-5);
-}
-
-TEST_CASE_TEMPLATE("limits: a splat wider than 1e18 pixels is not drawn and one below it is", B,
-                   SWIFTGS_TEST_HOSTS) {
-  Scene scene = random_scene(1, 0, 1);
-  scene.means[0] = vec3(0, 0, 2), scene.opacities[0] = 0.5f;
-  Camera camera = forward_camera(32, 32);
-  camera.fx = camera.fy = 2, camera.cx = camera.cy = 16;
-  for (const bool wide : {false, true}) {
-    scene.scales[0] = vec3(wide ? 1.01e18f : 0.99e18f, 1, 1);
-    scene.rotations[0] = {};
-    const Frame frame = draw<B>(scene, camera);
-    const ReferenceFrame reference = render_reference(scene, camera, {});
-    CHECK((frame.alpha[16 * 32 + 16] > 0.3f) == !wide);
-    CHECK((reference.alpha[16 * 32 + 16] > 0.3) == !wide);
   }
 }
 
