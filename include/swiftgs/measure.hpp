@@ -27,7 +27,6 @@ class FrameMeasures {
   /// As `FrameRenderer::render_into`.
   void render_into(FrameRenderer<B>& renderer, const PlacedScenes& scenes, Span<const View> views,
                    Measures asked) {
-    counted_ = {}, timed_ = false;
     Hooks hooks(renderer.backend(), asked, *this);
     renderer.render_into(scenes, views, hooks);
     timed_ = asked.time;
@@ -68,6 +67,7 @@ class FrameMeasures {
    public:
     Hooks(B& b, Measures asked, FrameMeasures& to) : b_(b), asked_(asked), to_(to) {}
     void mark(std::size_t point) override {
+      if (point == 0) to_.counted_ = {}, to_.timed_ = false;  // a frame that is refused leaves what was
       if (asked_.time) to_.points_[point] = b_.now();
     }
     void before_raster(RasterJob& job) override {

@@ -447,11 +447,11 @@ SWIFTGS_DEVICE_CASE("cuda long lists: frames stop sharing after eight short ones
               short_lists = with_features(layers(500, 0.004, 0.01), 7);
   for_each_type(Segmented(), [&]<class Raster>(Raster) {
     CAPTURE(Raster::name);
-    Usual<Cuda, EarlySort, Raster> renderer;
-    Cuda& cuda = renderer.backend();
-    const DeviceScene of_long = cuda.upload(long_lists), of_short = cuda.upload(short_lists);
     for (const Wanted& wanted : wanted_planes()) {
       CAPTURE(std::string(wanted.name));
+      Usual<Cuda, EarlySort, Raster> renderer;  // knows of no frame
+      Cuda& cuda = renderer.backend();
+      const DeviceScene of_long = cuda.upload(long_lists), of_short = cuda.upload(short_lists);
       // Picks and several rows are rasterized apart, and both apart from colours of split terms.
       const bool apart = is_split(Raster::name) && (wanted.further.id || wanted.further.normal);
       const std::uint32_t rasterized = (wanted.further.id && wanted.further.features != 0 ? 2 : 1) + apart;
