@@ -15,7 +15,7 @@
 #include <swiftgs/lens/point.hpp>
 #include <swiftgs/project.hpp>
 #include <swiftgs/view.hpp>
-#include <swiftgs/view_constants.hpp>
+#include <swiftgs/view.hpp>
 
 #include "reference/oracle_lens.hpp"
 

@@ -12,7 +12,7 @@
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/view_constants.hpp>
+#include <swiftgs/view.hpp>
 
 #include "hard_frames/families.hpp"
 

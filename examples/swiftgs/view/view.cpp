@@ -7,6 +7,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <swiftgs/io/scene_file.hpp>
+
 #include "commands.hpp"
 #include "draw/team.hpp"
 #include "options.hpp"
