@@ -265,23 +265,6 @@ SWIFTGS_CONTRACT("contribution: placed scenes that cannot be drawn are refused a
   CHECK(sums_of_placed<B>(std::vector<PlacedScene>(), {forward_camera(20, 30)}).empty());
 }
 
-SWIFTGS_CONTRACT("contribution: what is hidden or culled gets nothing") {
-  Scene scene;
-  append(scene, vec3(0, 0, 4), 1, 1);  // behind the three that follow
-  for (int i = 0; i < 3; ++i) append(scene, vec3(0, 0, float(i + 1)), 1000, 1);
-  append(scene, vec3(0, 0, -2), 1, 1);             // behind the camera
-  append(scene, vec3(0, 0, 0.005f), 1, 1);         // before the near plane
-  append(scene, vec3(90, 0, 1), 0.01f, 1);         // beside the image
-  append(scene, vec3(0, 0, 0.5f), 0.1f, 0.0039f);  // fainter than 1/255
-  const Camera camera = forward_camera(50, 40);
-  const Sums sums = sums_of<B>(scene, {camera});
-  CHECK(sums[1] == 50 * 40 * std::uint64_t(weight_parts(0.99f)));
-  for (const std::size_t hidden : {0, 3, 4, 5, 6, 7}) {
-    CAPTURE(hidden);
-    CHECK(sums[hidden] == 0);
-  }
-}
-
 SWIFTGS_CONTRACT("contribution: Gaussians that frames hide get nothing and those behind them all") {
   const Scene scene = scene_with_hidden(2000, 16);
   const Camera camera = forward_camera(150, 93);
