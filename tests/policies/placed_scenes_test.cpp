@@ -160,38 +160,6 @@ SWIFTGS_CONTRACT("placed scenes: clips and opacities are those of scenes that we
   CHECK(none.alpha[0] == 0);
 }
 
-SWIFTGS_CONTRACT("placed scenes: all backends clip means within last places of a border alike") {
-  Usual<B> renderer(test::make_backend<B>());
-  const Camera camera = turned_camera(90, 70, 0.1);
-  const RenderSettings settings = settings_of_all(channels);
-  Clip oblique;
-  oblique.half_space_count = 1, oblique.half_spaces[0] = vec4(0.6f, -0.3f, 0.7f, -3.1f);
-  for (const Clip& clip :
-       {Clip::box(vec3(-1, -2, 1.3f), vec3(2, 1, 8)), Clip::sphere(vec3(0.5f, 0.1f, 6), 3.3f), oblique}) {
-    Scene scene = scene_of_all(3000, 7);
-    for (std::size_t i = 0; i < scene.size(); ++i) {
-      vec3& mean = scene.means[i];
-      const dvec3 from = dvec3(mean) - dvec3(clip.centre);
-      if (clip.radius != INFINITY) {
-        mean = vec3(dvec3(clip.centre) + double(clip.radius) / std::sqrt(dot(from, from)) * from);
-      } else {
-        const vec4& h = clip.half_spaces[i % std::size_t(clip.half_space_count)];
-        const dvec3 normal(h.x, h.y, h.z);
-        mean = vec3(dvec3(mean) - (dot(normal, dvec3(mean)) + double(h.w)) / dot(normal, normal) * normal);
-      }
-      float& moved = mean[int(i % 3)];  // by up to two last places
-      for (std::size_t k = i % 5; k > 2; --k) moved = std::nextafter(moved, INFINITY);
-      for (std::size_t k = i % 5; k < 2; ++k) moved = std::nextafter(moved, -INFINITY);
-    }
-    const Scene cut = subset(scene, select(scene, [&](std::size_t i) { return clip.shows(scene.means[i]); }));
-    CHECK(cut.size() > 500);
-    CHECK(cut.size() < 2500);
-    CHECK(same_but_ids(renderer.render(std::vector<PlacedScene>{{backend.upload(scene).view(), {}, 1, clip}},
-                                       camera, settings),
-                       renderer.render(backend.upload(cut), camera, settings)));
-  }
-}
-
 SWIFTGS_CONTRACT("placed scenes: recorded frames follow them where they go, and take no memory") {
   Hooked<B> memory;
   Usual<B> renderer(memory.backend(2)), other(test::make_backend<B>());
