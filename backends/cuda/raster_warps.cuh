@@ -116,8 +116,8 @@ inline constexpr std::uint32_t least_left_to_help =
     Planes::few || Planes::one_by_one ? least_left : 2 * least_left;
 
 /// Blends the list of one raster block: one thread block per raster block, one warp per warp block. If
-/// `shared`, pushes the rest of a long traversal to the work queues. Kernels of colour and depth are faster if
-/// they are compiled without that too; others push nothing where the queues are closed.
+/// `shared`, pushes the rest of a long traversal to the work queues. Kernels of colour and depth are faster
+/// if they are compiled without that too; others push nothing where the queues are closed.
 template <class Exponent, bool threshold, class Planes, bool shared, class ViewSource>
 __global__ void __launch_bounds__(raster_threads,
                                   (resident_blocks(raster_occupancy<Exponent, Planes>, raster_threads)))

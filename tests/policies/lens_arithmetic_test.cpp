@@ -15,7 +15,6 @@
 #include <swiftgs/lens/point.hpp>
 #include <swiftgs/project.hpp>
 #include <swiftgs/view.hpp>
-#include <swiftgs/view.hpp>
 
 #include "reference/oracle_lens.hpp"
 
