@@ -179,7 +179,7 @@ SWIFTGS_API const std::vector<RendererEntry>& renderers();
 SWIFTGS_API const RendererEntry& find_renderer(std::string_view name = {});
 
 /// Makes the renderer called `name`. Throws `InvalidArgument` with the valid words if the name is not
-/// known, and `std::runtime_error` if the renderer cannot run here.
+/// known, and `Unavailable` if the renderer cannot run here.
 SWIFTGS_API std::unique_ptr<AnyRenderer> make_renderer(std::string_view name,
                                                        const BackendOptions& options = {});
 
