@@ -56,7 +56,7 @@ dvec3 to_vector(const double (&v)[3]) { return dvec3(v[0], v[1], v[2]); }
 
 Camera to_camera(const swiftgs_camera* given) {
   const swiftgs_camera from = read_struct(given, a_camera);
-  require_choice(from.lens, 4, "swiftgs_camera: lens");
+  require_choice(from.lens, std::int32_t(std::size(lens_traits)), "swiftgs_camera: lens");
   Camera camera;
   for (int row = 0; row < 3; ++row)
     for (int column = 0; column < 3; ++column) camera.rotation[column][row] = from.rotation[3 * row + column];

@@ -104,12 +104,12 @@ Lens lens_of(const CameraEntry& entry) {
   // nerfstudio's list has its own k4, and it reads no FULL_OPENCV.
   if (const JsonEntry* with = entry.with(list); with && name == "FULL_OPENCV" && !is_off(with->member(list)))
     refuse(*with, list, with->member(list));
-  const bool is_distortable = lens.model == LensModel::perspective || lens.model == LensModel::fisheye;
   for (const char* key : coefficients)
     for (const JsonEntry* one : {&entry.own, &entry.shared}) {
       const std::optional<double> value = coefficient_in(*one, key);
       if (!value) continue;
-      double* const slot = is_distortable ? coefficient_of(lens.distortion, key, name) : nullptr;
+      double* const slot =
+          traits_of(lens.model).takes_distortion ? coefficient_of(lens.distortion, key, name) : nullptr;
       if (*value != 0 && !slot) refuse(*one, key, *value);
       if (*value != 0) *slot = *value;
       break;

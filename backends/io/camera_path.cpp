@@ -29,7 +29,7 @@ Camera camera_of(const JsonEntry& root, const JsonEntry& frame) {
   camera.lens.model = lens_model_of(root);
   camera.width = to_side(root.source(), root.offset(), root.number("render_width"));
   camera.height = to_side(root.source(), root.offset(), root.number("render_height"));
-  if (camera.lens.model == LensModel::equirectangular) {
+  if (traits_of(camera.lens.model).shows_sphere) {
     show_sphere(camera, camera.width, camera.height);
   } else {
     // nerfstudio takes a fisheye lens's focal length as if it were a pinhole's.

@@ -23,7 +23,7 @@ Camera camera_of(const JsonEntry& entry) {
   camera.name = entry.string("img_name");
   camera.width = to_side(source, entry.offset(), entry.number("width"));
   camera.height = to_side(source, entry.offset(), entry.number("height"));
-  if (camera.lens.model == LensModel::equirectangular) {
+  if (traits_of(camera.lens.model).shows_sphere) {
     show_sphere(camera, camera.width, camera.height);
   } else {
     camera.fx = entry.number("fx"), camera.fy = entry.number("fy");

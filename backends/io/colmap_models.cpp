@@ -114,7 +114,7 @@ double* coefficient_of(Distortion& distortion, const ColmapModel& model, std::st
 void set_intrinsics(Camera& camera, const ColmapModel& model, std::span<const double> parameters,
                     const Source& source, std::uint64_t offset) {
   camera.lens.model = model.lens;
-  if (model.lens == equirectangular) return show_sphere(camera, parameters[0], parameters[1]);
+  if (traits_of(model.lens).shows_sphere) return show_sphere(camera, parameters[0], parameters[1]);
   camera.fx = parameters[0], camera.fy = parameters[model.focal_lengths - 1];
   camera.cx = parameters[model.focal_lengths], camera.cy = parameters[model.focal_lengths + 1];
   const auto numbers = parameters.subspan(std::size_t(model.focal_lengths) + 2);

@@ -92,7 +92,7 @@ double focal_length(const CameraEntry& frame, const FocalKeys& keys, int side, b
 }
 
 void set_intrinsics(Camera& camera, const CameraEntry& frame) {
-  const bool has_angles = camera.lens.model != LensModel::orthographic;
+  const bool has_angles = !traits_of(camera.lens.model).parallel_rays;
   camera.fx = focal_length(frame, {"fl_x", "x_fov", "camera_angle_x"}, camera.width, has_angles);
   camera.fy = focal_length(frame, {"fl_y", "y_fov", "camera_angle_y"}, camera.height, has_angles);
   if (camera.fx == 0) camera.fx = camera.fy;
@@ -109,7 +109,7 @@ void set_intrinsics(Camera& camera, const CameraEntry& frame) {
 /// Adds the keys by which nerfstudio would show another part of the sphere than all of it. instant-ngp's lens
 /// has no such keys.
 void add_unlike_sphere(UnreadKeys& unread, const CameraEntry& frame, const Camera& camera) {
-  if (camera.lens.model != LensModel::equirectangular || !frame.with("camera_model")) return;
+  if (!traits_of(camera.lens.model).shows_sphere || !frame.with("camera_model")) return;
   const auto expect = [&](const char* key, double pixels) {
     if (const JsonEntry* with = frame.with(key); with && !(std::abs(with->number(key) - pixels) <= 1))
       unread.add(key);
@@ -164,7 +164,7 @@ Camera camera_of(const CameraEntry& frame, const std::filesystem::path& folder, 
   set_opengl_pose(camera, change.rotation * axes,
                   change.scale * (change.rotation * centre + change.translation));
   set_size(camera, frame, folder);
-  if (camera.lens.model == LensModel::equirectangular)
+  if (traits_of(camera.lens.model).shows_sphere)
     show_sphere(camera, camera.width, camera.height);
   else
     set_intrinsics(camera, frame);  // those of an orthographic lens are of the model's world, as nerfstudio's

@@ -36,7 +36,7 @@ Normal normal(std::size_t i, const View& view) {
   const auto shortest = std::min_element(scales, scales + 3) - scales;
   const Eigen::Matrix3d axes = Eigen::Quaterniond(q.w, q.x, q.y, q.z).toRotationMatrix();
   const Eigen::Vector3d axis = view.rotation * axes.col(shortest);
-  const bool parallel = view.camera.lens.model == LensModel::orthographic;
+  const bool parallel = traits_of(view.camera.lens.model).parallel_rays;
   const Eigen::Vector3d ray = parallel ? Eigen::Vector3d(0, 0, 1) : camera_space_mean(scene, i, view);
   const double cosine = axis.dot(ray.stableNormalized());
   return {cosine > 0 ? -axis : axis, std::abs(cosine) < least_cosine};

@@ -60,7 +60,7 @@ inline double turn_of(const Camera& camera) { return 6.283185307179586 * camera.
 /// shows the copy of a splat that is nearest to the part's middle, so a splat that reaches less than half a
 /// turn less half a part to each side has no seam.
 inline int panorama_part(const Camera& camera) {
-  if (camera.lens.model != LensModel::equirectangular) return 0;
+  if (!traits_of(camera.lens.model).shows_sphere) return 0;
   const double eighth = turn_of(camera) / 8 * (1 - 1e-12);
   if (eighth > max_image_side) return 0;
   const int step = eighth > 64 ? 32 : 16;  // whole tiles, coarse ones in images that may have them
@@ -81,7 +81,7 @@ inline void validate(const Camera& camera) {
   const auto central = [](double c) { return detail::is_finite(c) && std::abs(c) <= max_principal_point; };
   require(central(camera.cx) && central(camera.cy), "a principal point at most 1e9 pixels from the corner");
   validate(camera.lens);
-  require(camera.lens.model != LensModel::equirectangular || camera.width <= std::ceil(turn_of(camera)),
+  require(!traits_of(camera.lens.model).shows_sphere || camera.width <= std::ceil(turn_of(camera)),
           "at most 2 pi fx pixels a row of an equirectangular lens");
   for (int i = 0; i < 3; ++i) {
     require(detail::is_finite(camera.translation[i]), "a finite translation");

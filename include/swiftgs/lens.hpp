@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cmath>
+#include <cstddef>
+#include <iterator>
+#include <string>
 #include <string_view>
 
 #include <swiftgs/finite.hpp>
@@ -17,6 +20,24 @@ enum class LensModel {
   orthographic,     ///< (x, y): parallel rays, focal lengths in pixels per unit of the scene
   equirectangular,  ///< azimuth atan2(x, z) and elevation atan2(y, |(x, z)|) @units{radians}
 };
+
+/// What models differ in beside their formulas. Code that runs on devices compares with `LensModel` itself.
+struct LensTraits {
+  const char* name;
+  bool takes_distortion = false;
+  bool sees_behind = false;    ///< the camera, so `Conventions::Depth::of_lens` is the distance
+  bool parallel_rays = false;  ///< so focal lengths are in pixels per unit of the scene
+  bool shows_sphere = false;   ///< by angles in both directions: a row has a full turn at most
+};
+
+/// In the order of `LensModel`.
+inline constexpr LensTraits lens_traits[] = {
+    {.name = "perspective", .takes_distortion = true},
+    {.name = "fisheye", .takes_distortion = true, .sees_behind = true},
+    {.name = "orthographic", .parallel_rays = true},
+    {.name = "equirectangular", .sees_behind = true, .shows_sphere = true}};
+
+inline constexpr const LensTraits& traits_of(LensModel model) { return lens_traits[int(model)]; }
 
 /// Moves (u, v) in its plane; with r^2 = u^2 + v^2 to
 ///   u R + 2 p0 u v + p1 (r^2 + 2 u^2) + s0 r^2,  v R + p0 (r^2 + 2 v^2) + 2 p1 u v + s1 r^2,
@@ -35,7 +56,7 @@ struct Distortion {
 /// How directions become points of the image plane.
 struct Lens {
   LensModel model = LensModel::perspective;
-  Distortion distortion;  ///< of perspective and fisheye lenses alone
+  Distortion distortion;  ///< of models that take one alone
 
   bool is_distorted() const { return distortion != Distortion(); }
   /// A pinhole: perspective without distortion.
@@ -53,17 +74,22 @@ struct LensLimits {
   double most_cosecant = INFINITY;
 };
 
-inline constexpr const char* lens_model_names[] = {"perspective", "fisheye", "orthographic",
-                                                   "equirectangular"};
+inline std::string_view name_of(LensModel model) { return traits_of(model).name; }
 
-inline std::string_view name_of(LensModel model) { return lens_model_names[int(model)]; }
+/// "perspective, fisheye, orthographic or equirectangular".
+inline std::string lens_model_names() {
+  std::string names;
+  constexpr std::size_t count = std::size(lens_traits);
+  for (std::size_t i = 0; i < count; ++i)
+    names.append(i == 0 ? "" : i + 1 < count ? ", " : " or ").append(lens_traits[i].name);
+  return names;
+}
 
 /// The model called `name`. Throws `InvalidArgument` with the valid names for any other.
 inline LensModel lens_model_named(std::string_view name) {
-  for (int i = 0; i < 4; ++i)
-    if (name == lens_model_names[i]) return LensModel(i);
-  detail::refuse("lens '", name,
-                 "' is not known; expected perspective, fisheye, orthographic or equirectangular");
+  for (std::size_t i = 0; i < std::size(lens_traits); ++i)
+    if (name == lens_traits[i].name) return LensModel(i);
+  detail::refuse("lens '", name, "' is not known; expected ", lens_model_names());
 }
 
 /// Throws `InvalidArgument` for a distortion that is not finite, or of a lens that has none.
@@ -74,8 +100,7 @@ inline void validate(const Lens& lens) {
         d.tangential[0], d.tangential[1], d.prism[0], d.prism[1]})
     if (!detail::is_finite(number) || std::fabs(number) > 1e6)
       throw InvalidArgument("camera: expected distortion coefficients of at most 1e6 in magnitude");
-  const bool takes_distortion = lens.model == LensModel::perspective || lens.model == LensModel::fisheye;
-  if (!takes_distortion && lens.is_distorted())
+  if (!traits_of(lens.model).takes_distortion && lens.is_distorted())
     detail::refuse("camera: expected no distortion of an ", name_of(lens.model), " lens");
 }
 

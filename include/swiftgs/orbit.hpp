@@ -60,7 +60,7 @@ inline Camera orbit(const OrbitView& view, double turn, double rise = 0, double 
     for (int column = 0; column < 3; ++column) camera.rotation[column][row] = moved[column];
   }
   camera.translation = distance * seen - camera.rotation * view.target;
-  if (camera.lens.model == LensModel::orthographic) camera.fx /= distance, camera.fy /= distance;
+  if (traits_of(camera.lens.model).parallel_rays) camera.fx /= distance, camera.fy /= distance;
   return camera;
 }
 

@@ -30,8 +30,7 @@ inline BlendRules BlendRules::from(const Conventions& c) {
 }
 
 inline bool depth_is_distance(LensModel model, const Conventions& conventions) {
-  if (conventions.depth == Conventions::Depth::of_lens)
-    return model == LensModel::fisheye || model == LensModel::equirectangular;
+  if (conventions.depth == Conventions::Depth::of_lens) return traits_of(model).sees_behind;
   return conventions.depth == Conventions::Depth::distance;
 }
 
@@ -85,7 +84,7 @@ inline ViewConstants view_constants(const Camera& camera, const Conventions& con
   v.through_lens = !camera.lens.is_pinhole() || v.depth_is_distance;
   v.limits = camera.lens.is_pinhole() ? tangents : lens_limits(camera, conventions);
   if (*whole.order == SplatOrder::distance && !v.depth_is_distance) v.order_by_distance();
-  if (camera.lens.model == LensModel::equirectangular) v.turn = turn_of(camera);
+  if (traits_of(camera.lens.model).shows_sphere) v.turn = turn_of(camera);
   v.panorama_middle = 0.5 * camera.width;
   return v;
 }

@@ -24,8 +24,8 @@ Camera whole_panorama(Camera camera) {
 /// The view of `camera` through a lens without distortion.
 Camera through(LensModel model, Camera camera, dvec3 middle) {
   camera.lens = {model, {}};
-  if (model == LensModel::equirectangular) return whole_panorama(camera);
-  if (model != LensModel::orthographic) return camera;
+  if (traits_of(model).shows_sphere) return whole_panorama(camera);
+  if (!traits_of(model).parallel_rays) return camera;
   // What is as far away as the middle of the scene keeps its size.
   const dvec3 away = middle - camera.centre();
   const double distance = std::sqrt(detail::dot(away, away));
@@ -57,8 +57,7 @@ void validate(const LensOptions& options) {
     try {
       lens_model_named(options.lens);
     } catch (const std::invalid_argument&) {
-      throw std::invalid_argument("--lens '" + options.lens +
-                                  "': expected perspective, fisheye, orthographic or equirectangular");
+      throw std::invalid_argument("--lens '" + options.lens + "': expected " + lens_model_names());
     }
   }
   if (options.panorama && !options.lens.empty() && options.lens != name_of(LensModel::equirectangular))
@@ -82,7 +81,7 @@ Conventions::DepthAt depth_at_of(const LensOptions& options) {
 void use_lens(std::vector<View>& views, const LensOptions& options, const Scene& scene) {
   if (!options.panorama && options.lens.empty()) return;
   const LensModel model = options.panorama ? LensModel::equirectangular : lens_model_named(options.lens);
-  const dvec3 middle = model == LensModel::orthographic ? robust_bounds(scene).centre : dvec3(0.0);
+  const dvec3 middle = traits_of(model).parallel_rays ? robust_bounds(scene).centre : dvec3(0.0);
   for (View& view : views) {
     Camera& camera = view.camera;
     if (options.panorama) camera.height = std::max(1, camera.width / 2);

@@ -66,7 +66,7 @@ Camera fitted(Camera camera, int width, int height) {
   const double across = double(width) / camera.width, down = double(height) / camera.height;
   // A panorama has no more than its image.
   const double scale =
-      camera.lens.model == LensModel::equirectangular ? std::max(across, down) : std::min(across, down);
+      traits_of(camera.lens.model).shows_sphere ? std::max(across, down) : std::min(across, down);
   camera.cx = 0.5 * width + scale * (camera.cx - 0.5 * camera.width);
   camera.cy = 0.5 * height + scale * (camera.cy - 0.5 * camera.height);
   camera.fx *= scale, camera.fy *= scale;
