@@ -13,7 +13,9 @@
 #include <cuda/atomic>
 #include <cuda_runtime_api.h>
 
-#include <swiftgs/cuda.cuh>
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/for_each.cuh>
+#include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/error.hpp>
 #include <swiftgs/sort/sort.hpp>
 

@@ -5,7 +5,10 @@
 #include <cstdint>
 #include <tuple>
 
-#include <swiftgs/cuda.cuh>
+#include <swiftgs/bounds/all.hpp>
+#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/intersections.cuh>
+#include <swiftgs/cuda/project.cuh>
 
 namespace swiftgs {
 

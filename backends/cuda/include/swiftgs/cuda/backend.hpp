@@ -14,12 +14,13 @@
 #include <swiftgs/cuda/epochs.hpp>
 #include <swiftgs/cuda/memory.hpp>
 #include <swiftgs/memory_hook.hpp>
-#include <swiftgs/scene_arrays.hpp>
 
 /// A stream as `<cuda_runtime_api.h>` declares it, so that this header needs no toolkit.
 using cudaStream_t = struct CUstream_st*;
 
 namespace swiftgs {
+
+struct SceneArrays;
 
 /// Counts of a frame that projection adds up.
 struct FrameCounts {
