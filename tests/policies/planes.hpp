@@ -98,7 +98,7 @@ inline PlaneErrors plane_errors(const Frame& frame, const ReferencePlanes& expec
   REQUIRE(pixels == expected.pixels());
   REQUIRE(frame.feature_channels <= expected.feature_channels);
   for_each_plane([&]([[maybe_unused]] std::size_t channels,
-                     const auto& values) { REQUIRE(values.size() == channels * pixels); },
+                     [[maybe_unused]] const auto& values) { REQUIRE(values.size() == channels * pixels); },
                  frame);
   double most_feature = std::numeric_limits<double>::min();
   for (const double feature : expected.features) most_feature = std::max(most_feature, std::abs(feature));
@@ -143,7 +143,7 @@ inline PlaneErrors plane_errors(const Frame& frame, const ReferencePlanes& expec
 }
 
 /// Checks sums and means.
-inline void check_sums(const PlaneErrors& errors, const PlaneBounds& bounds) {
+inline void check_sums(const PlaneErrors& errors, [[maybe_unused]] const PlaneBounds& bounds) {
   for_each_plane(
       [&](std::size_t, [[maybe_unused]] const PlaneRow& row, [[maybe_unused]] double worst) {
         CAPTURE(row.name);
