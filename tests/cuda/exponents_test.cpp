@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The exponents of kernels, on the host.
+#include <swiftgs/view.hpp>
+
 #include "exponents.hpp"
 
 #include <algorithm>
