@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The exponents of kernels, on the host.
-#include <swiftgs/view.hpp>
-
 #include "exponents.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include <doctest/doctest.h>
+
+#include <swiftgs/view.hpp>
 
 #include "blending.hpp"
 #include "cuda/exact_square.hpp"

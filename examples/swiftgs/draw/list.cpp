@@ -9,9 +9,9 @@
 #include <swiftgs/any_renderer.hpp>
 
 #include "commands.hpp"
+#include "draw/renderer_words.hpp"
 #include "json_text.hpp"
 #include "options.hpp"
-#include "draw/renderer_words.hpp"
 #include "result_file.hpp"
 #include "result_head.hpp"
 

@@ -9,8 +9,8 @@
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/io/image.hpp>
 
-#include "progress.hpp"
 #include "measure/prune_result.hpp"
+#include "progress.hpp"
 #include "read/views.hpp"
 
 namespace swiftgs::cli {
