@@ -66,6 +66,10 @@ constexpr bool check_policies() {
 
   static_assert(Named<Raster>, "rasterizer: expected `static constexpr std::string_view name`");
   constexpr bool rasters = RastersOn<Raster, B>;
+  if constexpr (!rasters)
+    static_assert(
+        FunctorBackend<B>,
+        "backend: expected the members that the comment of FunctorBackend lists, or stages of its own");
   static_assert(
       rasters || requires { typename Raster::Kernel; },
       "rasterizer: expected a type `Kernel`, or a function rasterize(B&, Raster, const RasterJob&)");

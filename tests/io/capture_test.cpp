@@ -209,7 +209,7 @@ TEST_CASE("capture: a folder without a scene says what it holds instead") {
 }
 
 TEST_CASE("capture: what the system refuses and what a file lacks have codes") {
-  const TemporaryFolder place;
+  const TemporaryFolder place, empty;
   const std::string loop = (place / "loop").string(), absent = (place / "absent.ply").string();
   fs::create_symlink("loop", loop);
   const auto check = [](ErrorCode code, const std::string& file, const auto& read) {
@@ -230,7 +230,7 @@ TEST_CASE("capture: what the system refuses and what a file lacks have codes") {
         [](const fs::path& file) { replace_file(file, ""); });
   check(ErrorCode::format, place.write("a.ply", "ply\n").string(),
         [](const fs::path& file) { load_scene(file); });
-  check(ErrorCode::invalid_argument, place.path().string(), [](const fs::path& file) { find_capture(file); });
+  check(ErrorCode::invalid_argument, empty.path().string(), [](const fs::path& file) { find_capture(file); });
 }
 
 }  // namespace swiftgs::test::capture_test
