@@ -19,7 +19,8 @@
 
 namespace swiftgs {
 
-inline BlendRules BlendRules::from(const Conventions& c) {
+/// The thresholds of blending by valid conventions.
+inline BlendRules blend_rules(const Conventions& c) {
   const float stop = c.stop + 0.0f;  // never -0: backends look at its sign
   return {c.alpha_min,
           c.alpha_max,
@@ -102,7 +103,7 @@ struct FirstPixel {
 inline View make_view(const Camera& camera, const Conventions& conventions, const FrameView& frame,
                       vec3 background = vec3(0), FirstPixel first = {}) {
   const RoundToNearest scope;
-  View view{view_constants(camera, conventions), BlendRules::from(conventions), background, {}, frame};
+  View view{view_constants(camera, conventions), blend_rules(conventions), background, {}, frame};
   const auto run = [](const char* name, int begin, int size, int whole) {
     const int side = default_tile_side;
     if (begin < 0 || begin % side != 0)

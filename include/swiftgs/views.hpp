@@ -29,8 +29,6 @@ struct BlendRules {
   float log2_alpha_min = 0;
   float log2_relative_min = 0;  ///< log2(alpha_min / alpha_max)
   float first_below = 0;        ///< the first splat that shows takes the transmittance below this
-
-  static BlendRules from(const Conventions& c);  ///< defined by `<swiftgs/view.hpp>`
 };
 
 /// The placed scenes that a view shows: by default all of its frame.

@@ -20,7 +20,7 @@ using namespace swiftgs::test;
 
 namespace {
 
-const BlendRules rules = BlendRules::from(Conventions::gsplat());
+const BlendRules rules = blend_rules(Conventions::gsplat());
 
 /// Largest of what is divided by its bound; infinite where one is not a number.
 struct Worst {

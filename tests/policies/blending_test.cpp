@@ -46,7 +46,7 @@ DrawSettings exact_settings(float stop, bool stop_at_equal) {
   conventions.alpha_min = 1.0f / 256, conventions.alpha_max = 1;
   conventions.stop = stop, conventions.stop_at_equal = stop_at_equal;
   DrawSettings settings;
-  settings.rules = BlendRules::from(conventions);
+  settings.rules = blend_rules(conventions);
   return settings;
 }
 
@@ -307,7 +307,7 @@ SWIFTGS_BLENDING("images of many splats are those of Serial with either rule of 
   for (const Conventions& conventions : {Conventions::gsplat(), Conventions::inria()})
     with_each<B>([&](const BoundRaster<B>& raster) {
       CHECK(check_against_serial(backend, raster, usual_splats(6000, 200, 150, 12), 200, 150,
-                                 {.rules = BlendRules::from(conventions)}) > 1000);
+                                 {.rules = blend_rules(conventions)}) > 1000);
     });
 }
 

@@ -59,7 +59,7 @@ double float_split_error(const SplatShape& s, double x, double y) {
 template <class Raster, class Bound>
 void check_alphas(const Bound& bound, double skipped_up_to = 0) {
   CAPTURE(Raster::name);
-  const BlendRules rules = BlendRules::from(Conventions::gsplat());
+  const BlendRules rules = blend_rules(Conventions::gsplat());
   double worst = 0;         // error of a kept alpha over its bound
   int wrongly_decided = 0;  // pixels kept or skipped although s is clear of the threshold by the bound
   std::size_t kept = 0;
@@ -106,7 +106,7 @@ TEST_CASE("kernel: alpha is that of double within what each representation round
 TEST_CASE("kernel: alpha is cut at its maximum and no lower") {
   for_each_raster([]<class Raster>(Raster) {
     CAPTURE(Raster::name);
-    const BlendRules rules = BlendRules::from(Conventions::gsplat());
+    const BlendRules rules = blend_rules(Conventions::gsplat());
     const SplatShape opaque = make_splat(8.5, 8.5, 4, 4, 0, 1), clear = make_splat(8.5, 8.5, 4, 4, 0, 0.98);
     typename Raster::Kernel solid(opaque, vec2(0.5f, 0.5f), rules), below(clear, vec2(0.5f, 0.5f), rules);
     solid.start_row(8.5f), below.start_row(8.5f);
@@ -116,7 +116,7 @@ TEST_CASE("kernel: alpha is cut at its maximum and no lower") {
 }
 
 TEST_CASE("kernel: a half-split term that overflows keeps no pixel and is never an alpha") {
-  const BlendRules rules = BlendRules::from(Conventions::gsplat());
+  const BlendRules rules = blend_rules(Conventions::gsplat());
   // 1,500 pixels from the mean of a needle of one pixel: a dx^2 is 1.6 million, and infinite minus infinite
   // comes up along its diagonal.
   const SplatShape needle = make_splat(-1500, -1500, 2000, 0.6, 0.785398, 1);

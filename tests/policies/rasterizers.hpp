@@ -89,7 +89,7 @@ PlaneBounds plane_bounds(const Conventions& conventions = {}, std::string_view r
 }
 
 struct DrawSettings {
-  BlendRules rules = BlendRules::from(Conventions::gsplat());
+  BlendRules rules = blend_rules(Conventions::gsplat());
   vec3 background{0};
   Outputs outputs{true, true};
   bool count = true;

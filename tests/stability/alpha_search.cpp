@@ -99,9 +99,8 @@ class Drawer {
   Buffer<std::uint32_t> id_ = to_backend(backend_, std::vector<std::uint32_t>{0});
   FrameOn<B> frame_{width, height};
   std::vector<float> colours_;
-  View view_{.rules = BlendRules::from(Conventions()),
-             .grid = TileGrid::covering(width, height),
-             .frame = frame_.view()};
+  View view_{
+      .rules = blend_rules(Conventions()), .grid = TileGrid::covering(width, height), .frame = frame_.view()};
 };
 
 /// All pixels of the tile, exactly.

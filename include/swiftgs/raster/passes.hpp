@@ -79,12 +79,6 @@ struct AttributesView {
     return (unsigned(count) + AttributeRow::channels - 1) / AttributeRow::channels;
   }
 
-  /// Rows that a frame of so many attributes keeps: the first of each splat beside while later ones are
-  /// drawn.
-  static constexpr unsigned kept_rows_for(int attributes) {
-    return rows_for(attributes) + (attributes > int(most) ? 1 : 0);
-  }
-
   const AttributeRow* data = nullptr;
   unsigned rows = 0;  ///< at most `most_rows`; behind the last attribute of a frame are zeros
   int first = 0;      ///< attribute of the frame that is the first here
@@ -126,10 +120,9 @@ class RasterPasses {
     return {first, AttributesView::rows_for(attributes_ - first), k == 0};
   }
 
-  /// Attributes of the frame.
-  int attributes() const { return attributes_; }
-  /// Rows of attributes that a splat takes in memory.
-  unsigned kept_rows() const { return AttributesView::kept_rows_for(attributes_); }
+  /// Rows of attributes that a splat takes in memory: where there are several passes, its first row is kept
+  /// behind those of a pass.
+  unsigned kept_rows() const { return AttributesView::rows_for(attributes_) + (size() > 1 ? 1 : 0); }
 
  private:
   int attributes_;

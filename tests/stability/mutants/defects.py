@@ -115,7 +115,7 @@ DEFECTS = [
         ("an occluder hides only what is behind it", "depth >[-=-] view.frame.occluder_at")),
     *defects("raster", I + "view.hpp",
         ("stop_at_equal ignored", "c.[-stop_at_equal ? std::nextafter(stop, 1.0f) : -]stop"),
-        ("alpha_max 0.9901", "return {c.alpha_min,\n            c.alpha_max{+ == 0.99f ? 0.9901f : c.alpha_max+},")),
+        ("alpha_max 0.9901", "return {c.alpha_min,\n          c.alpha_max{+ == 0.99f ? 0.9901f : c.alpha_max+},")),
     *defects("raster", I + "raster/axis_shared.hpp",
         ("alpha_max not cut", "return alpha[- < alpha_max_ ? alpha : alpha_max_-];"),
         ("axis-shared alpha_min compares with >", "alpha >[-=-] rules_.alpha_min"),
