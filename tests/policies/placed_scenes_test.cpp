@@ -13,6 +13,7 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/chunks.hpp>
 #include <swiftgs/edit.hpp>
 #include <swiftgs/metrics.hpp>
 
@@ -378,6 +379,25 @@ SWIFTGS_CONTRACT("placed scenes: a Gaussian's number tells its scene, and splats
   CHECK(expected[1] > 30);
   renderer.render(placed, camera);
   CHECK(renderer.visible_by_scene() == expected);
+}
+
+TEST_CASE("placed scenes: a range that begins with a chunk has chunks that hold its Gaussians") {
+  const Scene scene = order_spatially(make_builtin_scene(20'000));
+  const std::vector<ChunkBounds> chunks = chunk_bounds(view(scene));
+  SceneView whole = view(scene);
+  whole.chunks = {chunks.data(), chunks.size()};
+  for (std::size_t first = 0; first <= 4 * chunk_size; first += chunk_size / 4) {
+    CAPTURE(first);
+    const SceneView range = range_of(whole, first, scene.size() - first);
+    CHECK((first % chunk_size != 0 || !range.chunks.empty()));
+    std::size_t outside = 0;
+    for (std::size_t i = 0; i < range.size() && !range.chunks.empty(); ++i)
+      for (int axis = 0; axis < 3; ++axis) {
+        const ChunkBounds& chunk = range.chunks[i / chunk_size];
+        outside += range.means[i][axis] < chunk.low[axis] || range.means[i][axis] > chunk.high[axis];
+      }
+    CHECK(outside == 0);
+  }
 }
 
 TEST_CASE("placed scenes: what cannot be placed is refused") {
