@@ -100,6 +100,42 @@ TEST_CASE("lens: points and derivatives are those of the formulas") {
   }
 }
 
+TEST_CASE("lens: bounds of a box hold what the lens shows of its points") {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> in(-1, 1);
+  const auto direction = [&] { return dvec3(in(random), in(random), in(random)); };
+  for (const Lens& lens : lenses()) {
+    CAPTURE(name_of(lens.model));
+    CAPTURE(lens.is_distorted());
+    const LensLimits limits = lens_limits(camera_with(lens, 100'000, 100'000), Conventions::gsplat());
+    int outside = 0, bounded = 0;
+    for (int i = 0; i < 3000; ++i) {
+      // About two corners: often one is near, and both are in one direction.
+      const double spread = std::exp(-5 * std::fabs(in(random))), deep = std::exp(-3 * std::fabs(in(random)));
+      const dvec3 far = direction(), near = deep * (far + spread * direction());
+      CameraBox box{0.5 * (far + near), 0.5 * (far - near)};
+      for (int k = 0; k < 3; ++k) box.half[k] = std::fabs(box.half[k]);
+      const LensBox bounds = box_through(lens, limits, box);
+      bounded += bounds.bounded && bounds.inside;
+      for (int n = 0; n < 20; ++n) {
+        dvec3 of_corners = n == 0 ? near : box.centre;
+        for (int k = 0; k < 3 && n > 0; ++k) of_corners[k] += in(random)*box.half[k];
+        const LensPoint at = point_through(lens, limits, of_corners);
+        if (!at.inside) continue;
+        outside += !bounds.inside;
+        if (!bounds.bounded) continue;
+        const double turn = lens.model == LensModel::equirectangular ? 2 * pi : INFINITY;
+        outside += std::fabs(std::remainder(at.u - bounds.u, turn)) > bounds.half_u + 1e-9;
+        outside += std::fabs(at.v - bounds.v) > bounds.half_v + 1e-9;
+        outside += std::sqrt(dot(at.du, at.du)) > bounds.du * (1 + 1e-9);
+        outside += std::sqrt(dot(at.dv, at.dv)) > bounds.dv * (1 + 1e-9);
+      }
+    }
+    CHECK(outside == 0);
+    CHECK(bounded > 500);
+  }
+}
+
 TEST_CASE("lens: splats land within 1e-3 pixels of their points in images of 4096 pixels") {
   std::mt19937_64 random(4);
   std::uniform_real_distribution<double> in(-3, 3);
