@@ -44,7 +44,11 @@ struct Placement {
   std::size_t count = all;  ///< Gaussians that show; `all` from `first` on
 };
 
-/// A renderer whose policies are chosen at run time.
+/// A renderer whose policies are known at run time alone: one of `make_renderer`, or any `Renderer`. It keeps
+/// scenes by number and draws what is placed of them.
+///
+/// It keeps the memory of its stages, so a frame no larger than an earlier one allocates nothing. All of it
+/// is from the hook of its backend. It is not safe to use from two threads at once; two renderers are.
 class SWIFTGS_API AnyRenderer {
  public:
   virtual ~AnyRenderer() = default;
@@ -100,7 +104,8 @@ class SWIFTGS_API AnyRenderer {
   /// the stream order of `other`: another stream must wait for that before it draws the scene.
   virtual bool share_scene(const AnyRenderer& other) = 0;
 
-  /// As `Renderer::render`. Throws `OrderError` before a scene is set.
+  /// Renders a frame a camera on the host; complete when it returns. Throws `OrderError` before a scene is
+  /// set, and as `render_into`.
   virtual void render(Span<const Camera> cameras, const RenderSettings& settings, Span<Frame> frames) = 0;
   void render(const Camera& camera, const RenderSettings& settings, Frame& frame) {
     render(Span<const Camera>{&camera, 1}, settings, Span<Frame>{&frame, 1});
@@ -115,41 +120,54 @@ class SWIFTGS_API AnyRenderer {
     return frames.size == 0 ? FrameView{} : frames[0];
   }
 
-  /// As `Renderer::render_into`, with all that a `View` may ask for. Throws as `render`.
+  /// As `FrameRenderer::render_into`.
   virtual void render_into(Span<const View> views, Measures measures = {}) = 0;
 
-  /// As `Renderer::reserve`, `set_views` and `record`, of the scene that was set. Throws as `render`.
+  /// As `RecordedFrames::reserve`, `set_views` and `record`, of what is placed at the time of `reserve`. A
+  /// scene alone may be another one at each `record`.
   virtual void reserve(Span<const View> views, Capacity capacity = {}) = 0;
   virtual void set_views(Span<const View> views) = 0;
   virtual void record(FrameReport* report) = 0;
-  /// Recorded work that runs again shows what is placed now. Throws as `Renderer::set_scenes`.
+  /// Recorded work that runs again shows what is placed now. Throws as `RecordedFrames::set_scenes`.
   virtual void set_recorded_scenes() = 0;
-  /// As `Renderer::recorded_scenes`, one for each placement. Frames show what is written there until the
-  /// next `set_recorded_scenes`. Throws `OrderError` unless placed scenes were reserved: one
-  /// scene where it stands by itself is drawn as a scene alone.
+  /// As `RecordedFrames::stored_scenes` and `refused_scenes`.
   virtual Span<PlacedScene> recorded_scenes() = 0;
-  /// As `Renderer::refused_scenes`.
   virtual std::vector<std::size_t> refused_scenes() const = 0;
 
   /// Returns when all work submitted so far is done.
   virtual void wait() = 0;
 
-  /// As `Renderer::pick`.
+  /// Which Gaussians pixels of the last frame show, by rows, from its splats and tile lists. Waits for the
+  /// frame. `pick` does not look at occluders: compare depths with yours.
+  ///
+  /// The last frame is that of the latest `render_into`, `render_resident`, `render` or `record`. Results are
+  /// undefined after the replay of a graph that does not hold the latest `record`, and between `set_views`
+  /// and the next replay. A recorded frame above its capacity shows nothing on a device, and is no frame on a
+  /// host.
+  ///
+  /// Throws `OrderError` if there is no frame: before the first, after `reserve` and `trim`, and after
+  /// one that failed once its views were valid; `InvalidArgument` for an unknown view, or a rectangle
+  /// that does not lie in its frame; and `DeviceError` on a device.
   virtual std::vector<PickedPixel> pick(const PickRectangle& rectangle) = 0;
+  /// At one pixel, from the top left of the view's frame.
   PickedPixel pick(int x, int y, std::size_t view = 0) { return pick({.x = x, .y = y, .view = view})[0]; }
 
-  /// As `Renderer::times`. @units{milliseconds}
+  /// As `FrameMeasures::times`. @units{milliseconds}
   virtual StageTimes times() = 0;
 
-  /// As `Renderer::statistics`.
+  /// As `FrameMeasures::statistics`.
   virtual Statistics statistics() const = 0;
-  /// As `Renderer::visible_by_scene`: a number a placement.
+  /// As `visible_by_scene` of a `FrameRenderer`: a number a placement.
   virtual std::vector<std::size_t> visible_by_scene() const = 0;
 
-  /// As `Renderer::memory`.
+  /// Bytes that the buffers of each stage take in the backend's memory. Buffers grow with the largest frame
+  /// so far, and are empty after `trim`.
   virtual StageMemory memory() const = 0;
 
-  /// As `Renderer::trim`. The scene stays.
+  /// Gives back all memory that the renderer and its backend keep, uploaded scenes excluded, after waiting
+  /// for all work submitted so far. The next frame takes it again. Views that were set and what was reserved
+  /// are forgotten, so `record` is refused until the next `reserve`. Frames of `render_resident`, the last
+  /// frame's splats and tile lists and what `statistics` counts on request are gone.
   virtual void trim() = 0;
 
   /// False while an adaptive sort still measures frames of the scene at this size.

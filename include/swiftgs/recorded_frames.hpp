@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <swiftgs/backend.hpp>
+#include <swiftgs/error.hpp>
 #include <swiftgs/frame_capacity.hpp>
 #include <swiftgs/frame_plan.hpp>
 #include <swiftgs/frame_renderer.hpp>
@@ -98,11 +99,12 @@ class RecordedFrames {
 
   /// The placed scenes that `record(renderer, report)` renders, in memory of the backend, until the next
   /// `reserve`: work in stream order may write poses, opacities, clips and tints there, and nothing else, for
-  /// frames that are recorded or run again later. A device does not draw a scene that is not valid (NaN, no
-  /// rotation), see `refused_scenes`; a host throws. Null on a device for a scene alone.
-  PlacedScene* stored_scenes() {
-    if (!B::reaches_host_memory && !scenes_.is_stored()) return nullptr;
-    return const_cast<PlacedScene*>(scenes_.reachable());
+  /// frames that are recorded or run again later, until the next `set_scenes`. A device does not draw a scene
+  /// that is not valid (NaN, no rotation), see `refused_scenes`; a host throws. Throws `OrderError` unless
+  /// placed scenes were reserved: one scene where it stands by itself is drawn as a scene alone.
+  Span<PlacedScene> stored_scenes() const {
+    if (!reserved_ || alone_) throw OrderError("recorded_scenes: expected reserve of placed scenes before");
+    return {const_cast<PlacedScene*>(scenes_.reachable()), scenes_.size()};
   }
   /// Indices of placed scenes that the last recorded frame should have shown and refused to draw. Waits for
   /// the frame.

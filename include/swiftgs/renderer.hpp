@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <string_view>
 #include <utility>
 
@@ -28,7 +29,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class Renderer : pub
   static constexpr std::string_view name = name_storage.view();
 
   explicit Renderer(B backend = B(), Sort sort = Sort())
-      : BoundRenderer<B>(std::move(backend), stage_table<B, Raster, Bounds>(),
+      : BoundRenderer<B>(std::string(name), std::move(backend), stage_table<B, Raster, Bounds>(),
                          std::make_unique<OwnSort>(std::move(sort))) {}
 
   Sort& sort() { return static_cast<OwnSort&>(this->stages().sort()).sort; }

@@ -13,9 +13,9 @@ CORE = ["frame_renderer.hpp"]
 MOST_FILES, MOST_LINES = 40, 4650
 
 FEATURES = {
-    "drivers": ["any_*.hpp", "bound_renderer.hpp", "contribution.hpp", "frame_planes.hpp", "measure.hpp", "pick*.hpp",
-                "pruning.hpp", "recorded_frames.hpp", "renderer*.hpp", "render_settings.hpp", "resident_frames.hpp",
-                "statistics.hpp", "hidden_intersections.hpp"],
+    "drivers": ["any_*.hpp", "bound_renderer.hpp", "contribution.hpp", "frame_planes.hpp", "kept_scenes.hpp",
+                "measure.hpp", "pick*.hpp", "pruning.hpp", "recorded_frames.hpp", "renderer*.hpp",
+                "render_settings.hpp", "resident_frames.hpp", "statistics.hpp", "hidden_intersections.hpp"],
     "planes": ["plane/*", "attribute_stage.hpp", "raster/store.hpp", "raster/blend.hpp"],
     "lenses": ["lens/*", "camera*.hpp", "view.hpp", "project.hpp"],
     "loops over functors": ["stage_table.hpp", "project_stage.hpp", "shade_stage.hpp", "bin_stage.hpp"],

@@ -44,4 +44,17 @@ TEST_CASE("addresses: a backend that runs no functor draws the bits of one that 
   for (std::size_t i = 0; i < 2; ++i) CHECK(same_planes(drawn[i], expected[i]));
 }
 
+TEST_CASE("addresses: a renderer draws on a backend that lacks functions and names one that it needs") {
+  const auto scene = std::make_shared<const Scene>(random_scene(300, 1, 11));
+  Renderer<Serial> serial;
+  Renderer<Addresses> renderer;
+  const Camera camera = forward_camera(50, 40);
+  CHECK(same_planes(renderer.render(renderer.backend().upload(*scene), camera),
+                    serial.render(serial.backend().upload(scene), camera)));
+  CHECK_THROWS_WITH_AS(renderer.set_scene(scene),
+                       "backend addresses: expected a function upload of scenes to keep", Unavailable);
+  CHECK_THROWS_WITH_AS(renderer.pick(0, 0), "backend addresses: expected a function pick_pixels",
+                       Unavailable);
+}
+
 }  // namespace swiftgs::test

@@ -190,6 +190,32 @@ SWIFTGS_CONTRACT("any renderer: scenes that are added and placed are drawn and r
   check_drawn_frames(*other, typed, more);
 }
 
+SWIFTGS_CONTRACT("any renderer: one of types keeps scenes too and tells them from those of its caller") {
+  Usual<B> renderer(test::make_backend<B>()), typed(test::make_backend<B>());
+  AnyRenderer& any = renderer;
+  CHECK(any.name() == typed.name);
+  TwoScenes<B> two(typed.backend());
+  any.set_scene(two.given[0]);
+  check_drawn_frames(any, typed, two.uploaded[0]);
+  const auto named = make_renderer(typed.name, {.threads = 1});
+  REQUIRE(named->share_scene(any));
+  check_drawn_frames(*named, typed, two.uploaded[0]);
+
+  const std::vector<AskedView> asked = different_views();
+  const std::vector<PlacedScene> placed = two.placed(0.3);
+  PlacedViews of_caller(backend, asked), kept(backend, asked);
+  typed.render_into(placed, of_caller.span());
+  typed.render_into(two.uploaded[0], kept.span());
+  Report<B> report;
+  PlacedViews drawn(backend, asked), again(backend, asked);
+  renderer.reserve(placed, drawn.span(), {4000, 400'000});
+  record_into(any, drawn, report);
+  CHECK(differing(drawn.finish(backend), of_caller.finish(backend)) == 0);
+  any.reserve(again.span(), {4000, 400'000});
+  record_into(any, again, report);
+  CHECK(differing(again.finish(backend), kept.finish(backend)) == 0);
+}
+
 SWIFTGS_CONTRACT("any renderer: recorded frames show the poses that work writes to their memory") {
   Usual<B> typed(test::make_backend<B>());
   TwoScenes<B> two(typed.backend());

@@ -233,7 +233,7 @@ SWIFTGS_CONTRACT("placed scenes: recorded ones that others write to are drawn wh
                       end = offsetof(PlacedScene, first_gaussian);
     const auto* bytes = reinterpret_cast<const unsigned char*>(&to);
     CopyToBackend<B>::copy(Span<const unsigned char>{bytes + begin, end - begin},
-                           reinterpret_cast<unsigned char*>(renderer.recorded_scenes() + which) + begin);
+                           reinterpret_cast<unsigned char*>(renderer.recorded_scenes().data + which) + begin);
   };
   const auto draws = [&](const std::vector<PlacedScene>& wanted) {
     renderer.record(report.data());

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <type_traits>
 #include <utility>
@@ -53,7 +54,8 @@ void with_each_raster(const F& f) {
 /// A renderer with other policies than the usual ones.
 template <class B, class Sort = EarlySort, class Bounds = Ellipse>
 BoundRenderer<B> renderer_with(const RasterStage<B>& raster, B backend = test::make_backend<B>()) {
-  return {std::move(backend),
+  return {std::string(raster.name),
+          std::move(backend),
           {bounds_stages<B, Bounds>(), raster, common_stages<B>()},
           std::make_unique<SortStageOf<B, Sort, Bounds>>()};
 }
