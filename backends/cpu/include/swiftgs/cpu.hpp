@@ -16,6 +16,7 @@
 #include <swiftgs/api.hpp>
 #include <swiftgs/backend.hpp>
 #include <swiftgs/bin_stage.hpp>
+#include <swiftgs/bound_renderer.hpp>
 #include <swiftgs/bounds/ellipse.hpp>
 #include <swiftgs/bounds/opacity_box.hpp>
 #include <swiftgs/bounds/three_sigma_square.hpp>
@@ -293,5 +294,8 @@ SWIFTGS_API void rasterize(Cpu& cpu, AxisShared<FloatCholesky>, const RasterJob&
 SWIFTGS_API void rasterize(Cpu& cpu, AxisSharedThreshold<HalfSplit>, const RasterJob& job);
 SWIFTGS_API void rasterize(Cpu& cpu, AxisSharedThreshold<FloatSplit>, const RasterJob& job);
 SWIFTGS_API void rasterize(Cpu& cpu, AxisSharedThreshold<FloatCholesky>, const RasterJob& job);
+
+/// In the library, so that programs compile no driver.
+extern template class BoundRenderer<Cpu>;
 
 }  // namespace swiftgs

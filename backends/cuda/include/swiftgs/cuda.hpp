@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <swiftgs/api.hpp>
+#include <swiftgs/bound_renderer.hpp>
 #include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/colours.hpp>
 #include <swiftgs/cuda/stage_memory.hpp>
@@ -149,5 +150,8 @@ struct ContributionJob;
 /// One warp per warp block, with the bits of every weight that `AxisSharedThreshold<FloatCholesky>` blends
 /// with.
 SWIFTGS_API void add_contributions(Cuda& cuda, const ContributionJob& job);
+
+/// In the library, so that programs compile no driver.
+extern template class BoundRenderer<Cuda>;
 
 }  // namespace swiftgs
