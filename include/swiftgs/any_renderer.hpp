@@ -123,8 +123,8 @@ class SWIFTGS_API AnyRenderer {
   /// As `FrameRenderer::render_into`.
   virtual void render_into(Span<const View> views, Measures measures = {}) = 0;
 
-  /// As `RecordedFrames::reserve`, `set_views` and `record`, of what is placed at the time of `reserve`. A
-  /// scene alone may be another one at each `record`.
+  /// As `RecordedFrames::reserve`, `set_views` and `record`, of what is placed at the time of `reserve`,
+  /// which throws `OrderError` before a scene is set. A scene alone may be another one at each `record`.
   virtual void reserve(Span<const View> views, Capacity capacity = {}) = 0;
   virtual void set_views(Span<const View> views) = 0;
   virtual void record(FrameReport* report) = 0;
