@@ -146,7 +146,7 @@ HWY_INLINE void StoreSums(const RasterJob& job, const PlacedRasterBlock& block, 
   const FrameView& frame = block.view.frame;
   const unsigned end = job.attributes.rows * AttributeRow::channels;
   for (unsigned i = 0, count = 0; i < end; i += count) {
-    const Attribute of = attribute(block.view, job.attributes.first + int(i));
+    const Attribute of = attribute(block.view, block.view.frame, job.attributes.first + int(i));
     Plane* const sums = state.sums + i;
     switch (of.of) {
       case Of::ray_depth:

@@ -27,7 +27,7 @@ void rasterize_planes(Cuda& cuda, const char* name, const RasterJob& job);
 /// Whether `job` asks for more than colour, alpha and depths of means.
 inline bool has_further_planes(const RasterJob& job) {
   const auto asks = [](const View& view) {
-    return attribute_count(view) > (takes_ray_depth(view) ? RayDepth::terms : 0) ||
+    return attribute_count(view) > (asks_for_ray_depth(view) ? RayDepth::terms : 0) ||
            (view.camera.depth_along_ray && view.frame.depth.data);
   };
   return some_view_picks(job) ||

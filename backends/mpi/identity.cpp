@@ -129,8 +129,8 @@ std::uint64_t views_identity(Span<const View> views) {
     add(view.rules.first_below);
     add(view.grid.columns.begin, view.grid.columns.end, view.grid.rows.begin, view.grid.rows.end);
     add(view.grid.side, view.frame.width, view.frame.height, view.shows.first, view.shows.count);
-    for_each_plane([&](std::size_t channels, const auto& plane) { add(plane.data ? channels : 0); },
-                   view.frame);
+    for_each_plane([&](std::size_t channels, bool asked, const auto&) { add(asked ? channels : 0); },
+                   view.asked().planes(), view.frame);
   }
   return sum.value();
 }

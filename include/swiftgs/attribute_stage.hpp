@@ -24,7 +24,7 @@ struct SplatAttributes {
 
   /// Whether views may need depths along the ray here. Their arithmetic takes a device many registers.
   bool along_ray(Span<const View> views) const {
-    return first == 0 && std::any_of(views.begin(), views.end(), takes_ray_depth);
+    return first == 0 && std::any_of(views.begin(), views.end(), asks_for_ray_depth);
   }
 
   /// Writes the rows of splat `i`, which `view` shows. `some_along_ray`: as of `along_ray`.
@@ -32,11 +32,11 @@ struct SplatAttributes {
   SWIFTGS_HD void gather(const Scenes& scenes, const View& view, std::size_t i, AttributeRow* to) const {
     const auto seen = scenes.see(view.camera, splats.gaussians[i]);
     Geometry of{.depth = drawn_depth(seen.camera, seen.scene, seen.i, splats.depths[i])};
-    if (some_along_ray && takes_ray_depth(view))
+    if (some_along_ray && asks_for_ray_depth(view))
       of.along_ray = ray_depth(seen.camera, gaussian(seen.scene, seen.i), splats.shapes[i].mean, of.depth,
                                most_attribute(view.rules.alpha_max));
     // Both are among the first attributes of a frame.
-    if (first == 0 && view.frame.normal.data) of.normal = splat_normal(seen.camera, seen.scene, seen.i);
+    if (first == 0 && view.request.normal) of.normal = splat_normal(seen.camera, seen.scene, seen.i);
     const float* features = seen.scene.features.at(seen.i);
     for (unsigned r = 0; r < rows; ++r) to[i * rows + r] = row(view, r, of, features);
   }
@@ -53,7 +53,7 @@ struct SplatAttributes {
     const float largest = 3.4028234663852886e38f, most = most_attribute(view.rules.alpha_max);
     AttributeRow out;
     for (unsigned c = 0; c < AttributeRow::channels; ++c) {
-      const Attribute from = attribute(view, first + int(r * AttributeRow::channels + c));
+      const Attribute from = attribute(view, view.request, first + int(r * AttributeRow::channels + c));
       float value = 0;
       switch (from.of) {
         case Attribute::Of::ray_depth:

@@ -109,6 +109,8 @@ struct Plane {
   T* data = nullptr;         ///< first pixel of the image's top row
   std::ptrdiff_t pitch = 0;  ///< from a row to the one below it in the image @units{bytes}
 
+  SWIFTGS_HD explicit operator bool() const { return data != nullptr; }
+
   /// Row y from the top of the image.
   SWIFTGS_HD T* row(std::size_t y) const {
     using Byte = std::conditional_t<std::is_const_v<T>, const unsigned char, unsigned char>;
@@ -150,6 +152,29 @@ struct PerPlane {
   T features{};
 
   static auto buffers(auto& self) { return detail::planes_of(self); }
+};
+
+/// What a view is asked for: planes, and that its occluder hides splats. Planning reads it. Where planes go
+/// is known to a `FrameView`, which may follow later.
+struct Request {
+  bool colour : 1 = false, alpha : 1 = false, depth : 1 = false;
+  bool squared_depth : 1 = false, first_depth : 1 = false, median_depth : 1 = false;
+  bool normal : 1 = false, id : 1 = false, median_id : 1 = false, features : 1 = false;
+  bool occluder : 1 = false;
+
+  /// `planes`: `Outputs`, or others with a value for each plane that is true or false.
+  template <class Planes>
+  static constexpr Request of(const Planes& planes) {
+    return {bool(planes.colour),        bool(planes.alpha),       bool(planes.depth),
+            bool(planes.squared_depth), bool(planes.first_depth), bool(planes.median_depth),
+            bool(planes.normal),        bool(planes.id),          bool(planes.median_id),
+            bool(planes.features)};
+  }
+  /// For `for_each_plane`.
+  constexpr PerPlane<bool> planes() const {
+    return {colour, alpha, depth, squared_depth, first_depth, median_depth, normal, id, median_id, features};
+  }
+  bool operator==(const Request&) const = default;
 };
 
 /// What a pixel makes of the splats that it shows, front to back.
@@ -254,6 +279,12 @@ struct FrameView {
   Conversion conversion = Conversion::as_is;  ///< of `colour`
 
   std::size_t pixels() const { return std::size_t(width) * height; }
+  /// What it has memory for.
+  Request request() const {
+    Request all = Request::of(*this);
+    all.occluder = bool(occluder);
+    return all;
+  }
   /// @units{bytes}
   PerPlane<std::size_t> pixel_bytes() const {
     PerPlane<std::size_t> bytes;

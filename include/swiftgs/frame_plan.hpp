@@ -52,7 +52,7 @@ inline void check_shown(const PlacedScenes& scenes, const View& view) {
   if (first > scenes.size() || (!all && count > scenes.size() - first))
     detail::refuse("render: a view shows ", all ? "all" : std::to_string(count),
                    " placed scenes from number ", first, " on, expected some of the frame's ", scenes.size());
-  if (!view.frame.features.data) return;
+  if (!view.request.features) return;
   for (const PlacedScene& placed : scenes.shown(view))
     require_features(placed.scene, view.frame.feature_channels);
 }

@@ -40,11 +40,12 @@ inline void blend_in_linear_light(View& view) {
   for (int c = 0; c < 3; ++c) view.background[c] = from_srgb(view.background[c]);
 }
 
-/// `view` with nothing left to the scenes of its frame but what may differ among them, which `eye` finds.
-/// Throws `InvalidArgument` as `ModelledViews`.
+/// `view` with its request, and nothing left to the scenes of its frame but what may differ among them, which
+/// `eye` finds. Throws `InvalidArgument` as `ModelledViews`.
 inline View modelled(View view, Span<const PlacedScene> shown, std::size_t v) {
   const RenderingModel common = common_model(shown, view, v);
-  const bool ends_at_occluder = view.frame.occluder.data != nullptr;
+  view.request = view.asked();
+  const bool ends_at_occluder = view.request.occluder;
   if (view.order_of_scenes && common.order == SplatOrder::distance && !ends_at_occluder &&
       !view.camera.depth_is_distance)
     view.camera.order_by_distance();

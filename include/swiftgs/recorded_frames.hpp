@@ -227,9 +227,7 @@ class RecordedFrames {
   /// colours.
   static bool same_shape(const View& a, const View& b) {
     bool same = a.frame.width == b.frame.width && a.frame.height == b.frame.height &&
-                a.grid.side == b.grid.side && !a.frame.occluder.data == !b.frame.occluder.data;
-    for_each_plane([&](std::size_t, auto& of_a, auto& of_b) { same = same && !of_a.data == !of_b.data; },
-                   a.frame, b.frame);
+                a.grid.side == b.grid.side && a.request == b.request;
     same = same && a.frame.feature_channels == b.frame.feature_channels;
     same = same && (a.frame.conversion == Conversion::as_is) == (b.frame.conversion == Conversion::as_is);
     same = same && a.shows.first == b.shows.first && a.shows.count == b.shows.count;

@@ -41,14 +41,17 @@ inline void validate(const RenderSettings& settings) {
     detail::refuse("render: the number of features is ", settings.outputs.features, ", expected 0 or more");
 }
 
-/// Sets `views` to those through `cameras`, whose frames have sizes and no planes yet. Throws as `validate`
-/// and `make_view`.
+/// Sets `views` to those through `cameras`, which ask for the outputs and whose frames have no memory yet.
+/// Throws as `validate` and `make_view`.
 inline void make_views(Span<const Camera> cameras, const RenderSettings& settings, std::vector<View>& views) {
   views.clear();
   validate(settings);
-  for (const Camera& camera : cameras)
-    views.push_back(make_view(camera, settings.conventions, {.width = camera.width, .height = camera.height},
-                              settings.background));
+  for (const Camera& camera : cameras) {
+    const FrameView frame{
+        .width = camera.width, .height = camera.height, .feature_channels = settings.outputs.features};
+    views.push_back(make_view(camera, settings.conventions, frame, settings.background));
+    views.back().request = Request::of(settings.outputs);
+  }
 }
 
 }  // namespace swiftgs

@@ -46,8 +46,15 @@ struct View {
   ShownScenes shows{};
   // As of `Conventions`: `ModelledViews` takes what is left to the scenes from them.
   bool order_of_scenes = false, colours_of_scenes = false;
+  Request request{};  ///< `asked`, in a planned frame
   ColourSpace colours = ColourSpace::srgb;
   int panorama_part = 0;  ///< as of its camera: a frame draws a view that spans several parts as several
+
+  /// What `frame` has memory for; where it has none yet, `request`.
+  Request asked() const {
+    const Request of_memory = frame.request();
+    return of_memory == Request() ? request : of_memory;
+  }
 
   /// Pixel of the image that is the first of `frame`.
   SWIFTGS_HD int left() const { return grid.columns.begin * grid.side; }

@@ -23,24 +23,24 @@ struct Attribute {
   int channel = 0;
 };
 
-/// The k-th attribute that a view asks for.
-SWIFTGS_HD inline Attribute attribute(const View& view, int k) {
-  const FrameView& frame = view.frame;
-  if (takes_ray_depth(view)) {
+/// The k-th attribute of `view` for `planes`, a `Request` or a `FrameView`.
+template <class Planes>
+SWIFTGS_HD Attribute attribute(const View& view, const Planes& planes, int k) {
+  if (takes_ray_depth(view, planes)) {
     if (k < RayDepth::terms) return {Attribute::Of::ray_depth, k};
     k -= RayDepth::terms;
   }
-  if (frame.normal.data) {
+  if (planes.normal) {
     if (k < 3) return {Attribute::Of::normal, k};
     k -= 3;
   }
-  if (frame.squared_depth.data) {
+  if (planes.squared_depth) {
     const bool along_ray = view.camera.depth_along_ray;
     const int channels = along_ray ? RayDepth::squares : 1;
     if (k < channels) return {along_ray ? Attribute::Of::squared_ray_depth : Attribute::Of::squared_depth, k};
     k -= channels;
   }
-  if (frame.features.data && k < frame.feature_channels) return {Attribute::Of::feature, k};
+  if (planes.features && k < view.frame.feature_channels) return {Attribute::Of::feature, k};
   return {};
 }
 
@@ -54,7 +54,7 @@ SWIFTGS_HD inline void store_attributes(const View& view, const AttributesView& 
   const float alpha = 1 - transmittance;
   const auto mean = [&](float sum) { return alpha > 0 ? sum / alpha : 0.0f; };
   for (unsigned i = 0; i < attributes.rows * AttributeRow::channels; ++i) {
-    const Attribute to = attribute(view, attributes.first + int(i));
+    const Attribute to = attribute(view, frame, attributes.first + int(i));
     if (to.of == Attribute::Of::nothing) return;
     if (to.of == Attribute::Of::ray_depth) {
       const RayDepth sum{sums[i], sums[i + 1], sums[i + 2]};

@@ -36,13 +36,15 @@ SWIFTGS_HD inline vec2 place_of(const View& view, std::size_t x, std::size_t y) 
               float(view.top() + int(y)) + 0.5f - 0.5f * view.camera.height);
 }
 
-/// Whether pixels of `view` need depths along their rays, which are then its first attributes.
-SWIFTGS_HD inline bool takes_ray_depth(const View& view) {
-  const FrameView& frame = view.frame;
-  return view.camera.depth_along_ray &&
-         (frame.depth.data || frame.squared_depth.data || frame.first_depth.data || frame.median_depth.data ||
-          frame.occluder.data);
+/// Whether pixels of `view` need depths along their rays for `planes`, a `Request` or a `FrameView`. They are
+/// then its first attributes.
+template <class Planes>
+SWIFTGS_HD bool takes_ray_depth(const View& view, const Planes& planes) {
+  return view.camera.depth_along_ray && (planes.depth || planes.squared_depth || planes.first_depth ||
+                                         planes.median_depth || planes.occluder);
 }
+/// Whether they need them for what is asked for.
+SWIFTGS_HD inline bool asks_for_ray_depth(const View& view) { return takes_ray_depth(view, view.request); }
 
 /// Whether `view` has an occluder that hides splats by their depths along the ray. These do not ascend in a
 /// list, so that a pixel skips a hidden splat, where by the depths of means it ends.
@@ -52,10 +54,10 @@ SWIFTGS_HD inline bool hides_along_ray(const View& view) {
 
 /// Attributes that a view asks for.
 SWIFTGS_HD inline int attribute_count(const View& view) {
-  const FrameView& frame = view.frame;
+  const Request& request = view.request;
   const int squared = view.camera.depth_along_ray ? RayDepth::squares : 1;
-  return (takes_ray_depth(view) ? RayDepth::terms : 0) + (frame.normal.data ? 3 : 0) +
-         (frame.squared_depth.data ? squared : 0) + (frame.features.data ? frame.feature_channels : 0);
+  return (asks_for_ray_depth(view) ? RayDepth::terms : 0) + (request.normal ? 3 : 0) +
+         (request.squared_depth ? squared : 0) + (request.features ? view.frame.feature_channels : 0);
 }
 /// Most attributes that one view asks for.
 inline int attribute_count(Span<const View> views) {

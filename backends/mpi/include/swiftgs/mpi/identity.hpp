@@ -23,7 +23,7 @@ SWIFTGS_API std::string build_identity();
 /// changed by hand. Throws `FileError`.
 SWIFTGS_API std::string file_identity(const std::filesystem::path& path);
 
-/// Hash of what the views of a frame show and of which planes they have. Addresses do not count.
+/// Hash of what the views of a frame show and of the planes that they ask for. Addresses do not count.
 SWIFTGS_API std::uint64_t views_identity(Span<const View> views);
 
 }  // namespace swiftgs

@@ -161,15 +161,6 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
 
   void make_views(const PlacedScenes& part, Span<const Camera> cameras, const RenderSettings& settings) {
     swiftgs::make_views(cameras, settings, views_);
-    // Planes of whole views only say what is asked for: strips have the memory.
-    for (View& view : views_) {
-      view.frame.feature_channels = settings.outputs.features;
-      for_each_plane(
-          [&](std::size_t, bool wanted, auto& plane) {
-            if (wanted) plane.data = static_cast<decltype(plane.data)>(static_cast<void*>(&asked_for_));
-          },
-          settings.outputs, view.frame);
-    }
     require_features(part, settings.outputs.features);  // before memory is taken for them
   }
 
@@ -203,7 +194,8 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     failure.guard([&] { whole = project_part(part, views, mine); });
     mine.project_ns = since(begun);
     const bool indices = std::any_of(views.begin(), views.end(), [](const View& view) {
-      return view.frame.id.data || view.frame.median_id.data;
+      const Request asked = view.asked();
+      return asked.id || asked.median_id;
     });
     exchange_offers(ranks_, shares_,
                     {.gaussians = indices ? std::uint32_t(mine.gaussians) : 0,
@@ -434,11 +426,10 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   StripFrames<B> frames_;
   std::optional<StripPlan> strip_plan_;
   TileChoice tiles_;
-  FrameKey key_;                 ///< of the views alone
-  std::vector<View> views_;      ///< of cameras
-  std::uint32_t asked_for_ = 0;  ///< planes of `views_` point to it, and nobody reads it
-  std::vector<Strip> strips_;    ///< of all ranks
-  std::vector<Offer> offers_;    ///< from each rank
+  FrameKey key_;               ///< of the views alone
+  std::vector<View> views_;    ///< of cameras
+  std::vector<Strip> strips_;  ///< of all ranks
+  std::vector<Offer> offers_;  ///< from each rank
   std::vector<DrawnStrip> drawn_;
   FrameCounters counters_;
   FrameCapacity whole_capacity_, strip_capacity_;  ///< of a device's projection, and of its strip
