@@ -131,7 +131,7 @@ class SWIFTGS_API AnyRenderer {
   /// Recorded work that runs again shows what is placed now. Throws as `RecordedFrames::set_scenes`.
   virtual void set_recorded_scenes() = 0;
   /// As `RecordedFrames::stored_scenes` and `refused_scenes`.
-  virtual Span<PlacedScene> recorded_scenes() = 0;
+  virtual Span<StoredScene> recorded_scenes() = 0;
   virtual std::vector<std::size_t> refused_scenes() const = 0;
 
   /// Returns when all work submitted so far is done.

@@ -81,7 +81,7 @@ class SWIFTGS_API BoundRenderer : public AnyRenderer {
   void set_views(Span<const View> views) override;
   void record(FrameReport* report) override;
   void set_recorded_scenes() override;
-  Span<PlacedScene> recorded_scenes() override { return recorded_.stored_scenes(); }
+  Span<StoredScene> recorded_scenes() override { return recorded_.stored_scenes(); }
   std::vector<std::size_t> refused_scenes() const override { return recorded_.refused_scenes(backend()); }
   void wait() override { backend().wait(); }
 

@@ -106,7 +106,7 @@ class KeptScenes {
     return now.each()[0].scene;
   }
   /// Gives the placed scenes of recorded frames, which lie in `stored`, the views that their scenes have now.
-  void update_recorded(PlacedScene* stored) const { update_views(*recorded_, stored); }
+  void update_recorded(StoredScene* stored) const { update_views(*recorded_, stored); }
 
  private:
   using SceneOn = typename B::SceneOn;
@@ -152,7 +152,7 @@ class KeptScenes {
     return range_of(whole, p.first, std::min(p.count, whole.size() - p.first));
   }
   /// Gives `each` of `placed` the view that its scene has now: a host's first update of a scene moves it.
-  void update_views(const Placed& placed, PlacedScene* each) const {
+  void update_views(const Placed& placed, auto* each) const {
     for (std::size_t i = 0; i < placed.each.size(); ++i) each[i].scene = view_of(placed.placements[i]);
   }
 

@@ -58,6 +58,9 @@ struct PlacedScene {
   }
 };
 
+/// A placed scene as frames keep it.
+using StoredScene = PlacedScene;
+
 /// Throws `InvalidArgument` where nothing can be rendered of `placed`. Reads no Gaussian.
 inline void validate(const PlacedScene& placed) {
   validate(placed.scene);

@@ -102,7 +102,7 @@ class RecordedFrames {
   /// frames that are recorded or run again later, until the next `set_scenes`. A device does not draw a scene
   /// that is not valid (NaN, no rotation), see `refused_scenes`; a host throws. Throws `OrderError` unless
   /// placed scenes were reserved: one scene where it stands by itself is drawn as a scene alone.
-  Span<PlacedScene> stored_scenes() const {
+  Span<StoredScene> stored_scenes() const {
     if (!reserved_ || alone_) throw OrderError("recorded_scenes: expected reserve of placed scenes before");
     return {const_cast<PlacedScene*>(scenes_.reachable()), scenes_.size()};
   }

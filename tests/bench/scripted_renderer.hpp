@@ -36,7 +36,7 @@ class ScriptedRenderer final : public AnyRenderer {
   void set_views(Span<const View>) override {}
   void record(FrameReport*) override {}
   void set_recorded_scenes() override {}
-  Span<PlacedScene> recorded_scenes() override { return {}; }
+  Span<StoredScene> recorded_scenes() override { return {}; }
   std::vector<std::size_t> refused_scenes() const override { return {}; }
   void wait() override {}
   std::vector<PickedPixel> pick(const PickRectangle&) override { return {}; }
