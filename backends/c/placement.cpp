@@ -56,12 +56,12 @@ static_assert(sizeof(dmat3) == 9 * sizeof(double) && sizeof(dvec3) == 3 * sizeof
 static_assert(offsetof(Tint, amount) == 3 * sizeof(float));
 
 /// Addresses alone: the memory may be a device's.
-swiftgs_recorded_scenes to_struct(Span<PlacedScene> scenes) {
-  PlacedScene& first = *scenes.data;
+swiftgs_recorded_scenes to_struct(Span<StoredScene> scenes) {
+  StoredScene& first = *scenes.data;
   return {.size = 0,
           .reserved = 0,
           .count = scenes.size,
-          .stride = sizeof(PlacedScene),
+          .stride = sizeof(StoredScene),
           .rotation = &first.world_from_scene.rotation[0].x,
           .scale = &first.world_from_scene.scale,
           .translation = &first.world_from_scene.translation.x,

@@ -392,7 +392,7 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Clip& clip, const Gro
 
 /// Projects Gaussians [begin, end) of a placed scene, at most a chunk of them, for its eye `v`.
 template <bool through_lens>
-void ProjectChunk(const ViewConstants& v, const PlacedScene& placed, std::size_t begin, std::size_t end,
+void ProjectChunk(const ViewConstants& v, const StoredScene& placed, std::size_t begin, std::size_t end,
                   VisibleSplats& out) {
   const SceneView& scene = placed.scene;
   const std::uint32_t first = placed.first_gaussian;
@@ -426,7 +426,7 @@ std::size_t ProjectTask(const ViewConstants& camera, const SeveralScenes& scenes
   VisibleSplats out{shapes, depths, ids};
   const auto project_chunk = camera.through_lens ? ProjectChunk<true> : ProjectChunk<false>;
   while (begin < end) {
-    const PlacedScene& placed = scenes.of_chunk(std::uint32_t(begin));
+    const StoredScene& placed = scenes.of_chunk(std::uint32_t(begin));
     const SceneView& scene = placed.scene;
     const ViewConstants v = eye(camera, placed);
     const ChunkCuller culler(v);

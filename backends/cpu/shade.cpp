@@ -170,7 +170,7 @@ Shading<Cpu> shade(Cpu& cpu, const FramePlan& plan, const Splats<Cpu>& splats, C
   for_parts_of_views(cpu, splats.view(), grain, [&](std::size_t view, std::size_t begin, std::size_t end) {
     // Splats of a view follow the order of the placed scenes.
     for (std::size_t until; begin < end; begin = until) {
-      const PlacedScene& placed = scenes.of_gaussian(ids[begin]);
+      const StoredScene& placed = scenes.of_gaussian(ids[begin]);
       const std::uint32_t first = placed.first_gaussian;
       const std::size_t behind = std::size_t(first) + placed.size();
       until = std::size_t(std::lower_bound(ids + begin, ids + end, behind) - ids);

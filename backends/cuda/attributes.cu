@@ -22,7 +22,7 @@ __global__ void __launch_bounds__(attribute_threads)
 }
 }  // namespace kernels
 
-void gather_attributes(Cuda& cuda, const SplatAttributes& from, const PlacedScenes& scenes,
+void gather_attributes(Cuda& cuda, const SplatAttributes& from, const StoredScenes& scenes,
                        const Views& views, AttributeRow* to) {
   const std::size_t most = from.splats.size();
   if (most == 0) return;

@@ -157,23 +157,21 @@ Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage
   return out;
 }
 
-PlacedScenes store_scenes(Cuda& cuda, const PlacedScenes& scenes, Span<const View> views,
+StoredScenes store_scenes(Cuda& cuda, const PlacedScenes& scenes, Span<const View> views,
                           SceneStorage<Cuda>& storage, ViewAccess access) {
   const bool all_show = std::all_of(
       views.begin(), views.end(), [&](const View& view) { return scenes.shown(view).size == scenes.size(); });
-  if (scenes.is_alone() && all_show && access == ViewAccess::any) return scenes;
-  storage.each.assign(scenes.each().begin(), scenes.each().end());
-  number_gaussians({storage.each.data(), storage.each.size()});
+  if (scenes.is_alone() && all_show && access == ViewAccess::any) return StoredScenes(scenes.each()[0]);
+  number_gaussians(scenes.each(), storage.each);
   cuda.check_not_captured("store_scenes");
   storage.stored.reset(std::max<std::size_t>(storage.each.size(), 1));
   if (!storage.each.empty())
     // The host's memory may change again as soon as this returns, since it is not pinned.
     check_cuda(
-        cudaMemcpyAsync(storage.stored.data(), storage.each.data(), storage.each.size() * sizeof(PlacedScene),
+        cudaMemcpyAsync(storage.stored.data(), storage.each.data(), storage.each.size() * sizeof(StoredScene),
                         cudaMemcpyHostToDevice, cuda.stream()),
         "cudaMemcpyAsync of placed scenes");
-  return PlacedScenes(Span<const PlacedScene>{storage.each.data(), storage.each.size()},
-                      storage.stored.data());
+  return StoredScenes(storage.each, storage.stored.data());
 }
 
 Cuda::Fork Cuda::fork() {

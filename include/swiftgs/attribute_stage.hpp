@@ -98,7 +98,7 @@ struct GatherAttributes {
 /// Writes attributes of all splats to `to`, @shape{splats, rows}, on hosts. A device overloads this.
 template <FunctorBackend B>
 requires(bool(B::reaches_host_memory)) void gather_attributes(B& b, const SplatAttributes& from,
-                                                              const PlacedScenes& scenes, const Views& views,
+                                                              const StoredScenes& scenes, const Views& views,
                                                               AttributeRow* to) {
   with_scenes(scenes, [&]<class Scenes>(const Scenes& of) {
     b.for_each(from.splats.count(), GatherAttributes<Scenes>{from, of, views.each.data, to});

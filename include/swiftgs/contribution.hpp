@@ -193,7 +193,7 @@ class Contributions {
       throw CapacityError("pixels of all views", pixels, max_contribution_pixels);
 
     const FramePlan plan = plan_frame(stages_.backend(), scenes_, {&view, 1}, plan_memory_,
-                                      [](const PlacedScenes&, Span<const View> views) { return views; });
+                                      [](const StoredScenes&, Span<const View> views) { return views; });
     const bool shaded = colours_may_overflow_ || centre_is_extreme(view.camera);
     const auto add = [&](const RasterJob& job) { add_contributions(stages_.backend(), {job, sums_.data()}); };
     NoHooks none;
@@ -216,13 +216,16 @@ class Contributions {
   explicit Contributions(B backend)
       : stages_(std::move(backend), {bounds_stages<B, Ellipse>(), {}, common_stages<B>()},
                 std::make_unique<SortStageOf<B, EarlySort, Ellipse>>()) {
-    use_memory_of(stages_.backend(), sums_, scene_storage_, plan_memory_.views, plan_memory_.scenes);
+    use_memory_of(stages_.backend(), sums_, plan_memory_.views, plan_memory_.scenes);
   }
 
   /// Sets all sums to 0.
   void begin(const PlacedScenes& scenes) {
-    scenes_ = store_scenes(stages_.backend(), scenes, {}, scene_storage_);
-    const std::size_t n = scenes_.gaussians(), most = std::numeric_limits<std::uint32_t>::max();
+    check_ready(stages_.backend());
+    scenes_.assign(scenes.each().begin(), scenes.each().end());
+    const std::size_t most = std::numeric_limits<std::uint32_t>::max();
+    std::size_t n = 0;
+    for (const PlacedScene& placed : scenes_) n += placed.size();
     if (n > most) throw CapacityError("Gaussians", n, most);
     sums_.reset(n);
     stages_.backend().for_each(n, ClearSums{sums_.data()});
@@ -235,8 +238,7 @@ class Contributions {
 
   Stages<B> stages_;
   std::optional<typename B::SceneOn> own_;  ///< of the first constructor
-  SceneStorage<B> scene_storage_;
-  PlacedScenes scenes_;               ///< `own_`, or in `scene_storage_`
+  std::vector<PlacedScene> scenes_;
   bool colours_may_overflow_ = true;  ///< unknown of placed scenes, so assumed
   PlanMemory<B> plan_memory_;
   typename B::template Buffer<std::uint64_t> sums_;

@@ -21,13 +21,13 @@ namespace swiftgs {
 /// Scenes and the sizes of the images that show them. What one frame teaches holds for frames of the same
 /// key.
 struct FrameKey {
-  std::uint64_t scene = 0;  ///< `PlacedScenes::identity`
+  std::uint64_t scene = 0;  ///< `StoredScenes::identity`
   std::size_t gaussians = 0;
   /// Of all views, one below the other. @units{pixels}
   std::int64_t width = 0, height = 0;
   std::size_t views = 1;
 
-  static FrameKey of(const PlacedScenes& scenes, Span<const View> views) {
+  static FrameKey of(const StoredScenes& scenes, Span<const View> views) {
     FrameKey key{.scene = scenes.identity(), .gaussians = scenes.gaussians(), .views = views.size};
     for (const View& view : views)
       key.width = std::max<std::int64_t>(key.width, view.frame.width), key.height += view.frame.height;
@@ -46,7 +46,7 @@ enum class FrameUse {
 
 /// Throws `InvalidArgument` if `view` shows scenes that a frame of `scenes` does not have, or features
 /// that these do not have.
-inline void check_shown(const PlacedScenes& scenes, const View& view) {
+inline void check_shown(const auto& scenes, const View& view) {
   const auto [first, count] = view.shows;
   const bool all = count == ShownScenes().count;
   if (first > scenes.size() || (!all && count > scenes.size() - first))
@@ -67,13 +67,13 @@ inline void check_shown(const PlacedScenes& scenes, const View& view) {
 /// Stages trust it.
 struct FramePlan {
   Views views;
-  PlacedScenes scenes;
+  StoredScenes scenes;
   Limits limits;
   RasterPasses passes;
 
   /// Throws `InvalidArgument` as `validate` does of each placed scene, as `require_features`, and for a
   /// view that shows scenes which the frame does not have.
-  FramePlan(const Views& of_views, const PlacedScenes& of_scenes, const Limits& within = {})
+  FramePlan(const Views& of_views, const StoredScenes& of_scenes, const Limits& within = {})
       : views(of_views), scenes(of_scenes), limits(within), passes(attribute_count(of_views.each)) {
     for (const PlacedScene& placed : scenes.each()) validate(placed);
     for (const View& view : views) check_shown(scenes, view);
@@ -109,7 +109,7 @@ FramePlan plan_frame(B& b, const PlacedScenes& scenes, Span<const View> views, P
                      const Choose& choose) {
   views = memory.modelled.of(memory.parts.of(views), scenes);
   check_ready(b);
-  const PlacedScenes stored = store_scenes(b, scenes, views, memory.scenes);
+  const StoredScenes stored = store_scenes(b, scenes, views, memory.scenes);
   return FramePlan(store_views(b, choose(stored, views), memory.views), stored);
 }
 

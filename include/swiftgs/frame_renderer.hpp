@@ -23,7 +23,7 @@ struct LastFrame {
   enum class Kind { none, drawn, recorded } kind = Kind::none;
   Views views{};
   Span<const std::uint32_t> owners{};  ///< of the parts of views, as `PanoramaParts::owners`
-  PlacedScenes scenes{};
+  StoredScenes scenes{};
 };
 
 /// Draws frames on backend `B` with policies that are bound at run time: plans a frame, runs its stages, and
@@ -57,7 +57,7 @@ class FrameRenderer {
     last_ = {};
     FrameKey key;
     FramePlan plan = plan_frame(backend(), scenes, views, plan_memory_,
-                                [&](const PlacedScenes& stored, Span<const View> cut) {
+                                [&](const StoredScenes& stored, Span<const View> cut) {
                                   key = FrameKey::of(stored, cut);
                                   return may_gain_by_coarse_tiles() ? tiles_.choose(key, cut) : cut;
                                 });

@@ -16,7 +16,7 @@ namespace swiftgs {
 namespace detail {
 /// The order and the colours that a view leaves to the scenes that it shows, empty ones apart; `v` is its
 /// number in the frame.
-inline RenderingModel common_model(Span<const PlacedScene> shown, const View& view, std::size_t v) {
+inline RenderingModel common_model(const auto& shown, const View& view, std::size_t v) {
   RenderingModel common;
   bool some = false;
   for (const PlacedScene& placed : shown) {
@@ -42,7 +42,7 @@ inline void blend_in_linear_light(View& view) {
 
 /// `view` with its request, and nothing left to the scenes of its frame but what may differ among them, which
 /// `eye` finds. Throws `InvalidArgument` as `ModelledViews`.
-inline View modelled(View view, Span<const PlacedScene> shown, std::size_t v) {
+inline View modelled(View view, const auto& shown, std::size_t v) {
   const RenderingModel common = common_model(shown, view, v);
   view.request = view.asked();
   const bool ends_at_occluder = view.request.occluder;
@@ -64,7 +64,7 @@ class ModelledViews {
  public:
   /// Copies of `views`, which hold until the next call. Throws `InvalidArgument` if a view leaves the
   /// kind of colours to scenes of both kinds, and if one with an occluder is ordered by distance.
-  Span<const View> of(Span<const View> views, const PlacedScenes& scenes) {
+  Span<const View> of(Span<const View> views, const auto& scenes) {
     views_.clear();
     for (std::size_t v = 0; v < views.size; ++v)
       views_.push_back(detail::modelled(views[v], scenes.shown(views[v]), v));

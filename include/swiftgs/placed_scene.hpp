@@ -37,13 +37,6 @@ struct PlacedScene {
   Clip clip{};
   Tint tint{};
 
-  // The library sets what follows.
-  std::uint32_t first_gaussian = 0;  ///< Gaussians of the placed scenes before it
-  std::uint32_t first_chunk = 0;     ///< chunks of the placed scenes before it
-  /// 1: a device did not draw the scene, since its pose, opacity, clip or tint is not valid. Kernels of the
-  /// program may have written them.
-  mutable std::uint32_t refused = 0;
-
   SWIFTGS_HD std::size_t size() const { return scene.size(); }
   SWIFTGS_HD std::uint32_t chunks() const {
     return std::uint32_t((scene.size() + chunk_size - 1) / chunk_size);
@@ -58,8 +51,14 @@ struct PlacedScene {
   }
 };
 
-/// A placed scene as frames keep it.
-using StoredScene = PlacedScene;
+/// A placed scene in a frame's own memory, and what the library keeps beside it.
+struct StoredScene : PlacedScene {
+  std::uint32_t first_gaussian = 0;  ///< Gaussians of the placed scenes before it
+  std::uint32_t first_chunk = 0;     ///< chunks of the placed scenes before it
+  /// 1: a device did not draw the scene, since its pose, opacity, clip or tint is not valid. Kernels of the
+  /// program may have written them.
+  mutable std::uint32_t refused = 0;
+};
 
 /// Throws `InvalidArgument` where nothing can be rendered of `placed`. Reads no Gaussian.
 inline void validate(const PlacedScene& placed) {
@@ -157,25 +156,25 @@ struct OneScene {
 /// Placed scenes in memory of the backend.
 struct SeveralScenes {
   static constexpr bool only = false;
-  const PlacedScene* each;
+  const StoredScene* each;
   std::uint32_t count;  ///< 1 or more
 
   /// The placed scene of a Gaussian.
-  SWIFTGS_HD const PlacedScene& of_gaussian(std::uint32_t number) const {
-    return last_from(&PlacedScene::first_gaussian, number);
+  SWIFTGS_HD const StoredScene& of_gaussian(std::uint32_t number) const {
+    return last_from(&StoredScene::first_gaussian, number);
   }
   /// The placed scene of a chunk.
-  SWIFTGS_HD const PlacedScene& of_chunk(std::uint32_t chunk) const {
-    return last_from(&PlacedScene::first_chunk, chunk);
+  SWIFTGS_HD const StoredScene& of_chunk(std::uint32_t chunk) const {
+    return last_from(&StoredScene::first_chunk, chunk);
   }
   SWIFTGS_HD SeenGaussian<ViewConstants> see(const ViewConstants& camera, std::uint32_t number) const {
-    const PlacedScene& placed = of_gaussian(number);
+    const StoredScene& placed = of_gaussian(number);
     return {eye(camera, placed), placed.scene, number - placed.first_gaussian, placed.tint};
   }
 
  private:
   /// The last whose first is at most `number`: it is not empty if any has that number.
-  SWIFTGS_HD const PlacedScene& last_from(std::uint32_t PlacedScene::*first, std::uint32_t number) const {
+  SWIFTGS_HD const StoredScene& last_from(std::uint32_t StoredScene::*first, std::uint32_t number) const {
     std::uint32_t low = 0, high = count;
     while (high - low > 1) {
       const std::uint32_t middle = low + (high - low) / 2;
@@ -185,85 +184,100 @@ struct SeveralScenes {
   }
 };
 
-/// Numbers the Gaussians and chunks of all scenes. Throws `CapacityError` for 2^32 Gaussians or more.
-inline void number_gaussians(Span<PlacedScene> scenes) {
+/// Sets `stored` to copies of `scenes` with numbered Gaussians and chunks. Throws `CapacityError` for 2^32
+/// Gaussians or more.
+inline void number_gaussians(Span<const PlacedScene> scenes, std::vector<StoredScene>& stored) {
   const std::size_t most = std::numeric_limits<std::uint32_t>::max();
   std::size_t gaussians = 0;
   std::uint32_t chunks = 0;
-  for (PlacedScene& placed : scenes) {
-    placed.first_gaussian = std::uint32_t(gaussians), placed.first_chunk = chunks, placed.refused = 0;
-    gaussians += placed.size();
+  stored.clear();
+  for (const PlacedScene& placed : scenes) {
+    stored.push_back({placed, std::uint32_t(gaussians), chunks});
+    gaussians += placed.size(), chunks += placed.chunks();
     if (gaussians > most) throw CapacityError("Gaussians in all placed scenes", gaussians, most);
-    chunks += placed.chunks();
   }
 }
 
-/// What a frame shows: a scene alone, or placed scenes; their arrays live until the frame is finished. Where
-/// a function asks for this, give it either, or an uploaded scene. It points to placed scenes of the caller.
-class PlacedScenes {
+/// Scenes of a frame, placed or stored: a copy of one, or several where they lie.
+template <class Scene>
+class ScenesOf {
  public:
-  PlacedScenes() = default;
-  PlacedScenes(const SceneView& scene) { one_.scene = scene; }
+  Span<const Scene> each() const { return is_one_ ? Span<const Scene>{&one_, 1} : each_; }
+  std::size_t size() const { return each().size; }
+  /// Whether the frame shows one scene alone, as it stands by itself.
+  bool is_alone() const { return size() == 1 && each()[0].is_plain(); }
+  /// Those that `view` shows.
+  Span<const Scene> shown(const View& view) const {
+    const std::size_t first = std::min(std::size_t(view.shows.first), size());
+    return {each().data + first, std::min(std::size_t(view.shows.count), size() - first)};
+  }
+
+ protected:
+  explicit ScenesOf(const Scene& one) : one_(one) {}
+  explicit ScenesOf(Span<const Scene> several) : is_one_(false), each_(several) {}
+
+ private:
+  bool is_one_ = true;
+  Scene one_{};
+  Span<const Scene> each_{};
+};
+
+/// What a frame shows: a scene alone, or placed scenes of the caller; their arrays live until the frame is
+/// finished. Where a function asks for this, give it either, or an uploaded scene.
+class PlacedScenes : public ScenesOf<PlacedScene> {
+ public:
+  PlacedScenes(const SceneView& scene) : ScenesOf(PlacedScene{scene}) {}
   template <class Uploaded>
   requires requires(const Uploaded& scene) {
     { scene.view() } -> std::same_as<SceneView>;
   }
   PlacedScenes(const Uploaded& scene) : PlacedScenes(scene.view()) {}
-  /// `stored`: the same where a device's loops read them.
-  PlacedScenes(Span<const PlacedScene> scenes, const PlacedScene* stored = nullptr)
-      : is_one_(scenes.size == 1 && !stored), each_(scenes), stored_(stored) {
-    if (is_one_) one_ = scenes[0], one_.first_gaussian = one_.first_chunk = 0;
-  }
+  PlacedScenes(Span<const PlacedScene> scenes) : ScenesOf(scenes) {}
   PlacedScenes(const std::vector<PlacedScene>& scenes) : PlacedScenes(Span{scenes.data(), scenes.size()}) {}
+};
 
-  Span<const PlacedScene> each() const { return is_one_ ? Span<const PlacedScene>{&one_, 1} : each_; }
-  std::size_t size() const { return each().size; }
-  /// Address at which loops of the backend read the placed scenes.
-  const PlacedScene* reachable() const { return stored_ ? stored_ : each().data; }
-  bool is_stored() const { return stored_ != nullptr; }
-  /// Whether the frame shows one scene alone, as it stands by itself.
-  bool is_alone() const { return size() == 1 && each()[0].is_plain(); }
+/// What the stages of a frame show: a scene alone, or stored scenes of the renderer, whose Gaussians and
+/// chunks are numbered.
+class StoredScenes : public ScenesOf<StoredScene> {
+ public:
+  StoredScenes(const SceneView& scene = {}) : StoredScenes(PlacedScene{scene}) {}
+  explicit StoredScenes(const PlacedScene& one) : ScenesOf(StoredScene{one}) {}
+  /// `on_device`: the same where a device's loops read them.
+  explicit StoredScenes(const std::vector<StoredScene>& scenes, const StoredScene* on_device = nullptr)
+      : ScenesOf(Span{scenes.data(), scenes.size()}), on_device_(on_device) {}
 
-  /// Gaussians of all scenes, once they are numbered.
-  std::size_t gaussians() const { return empty() ? 0 : last().first_gaussian + last().size(); }
-  std::size_t chunks() const { return empty() ? 0 : last().first_chunk + last().chunks(); }
+  /// Address at which loops of the backend read the scenes.
+  const StoredScene* reachable() const { return on_device_ ? on_device_ : each().data; }
+  bool is_on_device() const { return on_device_ != nullptr; }
 
-  /// The placed scenes that `view` shows.
-  Span<const PlacedScene> shown(const View& view) const {
-    const std::size_t first = std::min(std::size_t(view.shows.first), size());
-    return {each().data + first, std::min(std::size_t(view.shows.count), size() - first)};
-  }
-  ChunkRange chunks_of(const View& view) const {
-    const Span<const PlacedScene> of = shown(view);
-    if (of.empty()) return {};
-    const PlacedScene& back = of[of.size - 1];
-    return {of[0].first_chunk, std::size_t(back.first_chunk) + back.chunks()};
-  }
-  std::size_t gaussians_of(const View& view) const {
-    const Span<const PlacedScene> of = shown(view);
-    if (of.empty()) return 0;
-    const PlacedScene& back = of[of.size - 1];
-    return back.first_gaussian - of[0].first_gaussian + back.size();
-  }
+  std::size_t gaussians() const { return gaussians_in(each()); }
+  std::size_t gaussians_of(const View& view) const { return gaussians_in(shown(view)); }
+  std::size_t chunks() const { return chunks_in(each()).end; }
+  ChunkRange chunks_of(const View& view) const { return chunks_in(shown(view)); }
 
   /// Identity of what learns from frames; 0 if some scene has none.
   std::uint64_t identity() const {
     std::uint64_t all = 0;
-    for (const PlacedScene& placed : each()) {
-      if (placed.scene.identity == 0) return 0;
-      all = all * 0x9e3779b97f4a7c15 + placed.scene.identity;
+    for (const StoredScene& stored : each()) {
+      if (stored.scene.identity == 0) return 0;
+      all = all * 0x9e3779b97f4a7c15 + stored.scene.identity;
     }
     return all;
   }
 
  private:
-  bool empty() const { return size() == 0; }
-  const PlacedScene& last() const { return each()[size() - 1]; }
+  static std::size_t gaussians_in(Span<const StoredScene> some) {
+    if (some.empty()) return 0;
+    const StoredScene& back = some[some.size - 1];
+    return back.first_gaussian - some[0].first_gaussian + back.size();
+  }
+  static ChunkRange chunks_in(Span<const StoredScene> some) {
+    if (some.empty()) return {};
+    const StoredScene& back = some[some.size - 1];
+    return {some[0].first_chunk, std::size_t(back.first_chunk) + back.chunks()};
+  }
 
-  bool is_one_ = true;  ///< `one_`, a copy; else `each_`
-  PlacedScene one_;
-  Span<const PlacedScene> each_{};
-  const PlacedScene* stored_ = nullptr;
+  const StoredScene* on_device_ = nullptr;
 };
 
 /// Where a Gaussian of a frame comes from.
@@ -287,8 +301,8 @@ inline void require_features(const PlacedScenes& scenes, int channels) {
 
 /// f(source) with the scenes as loops read them.
 template <class F>
-void with_scenes(const PlacedScenes& scenes, const F& f) {
-  if (!scenes.is_stored() && scenes.is_alone())
+void with_scenes(const StoredScenes& scenes, const F& f) {
+  if (!scenes.is_on_device() && scenes.is_alone())
     f(OneScene{scenes.each()[0].scene});
   else
     f(SeveralScenes{scenes.reachable(), std::uint32_t(scenes.size())});
@@ -297,7 +311,7 @@ void with_scenes(const PlacedScenes& scenes, const F& f) {
 /// A renderer's own copy of the placed scenes of a frame.
 template <class B>
 struct SceneStorage {
-  std::vector<PlacedScene> each;
+  std::vector<StoredScene> each;
 
   static std::tuple<> buffers(auto&) { return {}; }  ///< none in the backend's own memory
 };
@@ -305,12 +319,11 @@ struct SceneStorage {
 /// Copies and numbers placed scenes; each view shows some of them. The result holds until the next
 /// call. Throws as `number_gaussians`. Backends that do not reach the host's memory overload this.
 template <class B>
-PlacedScenes store_scenes(B&, const PlacedScenes& scenes, Span<const View>, SceneStorage<B>& storage,
+StoredScenes store_scenes(B&, const PlacedScenes& scenes, Span<const View>, SceneStorage<B>& storage,
                           ViewAccess = ViewAccess::any) {
-  if (scenes.size() == 1) return scenes;
-  storage.each.assign(scenes.each().begin(), scenes.each().end());
-  number_gaussians({storage.each.data(), storage.each.size()});
-  return PlacedScenes(storage.each);
+  if (scenes.size() == 1) return StoredScenes(scenes.each()[0]);
+  number_gaussians(scenes.each(), storage.each);
+  return StoredScenes(storage.each);
 }
 
 }  // namespace swiftgs

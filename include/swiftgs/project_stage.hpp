@@ -73,7 +73,7 @@ template <FunctorBackend B>
   const Views& views = plan.views;
   const std::size_t capacity = plan.limits.capacity.splats;
   splats.count = splats.visible = 0;
-  const auto append = [&](std::size_t v, const PlacedScene& placed) {
+  const auto append = [&](std::size_t v, const StoredScene& placed) {
     const std::size_t n = placed.size();
     scratch.projected.reset(n), scratch.slots.reset(n);
     ViewConstants camera = eye(views.each[v].camera, placed);
@@ -92,7 +92,7 @@ template <FunctorBackend B>
     splats.count = before + visible;
   };
   for (std::size_t v = 0; v < views.size(); ++v)
-    for (const PlacedScene& placed : plan.scenes.shown(views[v])) append(v, placed);
+    for (const StoredScene& placed : plan.scenes.shown(views[v])) append(v, placed);
 }
 }  // namespace detail
 

@@ -93,7 +93,6 @@ class RecordedFrames {
     check_models(scenes);
     for (const View& view : views_.each) check_shown(scenes, view);
     check_ready(b);
-    if (scenes.each().data == scenes_.each().data) return;  // changed where they are
     scenes_ = store_scenes(b, scenes, views_.each, scene_storage_, ViewAccess::stored);
   }
 
@@ -104,15 +103,15 @@ class RecordedFrames {
   /// placed scenes were reserved: one scene where it stands by itself is drawn as a scene alone.
   Span<StoredScene> stored_scenes() const {
     if (!reserved_ || alone_) throw OrderError("recorded_scenes: expected reserve of placed scenes before");
-    return {const_cast<PlacedScene*>(scenes_.reachable()), scenes_.size()};
+    return {const_cast<StoredScene*>(scenes_.reachable()), scenes_.size()};
   }
   /// Indices of placed scenes that the last recorded frame should have shown and refused to draw. Waits for
   /// the frame.
   std::vector<std::size_t> refused_scenes(const B& b) const {
     std::vector<std::size_t> refused;
-    if (!scenes_.is_stored()) return refused;
-    std::vector<PlacedScene> now(scenes_.size());
-    b.download(Span<const PlacedScene>{scenes_.reachable(), now.size()}, now.data());
+    if (!scenes_.is_on_device()) return refused;
+    std::vector<StoredScene> now(scenes_.size());
+    b.download(Span<const StoredScene>{scenes_.reachable(), now.size()}, now.data());
     for (std::size_t i = 0; i < now.size(); ++i)
       if (now[i].refused != 0) refused.push_back(i);
     return refused;
@@ -134,7 +133,7 @@ class RecordedFrames {
   void record(FrameRenderer<B>& renderer, const SceneView& scene, FrameReport* report,
               const BeforeRaster& before_raster) {
     for (const View& view : views_.each)
-      detail::require_for_render(PlacedScenes(scene).shown(view).size == 1, "views that show the scene");
+      detail::require_for_render(StoredScenes(scene).shown(view).size == 1, "views that show the scene");
     record_scenes(renderer, scene, report, before_raster);
   }
   /// Renders the scenes of `reserve` or `set_scenes` likewise.
@@ -147,7 +146,7 @@ class RecordedFrames {
 
  private:
   template <class BeforeRaster>
-  void record_scenes(FrameRenderer<B>& renderer, const PlacedScenes& scenes, FrameReport* report,
+  void record_scenes(FrameRenderer<B>& renderer, const StoredScenes& scenes, FrameReport* report,
                      const BeforeRaster& before_raster) {
     struct Hooks final : FrameHooks {
       const BeforeRaster& call;
@@ -177,7 +176,7 @@ class RecordedFrames {
 
   /// A frame of `scenes` that reports to `report`. Throws `InvalidArgument` if nothing is reserved, and
   /// `CapacityError` if it was reserved for fewer Gaussians.
-  FramePlan plan(const PlacedScenes& scenes, FrameReport* report) const {
+  FramePlan plan(const StoredScenes& scenes, FrameReport* report) const {
     detail::require_for_render(reserved_ && views_.size() != 0, "reserve before record");
     detail::require_for_render(report != nullptr, "memory for the report");
     check_models(scenes);
@@ -186,7 +185,7 @@ class RecordedFrames {
     return FramePlan(views_, scenes, {reserved_->capacity, true, report});
   }
 
-  void take_views(B& b, Span<const View> views, const PlacedScenes& scenes) {
+  void take_views(B& b, Span<const View> views, const auto& scenes) {
     for (const View& view : views) validate(view), detail::check_tiles(view);
     PanoramaParts parts;
     ModelledViews modelled;
@@ -201,7 +200,7 @@ class RecordedFrames {
   }
 
   /// Stored views follow the models of the scenes that were reserved for.
-  void check_models(const PlacedScenes& scenes) const {
+  void check_models(const auto& scenes) const {
     for (std::size_t i = 0; i < scenes.size() && i < models_.size(); ++i)
       if (scenes.each()[i].scene.model != models_[i])
         detail::refuse("render: placed scene ", i,
@@ -237,7 +236,7 @@ class RecordedFrames {
   ViewStorage<B> view_storage_;
   SceneStorage<B> scene_storage_;
   Views views_;          ///< in `view_storage_`
-  PlacedScenes scenes_;  ///< in `scene_storage_`
+  StoredScenes scenes_;  ///< in `scene_storage_`
   PanoramaParts parts_;
   bool alone_ = false;                  ///< whether the reservation was for a scene alone
   std::vector<RenderingModel> models_;  ///< of the scenes of the reservation

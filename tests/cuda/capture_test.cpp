@@ -150,7 +150,7 @@ SWIFTGS_DEVICE_CASE("cuda capture: contributions refuse views and add up as befo
     refused("a frame", [&] { contributions.add(forward_camera(900, 600), Conventions::gsplat()); });
     refused("download", [&] { (void)contributions.sums(); });
     refused("upload", [&] { Contributions<Cuda> other(scene, Cuda(stream.get())); });
-    refused("store_scenes", [&] { Contributions<Cuda> other(placed, Cuda(stream.get())); });
+    refused("a frame", [&] { Contributions<Cuda> other(placed, Cuda(stream.get())); });
   });
   CHECK(graph.nodes() == 0);
   contributions.add(camera, Conventions::gsplat());

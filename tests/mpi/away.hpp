@@ -70,7 +70,7 @@ void rasterize(Away& away, R, const RasterJob& job) {
   away.for_each(blocks.size(), BlendRasterBlock<R>{job, blocks});
 }
 
-inline void gather_attributes(Away& away, const SplatAttributes& from, const PlacedScenes& scenes,
+inline void gather_attributes(Away& away, const SplatAttributes& from, const StoredScenes& scenes,
                               const Views& views, AttributeRow* to) {
   if (from.first == away.failing_attribute) throw std::runtime_error("thrown by a test");
   with_scenes(scenes, [&]<class Scenes>(const Scenes& of) {

@@ -103,17 +103,17 @@ static_assert(BackendPolicy<Addresses> && !FunctorBackend<Addresses>);
 
 /// What stages of `Serial` see where `Addresses` has addresses.
 struct PlanHere {
-  std::vector<PlacedScene> scenes;
+  std::vector<StoredScene> scenes;
   FramePlan plan;
 
   explicit PlanHere(const FramePlan& of)
       : scenes(of.scenes.each().begin(), of.scenes.each().end()), plan(of) {
-    for (PlacedScene& placed : scenes) {
+    for (StoredScene& placed : scenes) {
       for_each_array([](const char*, std::size_t, auto& array) { array.data = here(array.data); },
                      placed.scene);
       placed.scene.chunks.data = here(placed.scene.chunks.data);
     }
-    plan.scenes = PlacedScenes(scenes);
+    plan.scenes = StoredScenes(scenes);
   }
 };
 inline SplatsView here(const SplatsView& splats) {
@@ -186,7 +186,7 @@ inline FrameReport await_report(Addresses& b, Splats<Addresses>& splats, Footpri
   b.overflowed = report.overflowed != 0;
   return report;
 }
-inline void gather_attributes(Addresses& b, const SplatAttributes& from, const PlacedScenes& scenes,
+inline void gather_attributes(Addresses& b, const SplatAttributes& from, const StoredScenes& scenes,
                               const Views& views, AttributeRow* to) {
   const PlanHere frame(FramePlan(views, scenes));
   swiftgs::gather_attributes(b.serial, {here(from.splats), from.first, from.rows}, frame.plan.scenes, views,

@@ -237,7 +237,7 @@ SWIFTGS_CONTRACT("any renderer: recorded frames show the poses that work writes 
   Report<B> report;
   any->reserve(drawn.span(), {4000, 400'000});
   const auto write = [&](const Similarity& pose) {
-    const Span<PlacedScene> recorded = any->recorded_scenes();
+    const Span<StoredScene> recorded = any->recorded_scenes();
     REQUIRE(recorded.size == 3);
     CopyToBackend<B>::copy(Span<const Similarity>{&pose, 1}, &recorded.data[0].world_from_scene);
   };

@@ -229,8 +229,7 @@ SWIFTGS_CONTRACT("placed scenes: recorded ones that others write to are drawn wh
   Report<B> report;
   renderer.reserve(good, {&view, 1}, {3000, 60'000});
   const auto write = [&](std::size_t which, const PlacedScene& to) {
-    const std::size_t begin = offsetof(PlacedScene, world_from_scene),
-                      end = offsetof(PlacedScene, first_gaussian);
+    const std::size_t begin = offsetof(PlacedScene, world_from_scene), end = sizeof(PlacedScene);
     const auto* bytes = reinterpret_cast<const unsigned char*>(&to);
     CopyToBackend<B>::copy(Span<const unsigned char>{bytes + begin, end - begin},
                            reinterpret_cast<unsigned char*>(renderer.recorded_scenes().data + which) + begin);

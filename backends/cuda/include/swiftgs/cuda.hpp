@@ -29,7 +29,7 @@ namespace swiftgs {
 SWIFTGS_API Views store_views(Cuda& cuda, Span<const View> views, ViewStorage<Cuda>& storage,
                               ViewAccess access = ViewAccess::any);
 /// A scene alone is handed to each loop by value, unless `access` asks for stored ones.
-SWIFTGS_API PlacedScenes store_scenes(Cuda& cuda, const PlacedScenes& scenes, Span<const View> views,
+SWIFTGS_API StoredScenes store_scenes(Cuda& cuda, const PlacedScenes& scenes, Span<const View> views,
                                       SceneStorage<Cuda>& storage, ViewAccess access = ViewAccess::any);
 
 /// One kernel: projects, compacts in the order of the Gaussians and finds tiles. Does not wait.
@@ -136,7 +136,7 @@ inline constexpr bool may_gain_by_coarse_tiles<Cuda, AxisSharedThreshold<FloatCh
 struct AttributeRow;
 struct SplatAttributes;
 /// One thread per splat.
-SWIFTGS_API void gather_attributes(Cuda& cuda, const SplatAttributes& from, const PlacedScenes& scenes,
+SWIFTGS_API void gather_attributes(Cuda& cuda, const SplatAttributes& from, const StoredScenes& scenes,
                                    const Views& views, AttributeRow* to);
 
 /// Downloads what `job` was rasterized from, and counts on all cores of the host. Waits.

@@ -26,7 +26,7 @@ struct BlockList {
 };
 
 /// `SeveralScenes::of_chunk` by all lanes of a warp together: a step for each factor of 32 in their number.
-__device__ inline const PlacedScene& scene_of_chunk(const SeveralScenes& scenes, std::uint32_t chunk) {
+__device__ inline const StoredScene& scene_of_chunk(const SeveralScenes& scenes, std::uint32_t chunk) {
   std::uint32_t first = 0, count = scenes.count;
   while (count > 1) {
     const std::uint32_t step = (count + warp_size - 1) / warp_size, at = lane_index() * step;
@@ -40,7 +40,7 @@ __device__ inline const PlacedScene& scene_of_chunk(const SeveralScenes& scenes,
 
 /// A chunk of one of several scenes; `placed` is null where its view shows no more.
 struct PlacedChunk {
-  const PlacedScene* placed = nullptr;
+  const StoredScene* placed = nullptr;
   std::uint32_t chunk = 0;  ///< of `placed`
 };
 
@@ -52,14 +52,14 @@ __device__ PlacedChunk placed_chunk(const SeveralScenes& scenes, const View& vie
   const SeveralScenes shown{scenes.each + shows.first, min(shows.count, scenes.count - shows.first)};
   if (shown.count == 0) return {};
   const std::uint32_t in_frame = shown.each[0].first_chunk + number;
-  const PlacedScene& placed = by_warp ? scene_of_chunk(shown, in_frame) : shown.of_chunk(in_frame);
+  const StoredScene& placed = by_warp ? scene_of_chunk(shown, in_frame) : shown.of_chunk(in_frame);
   const std::uint32_t chunk = in_frame - placed.first_chunk;
   if (chunk >= placed.chunks()) return {};
   return {&placed, chunk};
 }
 
 /// Whether a placed scene is valid, as its memory has it now. The block of its first chunk notes the answer.
-__device__ inline bool can_be_drawn(const PlacedScene& placed, std::uint32_t chunk) {
+__device__ inline bool can_be_drawn(const StoredScene& placed, std::uint32_t chunk) {
   const bool valid = placed.is_valid();
   if (chunk == 0) placed.refused = valid ? 0 : 1;
   return valid;
@@ -135,7 +135,7 @@ inline BlockList run_list_blocks(Cuda& cuda, const FramePlan& plan, unsigned blo
   scratch.blocks.reset(blocks), scratch.count.reset(1);
   const EpochsView<NoCounts> epochs = scratch.epochs.begin(cuda, grid);
   const bool some_chunks = std::any_of(plan.scenes.each().begin(), plan.scenes.each().end(),
-                                       [](const PlacedScene& of) { return !of.scene.chunks.empty(); });
+                                       [](const StoredScene& of) { return !of.scene.chunks.empty(); });
   const bool listed = some_chunks && blocks >= least_listed * unsigned(cuda.multiprocessors());
   if (listed)
     with_views_and_scenes(plan.views, plan.scenes,

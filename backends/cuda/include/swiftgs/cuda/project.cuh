@@ -168,7 +168,7 @@ __global__ void __launch_bounds__(project_threads,
     __shared__ bool drawn;
     const PlacedChunk at = placed_chunk<true>(scenes, views[of_view], block % chunks_a_view);
     if (at.placed) {
-      const PlacedScene& placed = *at.placed;
+      const StoredScene& placed = *at.placed;
       const SceneView& scene = placed.scene;
       shared_eye.load_eye(views[of_view].camera, placed);
       if (threadIdx.x == warp_size) drawn = can_be_drawn(placed, at.chunk);

@@ -61,8 +61,8 @@ struct ViewStorage<Cuda> {
 /// On a device placed scenes are in its memory.
 template <>
 struct SceneStorage<Cuda> {
-  std::vector<PlacedScene> each;
-  DeviceBuffer<PlacedScene> stored;
+  std::vector<StoredScene> each;
+  DeviceBuffer<StoredScene> stored;
 
   static auto buffers(auto& self) { return std::tie(self.stored); }
 };

@@ -50,9 +50,9 @@ void with_views(const Views& views, const F& f) {
 
 /// f(views, scenes) as kernels take them.
 template <class F>
-void with_views_and_scenes(const Views& views, const PlacedScenes& scenes, const F& f) {
+void with_views_and_scenes(const Views& views, const StoredScenes& scenes, const F& f) {
   with_views(views, [&](const auto& source) {
-    if (scenes.is_stored())
+    if (scenes.is_on_device())
       f(source, SeveralScenes{scenes.reachable(), std::uint32_t(scenes.size())});
     else
       f(source, OneScene{scenes.each()[0].scene});

@@ -271,7 +271,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   /// plan of these views.
   FramePlan project_part(const PlacedScenes& part, Span<const View> views, RankCounters& mine) {
     FramePlan plan =
-        plan_frame(backend(), part, views, plan_memory_, [&](const PlacedScenes&, Span<const View> cut) {
+        plan_frame(backend(), part, views, plan_memory_, [&](const StoredScenes&, Span<const View> cut) {
           key_ = FrameKey::of({}, cut);
           return one_.may_gain_by_coarse_tiles() ? tiles_.choose(key_, cut) : cut;
         });
