@@ -85,7 +85,7 @@ Similarity swaying(const dvec3& centre, int frame) {
 template <class B>
 class Bench {
  public:
-  using R = Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
+  using R = Renderer<B>;
 
   /// Each set of planes beside colour, on a scene's first view.
   void planes(const bench::Input& input) {

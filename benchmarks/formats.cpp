@@ -154,7 +154,7 @@ class Eye {
 
  private:
   Camera camera_;
-  Renderer<Serial, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer_;
+  Renderer<Serial> renderer_;
 };
 
 /// A scene that went through a file.

@@ -29,8 +29,6 @@ constexpr int frames_of_run = 40;
 /// large as the first.
 class GraphStand {
  public:
-  using Best = Renderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
-
   GraphStand(const Input& input, std::size_t views) : cameras_(input.views), views_(views) {
     check_cuda(cudaStreamCreateWithFlags(&stream_, cudaStreamNonBlocking), "cudaStreamCreateWithFlags");
     for (cudaEvent_t& event : events_) check_cuda(cudaEventCreate(&event), "cudaEventCreate");
@@ -138,7 +136,7 @@ class GraphStand {
   std::optional<DeviceScene> scene_;
   DeviceBuffer<float> images_;
   DeviceBuffer<FrameReport> report_;
-  std::optional<Best> renderer_, recorder_;
+  std::optional<Renderer<Cuda>> renderer_, recorder_;
 };
 
 }  // namespace

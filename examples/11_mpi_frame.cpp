@@ -23,7 +23,7 @@ int draw(const char* file, Ranks& ranks) {
 
   // As a `Renderer`, but all its functions are collective. With <swiftgs/mpi/cuda.hpp> and
   // `take_device(ranks)` before it, Cuda stands in place of Cpu.
-  DistributedRenderer<Cpu, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer(ranks);
+  DistributedRenderer<Cpu> renderer(ranks);
   const auto part = renderer.backend().upload(std::move(read));
 
   Frame frame;  // filled on rank 0

@@ -81,11 +81,6 @@ double ms_since(Clock::time_point begun) {
   return std::chrono::duration<double, std::milli>(Clock::now() - begun).count();
 }
 
-template <class B>
-using OneRenderer = Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
-template <class B>
-using RanksRenderer = DistributedRenderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
-
 /// Times of `draw`, which all ranks begin together and which waits for its own work, until the last is done.
 template <class Draw>
 std::vector<double> times_of(Ranks& ranks, const Options& options, const Draw& draw) {
@@ -106,7 +101,7 @@ std::string measure(Ranks& ranks, const Options& options, const Make& make, cons
                     const std::string& carrier) {
   using B = decltype(make());
   ranks.set_direct(carrier != "host");
-  RanksRenderer<B> renderer(ranks, make());
+  DistributedRenderer<B> renderer(ranks, make());
   if (!carrier.empty() && renderer.carrier() != carrier)
     throw std::invalid_argument("--carriers '" + carrier + "': expected '" + std::string(renderer.carrier()) +
                                 "', by which splats go in this build on these ranks");
@@ -122,7 +117,7 @@ std::string measure(Ranks& ranks, const Options& options, const Make& make, cons
       times_of(ranks, options, [&] { renderer.render(part, camera, {}, frame); });
   std::optional<double> without_ranks;
   if (ranks.size() == 1) {
-    OneRenderer<B> one(make());
+    Renderer<B> one(make());
     without_ranks = median(times_of(ranks, options, [&] {
       one.render_resident(part, camera, {});
       one.backend().wait();
@@ -151,7 +146,7 @@ template <class B>
 void measure_views(Ranks& ranks, const Options& options, B backend, const SceneView& scene) {
   const std::vector<Camera> cameras =
       options.cameras.empty() ? builtin_cameras(int(options.views)) : load_cameras(options.cameras);
-  OneRenderer<B> renderer(std::move(backend));
+  Renderer<B> renderer(std::move(backend));
   const std::vector<double> all = times_of(ranks, options, [&] {
     for (std::size_t view = std::size_t(ranks.rank()); view < options.views;
          view += std::size_t(ranks.size()))

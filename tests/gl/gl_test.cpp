@@ -95,7 +95,7 @@ TEST_CASE("gl: splats are drawn before and behind a box in a pixel buffer as the
   CHECK(gl::device() == 0);
   const Canvas canvas;
   HostFrames on_host;
-  Splatter<Cuda> renderer;
+  Renderer<Cuda> renderer;
   const auto scene = renderer.backend().upload(make_builtin_scene());
   const GLuint name = make_pixel_buffer(colour_bytes + depth_bytes);
   const gl::Buffer buffer(name);
@@ -123,7 +123,7 @@ TEST_CASE("gl: splats in textures of each format are those of the host when Open
   if (!shared.usable) return;
   const Canvas canvas;
   HostFrames on_host;
-  Splatter<Cuda> renderer;
+  Renderer<Cuda> renderer;
   const auto scene = renderer.backend().upload(make_builtin_scene());
   const cudaStream_t stream = renderer.backend().stream();
   const GLuint name = make_pixel_buffer(colour_bytes + depth_bytes);
@@ -164,7 +164,7 @@ TEST_CASE("gl: a renderbuffer has the bytes of the frame that was written to it"
   const Shared shared;
   if (!shared.usable) return;
   const Canvas canvas;
-  Splatter<Cuda> renderer;
+  Renderer<Cuda> renderer;
   const auto scene = renderer.backend().upload(make_builtin_scene());
   const Seen seen(2, ClipSpace::opengl);
   GLuint name = 0;
@@ -231,7 +231,7 @@ TEST_CASE("gl: frames in a loop take no memory") {
   const Shared shared;
   if (!shared.usable) return;
   const Canvas canvas;
-  Splatter<Cuda> renderer;
+  Renderer<Cuda> renderer;
   const auto scene = renderer.backend().upload(make_builtin_scene());
   const cudaStream_t stream = renderer.backend().stream();
   const GLuint name = make_pixel_buffer(colour_bytes + depth_bytes), texture = make_texture(GL_RGBA8);

@@ -9,7 +9,6 @@
 #include <cstring>
 #include <exception>
 #include <string>
-#include <type_traits>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -19,6 +18,7 @@
 #include <swiftgs/swiftgs.hpp>
 
 #include "mpi/ranks_here.hpp"
+#include "policies/all_planes.hpp"
 
 namespace swiftgs::test {
 
@@ -40,12 +40,7 @@ inline Camera builtin_panorama() {
   return camera;
 }
 
-inline RenderSettings all_outputs() {
-  RenderSettings settings;
-  settings.background = vec3(0.1f, 0.2f, 0.3f);
-  settings.outputs = {true, true};
-  return settings;
-}
+inline RenderSettings all_outputs() { return settings_of({true, true}, vec3(0.1f, 0.2f, 0.3f)); }
 
 /// With 14 features.
 inline Scene with_features(Scene scene) {
@@ -54,17 +49,8 @@ inline Scene with_features(Scene scene) {
   return scene;
 }
 
-/// All planes of such a scene: the 16 attributes that are summed together, and two more.
-inline RenderSettings all_planes() {
-  RenderSettings settings = all_outputs();
-  for_each_plane(
-      [](std::size_t, auto& wanted) {
-        if constexpr (std::is_same_v<decltype(wanted), bool&>) wanted = true;
-      },
-      settings.outputs);
-  settings.outputs.features = 14;
-  return settings;
-}
+/// Every plane of such a scene: the 16 attributes that are summed together, and two more.
+inline RenderSettings every_plane() { return settings_of(all_planes(14), all_outputs().background); }
 
 /// Whether `found` and `expected` have the same planes in the rows of `strip`.
 inline bool same_rows(const Frame& found, const Frame& expected, const ViewStrip& strip) {

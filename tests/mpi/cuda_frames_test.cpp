@@ -111,8 +111,8 @@ TEST_CASE("mpi cuda: all planes are the same") {
   const Scene scene = with_features(make_builtin_scene(30'000)), own = part_of(scene, own_part());
   with_each_carrier([&] {
     compare<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, own, some_cameras(), 3,
-                                                                          all_planes());
-    compare<Cuda, StandardSort, PerPixel, Obb>(scene, own, {builtin_camera(333, 170)}, 2, all_planes());
+                                                                          every_plane());
+    compare<Cuda, StandardSort, PerPixel, Obb>(scene, own, {builtin_camera(333, 170)}, 2, every_plane());
   });
 }
 
@@ -128,7 +128,7 @@ TEST_CASE("mpi cuda: ranks take coarser tiles where one process does") {
   const Scene scene = make_builtin_scene(30'000);
   const std::vector<Camera> cameras{builtin_camera(1600, 1000)};
   compare_carriers<EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>(scene, cameras);
-  DistributedRenderer<Cuda, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse> renderer(ranks_here());
+  DistributedRenderer<Cuda> renderer(ranks_here());
   const auto part = renderer.backend().upload(part_of(scene, own_part()));
   std::vector<std::uint64_t> rows;
   for (int k = 0; k < 2; ++k) {

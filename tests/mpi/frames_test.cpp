@@ -122,15 +122,15 @@ TEST_CASE("mpi frames: all planes of every kind of scene and view have the bits 
     const std::string name = each.name;
     CAPTURE(name);
     const Scene scene = with_features(each.scene), own = part_of(scene, own_part());
-    compare<Cpu, EarlySort, PerPixel, Ellipse>(scene, own, each.cameras, 2, all_planes());
+    compare<Cpu, EarlySort, PerPixel, Ellipse>(scene, own, each.cameras, 2, every_plane());
     compare<Serial, StandardSort, AxisSharedThreshold<FloatSplit>, Obb>(scene, own, each.cameras, 1,
-                                                                        all_planes());
+                                                                        every_plane());
   }
   // One rank has all.
   const Scene scene = with_features(make_builtin_scene(900)), none = part_of(scene, {0, 65535});
   for (int holder = 0; holder < ranks_here().size(); ++holder)
     compare<Cpu, EarlySort, PerPixel, Ellipse>(scene, ranks_here().rank() == holder ? scene : none,
-                                               {builtin_camera(120, 80)}, 2, all_planes());
+                                               {builtin_camera(120, 80)}, 2, every_plane());
 }
 
 TEST_CASE("mpi frames: messages that are cut bring the same bits") {

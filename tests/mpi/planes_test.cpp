@@ -47,7 +47,7 @@ TEST_CASE("mpi planes: they go by way of other memory and by a link") {
   const Scene scene = with_features(make_builtin_scene(2'000)), own = part_of(scene, own_part());
   for (const bool direct : {false, true}) {
     ranks_here().set_direct(direct);
-    compare<Away, EarlySort, PerPixel, Ellipse, Serial>(scene, own, some_cameras(), 2, all_planes());
+    compare<Away, EarlySort, PerPixel, Ellipse, Serial>(scene, own, some_cameras(), 2, every_plane());
   }
   ranks_here().set_direct(false);
 }
@@ -71,7 +71,7 @@ TEST_CASE("mpi planes: placed scenes of which each rank holds parts have the bit
     for (const PlacedScene& placed : parts_of_rank(rank)) all.push_back(placed);
   const std::vector<PlacedScene> own = parts_of_rank(std::size_t(ranks_here().rank()));
   const std::vector<Camera> cameras = some_cameras();
-  const RenderSettings settings = all_planes();
+  const RenderSettings settings = every_plane();
   std::vector<Frame> expected(cameras.size()), found(cameras.size());
   one.render(all, {cameras.data(), cameras.size()}, settings, {expected.data(), expected.size()});
   for (int frame = 0; frame < 3; ++frame) {
@@ -95,7 +95,7 @@ TEST_CASE("mpi planes: views may ask for different planes and lie behind surface
     Outputs outputs;
     bool occluded, along_ray = false;
   };
-  const Outputs all = all_planes().outputs;
+  const Outputs all = every_plane().outputs;
   const std::vector<std::vector<Asked>> frames{
       {{all, true}, {{}, false}, {{.features = 2}, false}, {{.median_depth = true, .normal = true}, true}},
       {{{}, true}, {{}, false}},                              // nothing but colours
@@ -162,7 +162,7 @@ TEST_CASE("mpi planes: a part with too few features is told to all and they can 
   const auto part = distributed.backend().upload(own);
   Frame expected, found;
   const Camera camera = builtin_camera(100, 80);
-  RenderSettings settings = all_planes();
+  RenderSettings settings = every_plane();
   const std::string message =
       message_of(failing, [&] { distributed.render(part.view(), camera, settings, found); });
   CHECK(message.ends_with(
@@ -179,7 +179,7 @@ TEST_CASE("mpi planes: a rank that fails for any attributes is told to all and t
   const Camera camera = builtin_camera(100, 80);
   One one;
   Frame expected, found;
-  one.render(one.backend().upload(scene), camera, all_planes(), expected);
+  one.render(one.backend().upload(scene), camera, every_plane(), expected);
   for (const bool direct : {false, true}) {
     ranks_here().set_direct(direct);
     DistributedRenderer<Away, EarlySort, PerPixel, Ellipse> distributed(ranks_here());
@@ -187,11 +187,11 @@ TEST_CASE("mpi planes: a rank that fails for any attributes is told to all and t
     for (const int attribute : {0, 16}) {
       if (ranks_here().rank() == failing) distributed.backend().failing_attribute = attribute;
       const std::string message =
-          message_of(failing, [&] { distributed.render(part.view(), camera, all_planes(), found); });
+          message_of(failing, [&] { distributed.render(part.view(), camera, every_plane(), found); });
       CHECK(message.ends_with("thrown by a test"));
       CHECK(distributed.drawn().size == 0);
       distributed.backend().failing_attribute = -1;
-      distributed.render(part.view(), camera, all_planes(), found);
+      distributed.render(part.view(), camera, every_plane(), found);
       if (ranks_here().rank() == 0) CHECK(same_planes(found, expected));
     }
   }
@@ -199,7 +199,7 @@ TEST_CASE("mpi planes: a rank that fails for any attributes is told to all and t
 }
 
 TEST_CASE("mpi planes: where one rank has no memory all throw and can go on") {
-  RenderSettings settings = all_planes();
+  RenderSettings settings = every_plane();
   settings.outputs.features = 0;
   fail_at_each_allocation<Serial>(
       hook_of<CacheLineMemory>(), [](const MemoryHook& memory) { return Serial(memory); }, settings);
@@ -229,5 +229,5 @@ TEST_CASE("mpi planes: only frames that ask for Gaussians or attributes send the
   CHECK(bytes_of_frame({.id = true}, splats) == colour + 4 * splats);
   CHECK(bytes_of_frame({.normal = true, .median_id = true}, splats) == colour + (4 + 16) * splats);
   CHECK(bytes_of_frame({.features = 5}, splats) == colour + 2 * 16 * splats);
-  CHECK(bytes_of_frame(all_planes().outputs, splats) == colour + (4 + 5 * 16) * splats);
+  CHECK(bytes_of_frame(every_plane().outputs, splats) == colour + (4 + 5 * 16) * splats);
 }

@@ -29,9 +29,6 @@ inline constexpr int width = 640, height = 400;
 inline constexpr std::size_t pixels = std::size_t(width) * height;
 using Bytes = std::vector<unsigned char>;
 
-template <class B>
-using Splatter = Renderer<B, EarlySort, AxisSharedThreshold<FloatCholesky>, Ellipse>;
-
 /// Frame k of a turn around the knot, in which the box is.
 struct Seen {
   Seen(int k, ClipSpace clip) {
@@ -81,7 +78,7 @@ class HostFrames {
   }
 
  private:
-  Splatter<Cpu> renderer_;
+  Renderer<Cpu> renderer_;
   Cpu::SceneOn scene_ = renderer_.backend().upload(make_builtin_scene());
 };
 

@@ -155,7 +155,7 @@ class Together {
   vulkan::Device device_;
   vulkan::Buffer planes_;
   vulkan::Semaphore reached_;
-  Splatter<Cuda> renderer_;
+  Renderer<Cuda> renderer_;
   Cuda::SceneOn scene_;
   DeviceBuffer<FrameReport> report_;
   vk::raii::CommandBuffer before_, after_;
@@ -205,7 +205,7 @@ TEST_CASE("vulkan: a frame is sorted before its occluder is there") {
   const Timeline timeline(*shared.gpu);
   const vulkan::Device device(uuid_of(shared.gpu->physical));
   const vulkan::Semaphore reached(device, timeline.export_fd());
-  Splatter<Cuda> renderer;
+  Renderer<Cuda> renderer;
   const cudaStream_t stream = renderer.backend().stream();
   const auto scene = renderer.backend().upload(make_builtin_scene());
   DeviceBuffer<unsigned char> image;
@@ -235,7 +235,7 @@ TEST_CASE("vulkan: an optimal image has the bytes of the frame that was written 
   if (!shared.gpu) return;
   const Gpu& gpu = *shared.gpu;
   const vulkan::Device device(uuid_of(gpu.physical));
-  Splatter<Cuda> renderer;
+  Renderer<Cuda> renderer;
   const cudaStream_t stream = renderer.backend().stream();
   const auto scene = renderer.backend().upload(make_builtin_scene());
   const std::pair<PixelFormat, vk::Format> formats[] = {

@@ -41,7 +41,8 @@ namespace swiftgs {
 /// ranks ask for the same planes of the same views; the orders and colours that these leave to the scenes
 /// must agree. If one rank fails, all throw: that rank its own error, the others `RankError`; the renderers
 /// stay usable. After an `MpiError` the program must end.
-template <class B, class Sort, class Raster, class Bounds>
+template <class B, class Sort = EarlySort, class Raster = AxisSharedThreshold<FloatCholesky>,
+          class Bounds = Ellipse>
 requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRenderer {
  public:
   /// As of `Renderer`.
