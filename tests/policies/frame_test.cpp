@@ -324,6 +324,23 @@ SWIFTGS_CONTRACT("frame: rows of each plane may go up in memory") {
   });
 }
 
+TEST_CASE("frame: a view asks for what its frame has memory for and else for its request") {
+  float depth = 0;
+  for (const Outputs& outputs : each_plane(2)) {
+    const Request request = Request::of(outputs);
+    for_each_plane([](std::size_t, bool asked, const auto& wanted) { CHECK(asked == bool(wanted)); },
+                   request.planes(), outputs);
+    View view{.request = request};
+    CHECK(view.asked() == request);
+    Frame frame;
+    view.frame = prepare(frame, 4, 3, outputs), view.request = {.occluder = true};
+    CHECK(view.asked() == request);
+    view.frame.occluder.data = &depth;
+    CHECK(view.asked() != request);
+    CHECK(view.asked().occluder);
+  }
+}
+
 TEST_CASE("frame: planes that cannot be written are refused in words") {
   Renderer<Serial, EarlySort, PerPixel, Ellipse> renderer;
   const Scene scene = with_features(random_scene(10, 0, 11), 3);
