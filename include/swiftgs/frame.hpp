@@ -162,13 +162,12 @@ struct Request {
   bool normal : 1 = false, id : 1 = false, median_id : 1 = false, features : 1 = false;
   bool occluder : 1 = false;
 
-  /// `planes`: `Outputs`, or others with a value for each plane that is true or false.
-  template <class Planes>
-  static constexpr Request of(const Planes& planes) {
-    return {bool(planes.colour),        bool(planes.alpha),       bool(planes.depth),
-            bool(planes.squared_depth), bool(planes.first_depth), bool(planes.median_depth),
-            bool(planes.normal),        bool(planes.id),          bool(planes.median_id),
-            bool(planes.features)};
+  /// The planes that are true of `of`, `Outputs` or a `FrameView`.
+  template <class Of>
+  static constexpr Request planes_of(const Of& of) {
+    return {bool(of.colour),      bool(of.alpha),        bool(of.depth),  bool(of.squared_depth),
+            bool(of.first_depth), bool(of.median_depth), bool(of.normal), bool(of.id),
+            bool(of.median_id),   bool(of.features)};
   }
   /// For `for_each_plane`.
   constexpr PerPlane<bool> planes() const {
@@ -281,7 +280,7 @@ struct FrameView {
   std::size_t pixels() const { return std::size_t(width) * height; }
   /// What it has memory for.
   Request request() const {
-    Request all = Request::of(*this);
+    Request all = Request::planes_of(*this);
     all.occluder = bool(occluder);
     return all;
   }

@@ -101,9 +101,9 @@ struct PlanMemory {
   SceneStorage<B> scenes;
 };
 
-/// Plans a frame of valid views: cuts panoramas, gives views the models of their scenes, lets `choose(scenes,
-/// views)` choose tiles, and stores all where loops of the backend read it. Throws `InvalidArgument`
-/// where nothing can be rendered, and `CapacityError` beyond the limits of a frame.
+/// Plans a frame of valid views: cuts panoramas, gives views their requests and the models of their scenes,
+/// lets `choose(scenes, views)` choose tiles, and stores all where loops of the backend read it. Throws
+/// `InvalidArgument` where nothing can be rendered, and `CapacityError` beyond the limits of a frame.
 template <class B, class Choose>
 FramePlan plan_frame(B& b, const PlacedScenes& scenes, Span<const View> views, PlanMemory<B>& memory,
                      const Choose& choose) {

@@ -267,14 +267,13 @@ class StoredScenes : public ScenesOf<StoredScene> {
 
  private:
   static std::size_t gaussians_in(Span<const StoredScene> some) {
-    if (some.empty()) return 0;
-    const StoredScene& back = some[some.size - 1];
-    return back.first_gaussian - some[0].first_gaussian + back.size();
+    const std::size_t last = some.size - 1;
+    return some.empty() ? 0 : some[last].first_gaussian - some[0].first_gaussian + some[last].size();
   }
   static ChunkRange chunks_in(Span<const StoredScene> some) {
     if (some.empty()) return {};
-    const StoredScene& back = some[some.size - 1];
-    return {some[0].first_chunk, std::size_t(back.first_chunk) + back.chunks()};
+    const StoredScene& last = some[some.size - 1];
+    return {some[0].first_chunk, std::size_t(last.first_chunk) + last.chunks()};
   }
 
   const StoredScene* on_device_ = nullptr;

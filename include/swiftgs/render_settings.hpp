@@ -50,7 +50,7 @@ inline void make_views(Span<const Camera> cameras, const RenderSettings& setting
     const FrameView frame{
         .width = camera.width, .height = camera.height, .feature_channels = settings.outputs.features};
     views.push_back(make_view(camera, settings.conventions, frame, settings.background));
-    views.back().request = Request::of(settings.outputs);
+    views.back().request = Request::planes_of(settings.outputs);
   }
 }
 

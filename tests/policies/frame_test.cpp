@@ -327,7 +327,7 @@ SWIFTGS_CONTRACT("frame: rows of each plane may go up in memory") {
 TEST_CASE("frame: a view asks for what its frame has memory for and else for its request") {
   float depth = 0;
   for (const Outputs& outputs : each_plane(2)) {
-    const Request request = Request::of(outputs);
+    const Request request = Request::planes_of(outputs);
     for_each_plane([](std::size_t, bool asked, const auto& wanted) { CHECK(asked == bool(wanted)); },
                    request.planes(), outputs);
     View view{.request = request};
