@@ -63,7 +63,6 @@ struct OneSigma {
   SWIFTGS_HD static SplatShape shrunk(const SplatShape& shape) {
     SplatShape small = shape;
     if (shape.cutoff <= one_sigma) return small;
-    small.half_width *= std::sqrt(one_sigma / shape.cutoff);
     small.cutoff = one_sigma;
     return small;
   }

@@ -44,6 +44,8 @@ struct Doubles {
 };
 
 HWY_INLINE Doubles mul_add(Doubles a, Doubles b, Doubles c) { return hn::MulAdd(a.v, b.v, c.v); }
+HWY_INLINE Doubles mul_sub(Doubles a, Doubles b, Doubles c) { return hn::MulSub(a.v, b.v, c.v); }
+HWY_INLINE Doubles neg_mul_add(Doubles a, Doubles b, Doubles c) { return hn::NegMulAdd(a.v, b.v, c.v); }
 HWY_INLINE Doubles square_root(Doubles a) { return hn::Sqrt(a.v); }
 HWY_INLINE Doubles inverse(Doubles a) { return Doubles(1.0) / a; }
 HWY_INLINE Doubles inverse_sqrt(Doubles a) { return inverse(square_root(a)); }

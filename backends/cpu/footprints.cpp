@@ -29,7 +29,7 @@ using VecU = hn::Vec<U32>;
 constexpr std::size_t lanes = hn::MaxLanes(F32());
 
 struct Shapes {
-  Vec mean_x, mean_y, l0, l1, l2, cutoff, half_width;
+  Vec mean_x, mean_y, l0, l1, l2, cutoff;
 };
 struct Runs {
   VecI begin, end;
@@ -50,13 +50,7 @@ HWY_INLINE Shapes LoadShapes(const SplatShape* HWY_RESTRICT shapes) {
   hn::LoadInterleaved4(d, &shapes[lanes / 2].mean.x, high[0], high[1], high[2], high[3]);
   const auto even = [&](int i) HWY_ATTR { return hn::ConcatEven(d, high[i], low[i]); };
   const auto odd = [&](int i) HWY_ATTR { return hn::ConcatOdd(d, high[i], low[i]); };
-  return {.mean_x = even(0),
-          .mean_y = even(1),
-          .l0 = even(2),
-          .l1 = even(3),
-          .l2 = odd(0),
-          .cutoff = odd(2),
-          .half_width = odd(3)};
+  return {.mean_x = even(0), .mean_y = even(1), .l0 = even(2), .l1 = even(3), .l2 = odd(0), .cutoff = odd(2)};
 }
 
 /// `clamped_floor` within `among`, whose ends are not negative.
@@ -83,10 +77,19 @@ HWY_INLINE Runs TilesMeeting(Vec low, Vec high, int side, TileRun among) {
 }
 
 HWY_INLINE Vec Inverse(Vec v) { return hn::Div(All(1.0f), v); }
-HWY_INLINE Vec HalfHeight(const Shapes& s) { return hn::Mul(hn::Sqrt(s.cutoff), Inverse(s.l2)); }
-HWY_INLINE Vec Slack(Vec half_width, Vec half_height) {
-  return hn::Add(All(1e-2f), hn::Mul(All(1e-4f), hn::Add(half_width, half_height)));
-}
+
+/// `EllipseExtent`.
+struct Extent {
+  Vec width, height, slack;
+
+  HWY_INLINE explicit Extent(const Shapes& s) {
+    const Vec inverse_l0 = Inverse(s.l0), inverse_l2 = Inverse(s.l2), root = hn::Sqrt(s.cutoff);
+    const Vec tilt = hn::Mul(hn::Mul(s.l1, inverse_l0), inverse_l2);
+    width = hn::Mul(root, hn::Sqrt(hn::Add(hn::Mul(inverse_l0, inverse_l0), hn::Mul(tilt, tilt))));
+    height = hn::Mul(root, inverse_l2);
+    slack = hn::Add(All(1e-2f), hn::Mul(All(1e-4f), hn::Add(width, height)));
+  }
+};
 
 /// Vector version of bounds whose rows all span the whole box.
 struct BoxRows {
@@ -97,8 +100,8 @@ struct VectorOpacityBox : BoxRows {
   using Scalar = OpacityBox;
 
   HWY_INLINE Rects Rect(const Shapes& s, TileGrid grid) {
-    const Vec height = HalfHeight(s), slack = Slack(s.half_width, height);
-    const Vec x = hn::Add(s.half_width, slack), y = hn::Add(height, slack);
+    const Extent half(s);
+    const Vec x = hn::Add(half.width, half.slack), y = hn::Add(half.height, half.slack);
     return {TilesMeeting(hn::Sub(s.mean_x, x), hn::Add(s.mean_x, x), grid.side, grid.columns),
             TilesBetween(hn::Sub(s.mean_y, y), hn::Add(s.mean_y, y), grid.side, grid.rows)};
   }
@@ -135,7 +138,8 @@ class VectorEllipse {
 
   HWY_INLINE Rects Rect(const Shapes& s, TileGrid grid) {
     shapes_ = s, side_ = grid.side;
-    height_ = HalfHeight(s), slack_ = Slack(s.half_width, height_);
+    const Extent half(s);
+    height_ = half.height, slack_ = half.slack;
     inverse_l0_ = Inverse(s.l0);
     const Vec slope = hn::Mul(s.l1, Inverse(s.l2));
     steepest_ = hn::Div(hn::Mul(height_, slope), hn::Sqrt(hn::Add(All(1.0f), hn::Mul(slope, slope))));

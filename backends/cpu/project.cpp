@@ -42,6 +42,9 @@ HWY_INLINE Wide Promote(Vec v) {
 HWY_INLINE Vec Demote(const Wide& v) {
   return hn::Combine(F32(), hn::DemoteTo(Half32(), v.high), hn::DemoteTo(Half32(), v.low));
 }
+HWY_INLINE Wide Minus(const Wide& a, const Wide& b) {
+  return {hn::Sub(a.low, b.low), hn::Sub(a.high, b.high)};
+}
 HWY_INLINE Wide Minus(const Wide& a, double b) {
   const Vec64 all = hn::Set(F64(), b);
   return {hn::Sub(a.low, all), hn::Sub(a.high, all)};
@@ -83,70 +86,70 @@ HWY_INLINE Wide3 FromCentre(const ViewConstants& v, const vec3* HWY_RESTRICT mea
   return {dx, dy, Minus(Promote(mean.z), v.centre[2])};
 }
 
-/// Columns of the rotation matrix of a Gaussian's quaternion.
-struct Axes {
-  Vec3 column[3];
-};
+// Half a group in double, as `LocalAxes`, `ImageAxes` and `factor` of project.hpp are of one Gaussian.
+using Triple = TripleOf<Doubles>;
 
-HWY_INLINE Axes LocalAxesOf(const Quaternion* HWY_RESTRICT rotations) {
-  const F32 d;
-  Vec w, x, y, z;
-  hn::LoadInterleaved4(d, &rotations->w, w, x, y, z);
-  const Vec one = hn::Set(d, 1.0f);
-  const Vec x2 = hn::Add(x, x), y2 = hn::Add(y, y), z2 = hn::Add(z, z);
-  const Vec wx = hn::Mul(w, x2), wy = hn::Mul(w, y2), wz = hn::Mul(w, z2);
-  const Vec without_y = hn::NegMulAdd(y2, y, one), without_z = hn::NegMulAdd(z2, z, one);
-  return {{{hn::NegMulAdd(y2, y, without_z), hn::MulAdd(x2, y, wz), hn::MulSub(x2, z, wy)},
-           {hn::MulSub(x2, y, wz), hn::NegMulAdd(x2, x, without_z), hn::MulAdd(y2, z, wx)},
-           {hn::MulAdd(x2, z, wy), hn::MulSub(y2, z, wx), hn::NegMulAdd(x2, x, without_y)}}};
+HWY_INLINE Doubles Dot(const Triple& a, const Triple& b) {
+  return mul_add(a.x, b.x, mul_add(a.y, b.y, a.z * b.z));
+}
+HWY_INLINE Doubles DifferenceOfProducts(Doubles a, Doubles b, Doubles c, Doubles d) {
+  return mul_sub(a, b, c * d);
+}
+HWY_INLINE Triple Cross(const Triple& a, const Triple& b) {
+  return {DifferenceOfProducts(a.y, b.z, a.z, b.y), DifferenceOfProducts(a.z, b.x, a.x, b.z),
+          DifferenceOfProducts(a.x, b.y, a.y, b.x)};
 }
 
-/// A row of J W: how a coordinate of a pixel grows with the world.
-struct Row {
-  Vec3 direction;
-  Vec pixels;  ///< times this
+struct Axes {
+  Triple column[3];
 
-  /// The row times R S.
-  HWY_INLINE Vec3 Along(const Vec3& scale, const Axes& axes) const {
-    return {hn::Mul(hn::Mul(pixels, scale.x), Dot(direction, axes.column[0])),
-            hn::Mul(hn::Mul(pixels, scale.y), Dot(direction, axes.column[1])),
-            hn::Mul(hn::Mul(pixels, scale.z), Dot(direction, axes.column[2]))};
+  HWY_INLINE Axes(Doubles w, Doubles x, Doubles y, Doubles z) {
+    const Doubles one(1.0), x2 = x + x, y2 = y + y, z2 = z + z, wx = w * x2, wy = w * y2, wz = w * z2;
+    const Doubles without_y = neg_mul_add(y2, y, one), without_z = neg_mul_add(z2, z, one);
+    column[0] = {neg_mul_add(y2, y, without_z), mul_add(x2, y, wz), mul_sub(x2, z, wy)};
+    column[1] = {mul_sub(x2, y, wz), neg_mul_add(x2, x, without_z), mul_add(y2, z, wx)};
+    column[2] = {mul_add(x2, z, wy), mul_sub(y2, z, wx), neg_mul_add(x2, x, without_y)};
   }
 };
 
-/// That of a pinhole; `pixels` is the focal length over z.
-HWY_INLINE Row PinholeRow(const ViewConstants& v, int row, Vec tangent, Vec pixels) {
-  const F32 d;
-  const auto component = [&](int k) HWY_ATTR {
-    return hn::NegMulAdd(tangent, hn::Set(d, v.axes[2][k]), hn::Set(d, v.axes[row][k]));
-  };
-  return {{component(0), component(1), component(2)}, pixels};
-}
+/// A row of J W: how a coordinate of a pixel grows with the world.
+struct Row {
+  Triple direction;
+  Doubles pixels;  ///< times this
 
-HWY_INLINE Vec3 Cross(const Vec3& a, const Vec3& b) {
-  return {hn::MulSub(a.y, b.z, hn::Mul(a.z, b.y)), hn::MulSub(a.z, b.x, hn::Mul(a.x, b.z)),
-          hn::MulSub(a.x, b.y, hn::Mul(a.y, b.x))};
-}
+  /// The row times R S.
+  HWY_INLINE Triple Along(const Triple& scale, const Axes& axes) const {
+    return {pixels * scale.x * Dot(direction, axes.column[0]),
+            pixels * scale.y * Dot(direction, axes.column[1]),
+            pixels * scale.z * Dot(direction, axes.column[2])};
+  }
+};
+struct Rows {
+  Row x, y;
+};
 
-/// The squared length up to which `needs_double` lets a Gaussian be factored in float.
-HWY_INLINE Vec MostLengthInFloat(Vec mean_x, Vec mean_y) {
-  const F32 d;
-  const Vec near = hn::Min(hn::Abs(mean_x), hn::Abs(mean_y));
-  return hn::MulAdd(hn::Mul(hn::Set(d, float_lengths_per_mean), near), near,
-                    hn::Set(d, float_length_squared));
-}
+struct Factor {
+  Doubles l0, l1, l2, var_x, var_y;
+  Doubles sharpness;  ///< where it is asked for
+  Doubles valid;      ///< 1 or 0
 
-/// Vector version of `needs_double`.
-HWY_INLINE Mask NeedsDouble(Vec tx, Vec ty, Vec pixels_x, Vec pixels_y, const Vec3& scale, Vec mean_x,
-                            Vec mean_y) {
-  const F32 d;
-  const Vec one = hn::Set(d, 1.0f), xx = hn::Mul(tx, tx), yy = hn::Mul(ty, ty);
-  const Vec length =
-      hn::Mul(Dot(scale, scale), hn::MulAdd(hn::Mul(pixels_x, pixels_x), hn::Add(one, xx),
-                                            hn::Mul(hn::Mul(pixels_y, pixels_y), hn::Add(one, yy))));
-  const Vec most = MostLengthInFloat(mean_x, mean_y);
-  return hn::Not(hn::And(hn::Le(length, most), hn::Le(hn::Add(xx, yy), hn::Set(d, float_tangent_squared))));
-}
+  Factor() = default;
+  HWY_INLINE Factor(const Triple& x, const Triple& y, Doubles blur, bool sharpens) {
+    const Doubles xx = Dot(x, x), yy = Dot(y, y), xy = Dot(x, y);
+    var_x = xx + blur, var_y = yy + blur;
+    const Doubles inv_sigma_y = inverse_sqrt(var_y), inv_var_y = inv_sigma_y * inv_sigma_y;
+    const Triple c = Cross(x, y), narrow{c.x * inv_sigma_y, c.y * inv_sigma_y, c.z * inv_sigma_y};
+    const Doubles sharp = Dot(narrow, narrow);
+    const Doubles var_x_given_y = mul_add(blur, (xx + var_y) * inv_var_y, sharp);
+    l0 = Doubles(to_base_2) * inverse_sqrt(var_x_given_y);
+    l1 = -(l0 * (xy * inv_var_y)), l2 = Doubles(to_base_2) * inv_sigma_y;
+    sharpness = sharpens ? sharp / var_x_given_y : sharp;
+    const Doubles zero(0.0), largest{double(largest_variance)};
+    valid = choose((var_x_given_y > zero) & (var_y > zero) & (var_x_given_y < Doubles(double(INFINITY))), 1.0,
+                   zero);
+    valid = choose(var_x > largest, zero, choose(var_y > largest, zero, valid));
+  }
+};
 
 /// Consecutive Gaussians of a scene, `lanes` of which may be read.
 struct Group {
@@ -164,47 +167,53 @@ struct Group {
   }
 };
 
-/// Lanes of a group that `project_shape` projects in double.
-class ScalarLanes {
- public:
-  /// Projects the lanes of `in_double`; returns `visible` with these lanes updated.
-  HWY_INLINE Mask project(const ViewConstants& v, const Group& group, Mask in_double, Mask visible) {
-    const hn::RebindToUnsigned<F32> d;
-    hn::Store(hn::VecFromMask(d, hn::RebindMask(d, in_double)), d, chosen_);
-    hn::Store(hn::VecFromMask(d, hn::RebindMask(d, visible)), d, shown_);
-    for (std::size_t k = 0; k < lanes; ++k) {
-      if (chosen_[k] == 0) continue;
-      const ProjectedShape splat =
-          project_shape(v, {group.means[k], group.scales[k], group.rotations[k], group.opacities[k]});
-      shapes_[k] = splat.shape;
-      shown_[k] = splat.visible ? ~0u : 0;
-    }
-    return hn::RebindMask(F32(), hn::MaskFromVec(hn::Load(d, shown_)));
+/// Those of a group.
+struct Factors {
+  HWY_INLINE Factors(const ViewConstants& v, const Group& group, const Rows (&rows)[2]) {
+    Vec w, x, y, z;
+    hn::LoadInterleaved4(F32(), &group.rotations->w, w, x, y, z);
+    const Wide ws = Promote(w), xs = Promote(x), ys = Promote(y), zs = Promote(z);
+    const Vec3 scales = LoadVec3(group.scales);
+    const Wide scale_x = Promote(scales.x), scale_y = Promote(scales.y), scale_z = Promote(scales.z);
+    const auto factor = [&](const Rows& of, const Axes& axes, const Triple& scale) HWY_ATTR {
+      return Factor(of.x.Along(scale, axes), of.y.Along(scale, axes), Doubles(double(v.blur)), v.antialiased);
+    };
+    lower_ = factor(rows[0], Axes(ws.low, xs.low, ys.low, zs.low), {scale_x.low, scale_y.low, scale_z.low});
+    upper_ =
+        factor(rows[1], Axes(ws.high, xs.high, ys.high, zs.high), {scale_x.high, scale_y.high, scale_z.high});
   }
 
-  /// Puts them in their places among the visible lanes, which lie together at `shapes`.
-  HWY_INLINE void store(SplatShape* shapes) const {
-    for (std::size_t k = 0; k < lanes; ++k) {
-      if (shown_[k] == 0) continue;
-      if (chosen_[k] != 0) *shapes = shapes_[k];
-      ++shapes;
-    }
-  }
+  HWY_INLINE Vec operator()(Doubles Factor::*of) const { return Demote({(lower_.*of).v, (upper_.*of).v}); }
 
  private:
-  alignas(64) std::uint32_t chosen_[lanes], shown_[lanes];
-  SplatShape shapes_[lanes];
+  Factor lower_, upper_;
 };
 
 /// Where a view sees the means of a group, and how it linearises there.
 struct Seen {
-  Vec x, y, depth;
-  Row row_x, row_y;
+  Vec x, y;  ///< of the mean
+  Vec low;   ///< bits, as in `SplatShape`
+  Vec depth;
+  Rows rows[2];  ///< of the lower half, and of the upper
   Mask shown;
-  Mask in_double;  ///< lanes that `project_shape` projects
+
+  /// Vector version of `SplatShape::set_mean`.
+  HWY_INLINE void place_mean(const Wide& wide_x, const Wide& wide_y) {
+    const F32 d;
+    const hn::RebindToSigned<F32> di;
+    x = Demote(wide_x), y = Demote(wide_y);
+    const auto low_of = [&](const Wide& wide, Vec mean) HWY_ATTR {
+      const Vec units = hn::Mul(Demote(Minus(wide, Promote(mean))), hn::Set(d, 1 / SplatShape::low_unit));
+      const Vec most = hn::Set(d, float(0x7fff));
+      return hn::NearestInt(hn::Min(hn::Max(units, hn::Neg(most)), most));
+    };
+    const auto of_x = hn::And(low_of(wide_x, x), hn::Set(di, 0xffff));
+    low = hn::BitCast(d, hn::Or(of_x, hn::ShiftLeft<16>(low_of(wide_y, y))));
+  }
 };
 
 /// Sees the lanes of `visible`; false if none is shown.
+
 HWY_INLINE bool SeeThroughPinhole(const ViewConstants& v, const Group& group, Mask visible, Seen& out) {
   const F32 d;
   // Move to camera space in double, and cull by depth before anything else is read.
@@ -218,40 +227,32 @@ HWY_INLINE bool SeeThroughPinhole(const ViewConstants& v, const Group& group, Ma
   const Wide x_over_z = Times(Dot(dx, dy, dz, v.rotation[0]), inverse_z);
   const Wide y_over_z = Times(Dot(dx, dy, dz, v.rotation[1]), inverse_z);
 
+  out.place_mean(ScaleAdd(x_over_z, v.fx, v.cx), ScaleAdd(y_over_z, v.fy, v.cy));
+
   // Linearise within the limits of the conventions.
-  const Vec tx = hn::Min(hn::Max(Demote(x_over_z), hn::Set(d, v.tan_x_min)), hn::Set(d, v.tan_x_max));
-  const Vec ty = hn::Min(hn::Max(Demote(y_over_z), hn::Set(d, v.tan_y_min)), hn::Set(d, v.tan_y_max));
-  const Vec over_z = Demote(inverse_z);
-  const Vec pixels_x = hn::Mul(hn::Set(d, v.focal_x), over_z);
-  const Vec pixels_y = hn::Mul(hn::Set(d, v.focal_y), over_z);
-  out.row_x = PinholeRow(v, 0, tx, pixels_x), out.row_y = PinholeRow(v, 1, ty, pixels_y);
-  out.x = Demote(ScaleAdd(x_over_z, v.fx, v.cx)), out.y = Demote(ScaleAdd(y_over_z, v.fy, v.cy));
-  out.in_double =
-      hn::And(out.shown, NeedsDouble(tx, ty, pixels_x, pixels_y, LoadVec3(group.scales), out.x, out.y));
+  const auto row = [&](int k, Doubles tangent, Doubles pixels) HWY_ATTR {
+    const auto component = [&](int c) HWY_ATTR {
+      return neg_mul_add(tangent, Doubles(v.rotation[2][c]), Doubles(v.rotation[k][c]));
+    };
+    return Row{{component(0), component(1), component(2)}, pixels};
+  };
+  const auto rows = [&](Doubles tangent_x, Doubles tangent_y, Doubles over_z) HWY_ATTR {
+    return Rows{
+        row(0, clamped(tangent_x, Doubles(v.tan_x_min), Doubles(v.tan_x_max)), Doubles(v.fx) * over_z),
+        row(1, clamped(tangent_y, Doubles(v.tan_y_min), Doubles(v.tan_y_max)), Doubles(v.fy) * over_z)};
+  };
+  out.rows[0] = rows(x_over_z.low, y_over_z.low, inverse_z.low);
+  out.rows[1] = rows(x_over_z.high, y_over_z.high, inverse_z.high);
   return true;
 }
 
-/// Vector version of `needs_double` through a lens; `u` and `v` are its slopes, times the focal lengths.
-HWY_INLINE Mask NeedsDouble(const Row& u, const Row& v, const Vec3& scale, Vec mean_x, Vec mean_y) {
-  const F32 d;
-  const Vec uu = Dot(u.direction, u.direction), vv = Dot(v.direction, v.direction);
-  const Vec3 across = Cross(u.direction, v.direction);
-  const Vec length = hn::Mul(Dot(scale, scale), hn::MulAdd(hn::Mul(u.pixels, u.pixels), uu,
-                                                           hn::Mul(hn::Mul(v.pixels, v.pixels), vv)));
-  const Vec3 narrow = Scale(across, hn::Div(hn::Set(d, 1.0f), hn::Sqrt(vv)));
-  return hn::Not(hn::And(hn::Le(length, MostLengthInFloat(mean_x, mean_y)),
-                         hn::Ge(Dot(narrow, narrow), hn::Mul(hn::Set(d, float_sine_squared), uu))));
-}
-
 /// Turns derivatives by camera space into derivatives by the world.
-HWY_INLINE Row ByWorld(const ViewConstants& v, const Row& by_camera) {
-  const F32 d;
-  const Vec3& by = by_camera.direction;
+HWY_INLINE Row ByWorld(const ViewConstants& v, const Doubles* by, double pixels) {
   const auto component = [&](int k) HWY_ATTR {
-    return hn::MulAdd(by.x, hn::Set(d, v.axes[0][k]),
-                      hn::MulAdd(by.y, hn::Set(d, v.axes[1][k]), hn::Mul(by.z, hn::Set(d, v.axes[2][k]))));
+    return mul_add(by[0], Doubles(v.rotation[0][k]),
+                   mul_add(by[1], Doubles(v.rotation[1][k]), by[2] * Doubles(v.rotation[2][k])));
   };
-  return {{component(0), component(1), component(2)}, by_camera.pixels};
+  return {{component(0), component(1), component(2)}, pixels};
 }
 
 /// Half a group of points seen through a lens, as numbers: x and y in pixels, the slopes of `LensPoint`, and
@@ -288,17 +289,13 @@ HWY_INLINE bool SeeThroughLens(const ViewConstants& v, const Group& group, Mask 
 
   SeenNumbers lower, upper;
   LookThroughLens(v, low, lower), LookThroughLens(v, high, upper);
-  const auto number = [&](std::size_t i) HWY_ATTR { return Demote({lower[i].v, upper[i].v}); };
-  const auto slopes = [&](std::size_t i, float pixels) HWY_ATTR {
-    return Row{{number(i), number(i + 1), number(i + 2)}, hn::Set(d, pixels)};
-  };
-  const Row du = slopes(du_of_seen, v.focal_x), dv = slopes(dv_of_seen, v.focal_y);
-  out.x = number(x_of_seen), out.y = number(y_of_seen);
-  out.row_x = ByWorld(v, du), out.row_y = ByWorld(v, dv);
+  const auto wide = [&](std::size_t i) HWY_ATTR { return Wide{lower[i].v, upper[i].v}; };
+  const auto number = [&](std::size_t i) HWY_ATTR { return Demote(wide(i)); };
+  out.place_mean(wide(x_of_seen), wide(y_of_seen));
+  out.rows[0] = {ByWorld(v, lower + du_of_seen, v.fx), ByWorld(v, lower + dv_of_seen, v.fy)};
+  out.rows[1] = {ByWorld(v, upper + du_of_seen, v.fx), ByWorld(v, upper + dv_of_seen, v.fy)};
   out.shown = hn::And(out.shown, hn::Gt(number(shown_of_seen), hn::Zero(d)));
-  if (hn::AllFalse(d, out.shown)) return false;
-  out.in_double = hn::And(out.shown, NeedsDouble(du, dv, LoadVec3(group.scales), out.x, out.y));
-  return true;
+  return !hn::AllFalse(d, out.shown);
 }
 
 /// Visible splats of a task, in the order of their Gaussians.
@@ -323,41 +320,22 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Clip& clip, const Gro
   if (!(through_lens ? SeeThroughLens(v, group, visible, seen) : SeeThroughPinhole(v, group, visible, seen)))
     return;
   visible = seen.shown;
-  ScalarLanes scalar;
-  const bool any_in_double = !hn::AllFalse(d, seen.in_double);
 
-  const Axes axes = LocalAxesOf(group.rotations);
-  const Vec3 scale = LoadVec3(group.scales);
-  const Vec3 mx = seen.row_x.Along(scale, axes), my = seen.row_y.Along(scale, axes);
-
-  // Factor the blurred covariance as `factor` does.
-  const Vec one = hn::Set(d, 1.0f), blur = hn::Set(d, v.blur);
-  const Vec xx = Dot(mx, mx), yy = Dot(my, my), xy = Dot(mx, my);
-  const Vec var_x = hn::Add(xx, blur), var_y = hn::Add(yy, blur);
-  const Vec inv_sigma_y = hn::Div(one, hn::Sqrt(var_y));
-  const Vec3 c = Scale(Cross(mx, my), inv_sigma_y);
-  const Vec inv_var_y = hn::Mul(inv_sigma_y, inv_sigma_y);
-  const Vec sharp = Dot(c, c);
-  const Vec var_x_given_y = hn::MulAdd(blur, hn::Mul(hn::Add(xx, var_y), inv_var_y), sharp);
-  const Vec largest = hn::Set(d, largest_variance);
-  visible = hn::And(visible, hn::And(hn::Gt(var_x_given_y, hn::Zero(d)), hn::Gt(var_y, hn::Zero(d))));
-  visible = hn::And(visible, hn::And(hn::Le(var_x, largest), hn::Le(var_y, largest)));
-  visible = hn::And(visible, hn::Le(var_x_given_y, most));
+  const Factors factors(v, group, seen.rows);
+  const Vec l0 = factors(&Factor::l0), l1 = factors(&Factor::l1), l2 = factors(&Factor::l2);
+  visible = hn::And(visible, hn::Gt(factors(&Factor::valid), hn::Zero(d)));
+  visible = hn::And(visible, hn::And(hn::Le(l0, most), hn::Le(hn::Abs(l1), most)));
 
   if (v.antialiased) {
-    const Vec ratio = hn::Max(hn::Div(sharp, var_x_given_y), hn::Set(d, v.min_compensation));
+    const Vec ratio = hn::Max(factors(&Factor::sharpness), hn::Set(d, v.min_compensation));
     opacity = hn::Mul(opacity, hn::Sqrt(ratio));
     visible = hn::And(visible, hn::Ge(opacity, alpha_min));
   }
 
-  const Vec root = hn::Set(d, float(to_base_2));
-  const Vec l0 = hn::Div(root, hn::Sqrt(var_x_given_y));
-  const Vec l1 = hn::Neg(hn::Mul(l0, hn::Mul(xy, inv_var_y)));
-  const Vec l2 = hn::Mul(root, inv_sigma_y);
   const Vec cutoff = hn::Max(hn::CallLog2(d, hn::Div(opacity, alpha_min)), hn::Zero(d));
   const Vec extent = hn::Mul(hn::Sqrt(cutoff), hn::Set(d, float(1 / to_base_2)));
-  const Vec half_width = hn::Mul(extent, hn::Sqrt(var_x)),
-            half_height = hn::Mul(extent, hn::Mul(var_y, inv_sigma_y));
+  const Vec half_width = hn::Mul(extent, hn::Sqrt(factors(&Factor::var_x)));
+  const Vec half_height = hn::Mul(extent, hn::Sqrt(factors(&Factor::var_y)));
   const auto reaches = [&](Vec x, Vec y, float left, float top, float right, float bottom) HWY_ATTR {
     return hn::And(hn::And(hn::Ge(hn::Add(seen.x, x), hn::Set(d, left + 0.5f)),
                            hn::Ge(hn::Add(seen.y, y), hn::Set(d, top + 0.5f))),
@@ -369,14 +347,13 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Clip& clip, const Gro
       hn::Add(hn::Set(d, 2e-2f), hn::Mul(hn::Set(d, 2e-4f), hn::Add(half_width, half_height)));
   visible = hn::And(visible, reaches(hn::Add(half_width, slack), hn::Add(half_height, slack), v.left, v.top,
                                      v.right, v.bottom));
-  if (any_in_double) visible = scalar.project(v, group, seen.in_double, visible);
   if (hn::AllFalse(d, visible)) return;
 
   // Move visible lanes to the front, and from arrays of members to an array of structures.
   alignas(64) float front[lanes * 4], back[lanes * 4];
   const auto pack = [&](Vec value) HWY_ATTR { return hn::Compress(value, visible); };
   hn::StoreInterleaved4(pack(seen.x), pack(seen.y), pack(l0), pack(l1), d, front);
-  hn::StoreInterleaved4(pack(l2), pack(opacity), pack(cutoff), pack(half_width), d, back);
+  hn::StoreInterleaved4(pack(l2), pack(opacity), pack(cutoff), pack(seen.low), d, back);
   const hn::RebindToUnsigned<F32> du;
   hn::StoreU(pack(seen.depth), d, out.depths + out.count);
   hn::StoreU(hn::Compress(hn::Iota(du, first_id), hn::RebindMask(du, visible)), du, out.ids + out.count);
@@ -386,7 +363,6 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Clip& clip, const Gro
     std::memcpy(shape, front + 4 * i, 4 * sizeof(float));
     std::memcpy(shape + 4, back + 4 * i, 4 * sizeof(float));
   }
-  if (any_in_double) scalar.store(out.shapes + out.count);
   out.count += count;
 }
 

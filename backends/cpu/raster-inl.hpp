@@ -63,8 +63,8 @@ HWY_INLINE void VisitRows(const SplatShape& shape, vec2 first_centre, float log2
   const F32 d;
   const Vec l0 = hn::Set(d, shape.l0), l1 = hn::Set(d, shape.l1), l2 = hn::Set(d, shape.l2);
   const Vec log2_opacity = hn::Set(d, swiftgs::log2_opacity(shape, log2_alpha_min, 1));
-  const Vec first_dx = hn::Set(d, first_centre.x - shape.mean.x);
-  const Vec first_dy = hn::Set(d, first_centre.y - shape.mean.y);
+  const vec2 from_mean = shape.from_mean(first_centre);
+  const Vec first_dx = hn::Set(d, from_mean.x), first_dy = hn::Set(d, from_mean.y);
   const Vec first_u = hn::MulAdd(l0, first_dx, hn::Mul(l1, first_dy)), first_v = hn::Mul(l2, first_dy);
   for (std::size_t i = 0; i < raster_block_side; i += lanes)
     hn::Store(hn::Mul(l0, hn::Iota(d, float(i))), d, terms.p + i);

@@ -29,9 +29,8 @@ struct FloatSplitTerms {
   static HWY_INLINE void Prepare(const SplatShape& shape, vec2 first_centre, Terms& HWY_RESTRICT t) {
     const F32 d;
     constexpr float half_side = 0.5f * float(raster_block_side - 1);
-    const float from_x = first_centre.x + half_side - shape.mean.x;
-    const float from_y = first_centre.y + half_side - shape.mean.y;
-    const float u = std::fma(shape.l0, from_x, shape.l1 * from_y), v = shape.l2 * from_y;
+    const vec2 from = shape.from_mean(first_centre + half_side);
+    const float u = std::fma(shape.l0, from.x, shape.l1 * from.y), v = shape.l2 * from.y;
     const Vec a = hn::Set(d, shape.l0 * shape.l0), b = hn::Set(d, 2 * shape.l0 * shape.l1);
     const Vec c = hn::Set(d, shape.l1 * shape.l1 + shape.l2 * shape.l2);
     const Vec linear_x = hn::Set(d, 2 * shape.l0 * u),

@@ -34,10 +34,10 @@ struct HalfSplitTerms {
     const F32 d;
     const Vec a = hn::Set(d, shape.l0 * shape.l0), b = hn::Set(d, 2 * shape.l0 * shape.l1);
     const Vec c = hn::Set(d, shape.l1 * shape.l1 + shape.l2 * shape.l2);
-    const float first_dx = first_centre.x - shape.mean.x, first_dy = first_centre.y - shape.mean.y;
+    const vec2 from = shape.from_mean(first_centre);
     for (std::size_t i = 0; i < raster_block_side; i += lanes) {
-      const Vec dx = hn::Add(hn::Set(d, first_dx), hn::Iota(d, float(i)));
-      const Vec dy = hn::Add(hn::Set(d, first_dy), hn::Iota(d, float(i)));
+      const Vec dx = hn::Add(hn::Set(d, from.x), hn::Iota(d, float(i)));
+      const Vec dy = hn::Add(hn::Set(d, from.y), hn::Iota(d, float(i)));
       Store(hn::Mul(hn::Mul(a, dx), dx), t.x_square + i);
       Store(hn::Mul(b, dx), t.x_mixed + i);
       Store(hn::Mul(hn::Mul(c, dy), dy), t.y_square + i);

@@ -24,12 +24,7 @@ class PerPixelExponent {
 
   HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
                              float log2_alpha_min) {
-    splats_[k] = {shape.mean.x - first_centre.x,
-                  shape.mean.y - first_centre.y,
-                  shape.l0,
-                  shape.l1,
-                  shape.l2,
-                  shape.opacity};
+    splats_[k] = {shape.from_mean(first_centre), shape.l0, shape.l1, shape.l2, shape.opacity};
     return PrepareRows(shape, first_centre, log2_alpha_min);
   }
 
@@ -41,8 +36,8 @@ class PerPixelExponent {
   HWY_INLINE Vec Alpha(std::size_t k, Rows::Part at) const {
     const F32 d;
     const Splat& HWY_RESTRICT splat = splats_[k];
-    const Vec dx = hn::Sub(hn::Iota(d, float(at.column)), hn::Set(d, splat.mean_x));
-    const Vec dy = hn::Sub(hn::Set(d, float(at.row)), hn::Set(d, splat.mean_y));
+    const Vec dx = hn::Add(hn::Iota(d, float(at.column)), hn::Set(d, splat.from_mean.x));
+    const Vec dy = hn::Add(hn::Set(d, float(at.row)), hn::Set(d, splat.from_mean.y));
     const Vec u = hn::MulAdd(hn::Set(d, splat.l0), dx, hn::Mul(hn::Set(d, splat.l1), dy));
     const Vec v = hn::Mul(hn::Set(d, splat.l2), dy);
     const Vec exponent = hn::Neg(hn::MulAdd(u, u, hn::Mul(v, v)));
@@ -51,7 +46,7 @@ class PerPixelExponent {
   }
 
   struct Splat {
-    float mean_x, mean_y;  ///< from the raster block's first pixel centre
+    vec2 from_mean;  ///< to the raster block's first pixel centre
     float l0, l1, l2, opacity;
   };
   BlendRules rules_;

@@ -32,12 +32,9 @@ struct RasterBlockPixel {
 
   __device__ static int column() { return int(threadIdx.x % raster_block_side); }
   __device__ static int row() { return int(threadIdx.x / raster_block_side); }
-  /// In the image, as is `centre`.
+  /// In the image.
   __device__ vec2 first_centre() const {
     return vec2(float(view().left() + raster_block.x) + 0.5f, float(view().top() + raster_block.y) + 0.5f);
-  }
-  __device__ vec2 centre() const {
-    return vec2(float(view().left() + place.x) + 0.5f, float(view().top() + place.y) + 0.5f);
   }
 
   __device__ vec2 ray_place() const { return place_of(view(), std::size_t(place.x), std::size_t(place.y)); }

@@ -9,15 +9,19 @@
 
 namespace swiftgs::kernels {
 
+/// What a coordinate of a mean in an image lacks as a float, at most. @units{pixels}
+inline constexpr float most_lacking = 0x1p-8f;
+
 /// Whether the ellipse s <= cutoff meets the box of pixel centres that begins at `first` and is `side` - 1
-/// wide and high.
+/// wide and high. Reads means in float, and takes a box that much wider.
 ///
 /// A splat that does not pass is not drawn. Conservative bounds include every tile that passes, so frames do
 /// not depend on bounds. s is convex: its least value lies at the mean, or on the edge nearest to it at the
 /// mean's height.
 SWIFTGS_HD inline bool box_touched(const SplatShape& s, vec2 first, float side) {
-  const float left = first.x - s.mean.x, right = left + (side - 1);
-  const float top = first.y - s.mean.y, bottom = top + (side - 1);
+  const float last = side - 1 + 2 * most_lacking;
+  const float left = first.x - most_lacking - s.mean.x, right = left + last;
+  const float top = first.y - most_lacking - s.mean.y, bottom = top + last;
   const float nearest_y = fminf(fmaxf(0, top), bottom);
   const float u_left = fmaf(s.l0, left, s.l1 * nearest_y), u_right = fmaf(s.l0, right, s.l1 * nearest_y);
   const float edge = u_left > 0 ? left : right;

@@ -4,11 +4,11 @@
 /// @file
 /// Exponent representations. Hosts test them.
 ///
-/// `prepare` finds the terms of a splat from its mean relative to the warp block's first pixel and from h =
-/// log2(opacity / alpha_max). `evaluate` finds log2(alpha / alpha_max) at the lane's pixels from the place of
-/// the first within the warp block. `evaluate_one` finds the same bits at one pixel, `right` columns to the
-/// right of that place. Terms are a quadruple and a `Rest`, apart because shared memory is read by words of
-/// 16 bytes. Cleared terms show nothing.
+/// `prepare` finds the terms of a splat from where the warp block's first pixel lies from its mean, and from
+/// h = log2(opacity / alpha_max). `evaluate` finds log2(alpha / alpha_max) at the lane's pixels from the
+/// place of the first within the warp block. `evaluate_one` finds the same bits at one pixel, `right` columns
+/// to the right of that place. Terms are a quadruple and a `Rest`, apart because shared memory is read by
+/// words of 16 bytes. Cleared terms show nothing.
 
 #include <cmath>
 
@@ -38,9 +38,9 @@ struct CholeskyExponent {
   static constexpr unsigned blocks = 9;  ///< of a multiprocessor at once: 56 registers a thread
   using Rest = float2;                   ///< c, d; the quadruple is l0, l1, l2, h
 
-  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, float h, float4& terms, Rest& rest) {
+  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 from_mean, float h, float4& terms, Rest& rest) {
     terms = make_float4(s.l0, s.l1, s.l2, h);
-    rest = make_float2(-fmaf(s.l0, mean.x, s.l1 * mean.y), -s.l2 * mean.y);
+    rest = make_float2(fmaf(s.l0, from_mean.x, s.l1 * from_mean.y), s.l2 * from_mean.y);
   }
   SWIFTGS_HD static void clear(float4& terms, Rest& rest) {
     terms = make_float4(0, 0, 0, -INFINITY), rest = make_float2(0, 0);
@@ -69,8 +69,8 @@ struct SplitExponent {
   static constexpr unsigned blocks = 8;
   using Rest = float4;  ///< d, e, h, unused; the quadruple is a, b, c, h - g
 
-  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 mean, float h, float4& terms, Rest& rest) {
-    const float u = -fmaf(s.l0, mean.x, s.l1 * mean.y), v = -s.l2 * mean.y;
+  SWIFTGS_HD static void prepare(const SplatShape& s, vec2 from_mean, float h, float4& terms, Rest& rest) {
+    const float u = fmaf(s.l0, from_mean.x, s.l1 * from_mean.y), v = s.l2 * from_mean.y;
     const float a = s.l0 * s.l0, c = fmaf(s.l1, s.l1, s.l2 * s.l2), g = fmaf(u, u, v * v);
     terms = make_float4(a, 2 * s.l0 * s.l1, c, h - g);
     rest = make_float4(2 * s.l0 * u, 2 * fmaf(s.l1, u, s.l2 * v), h, 0);

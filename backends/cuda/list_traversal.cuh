@@ -112,7 +112,7 @@ class ListTraversal {
         const unsigned slot =
             (begun_ * queue_half + waiting_ + unsigned(__popc(lanes & lanes_below()))) % queue_size;
         blender.fill(slot, id);
-        Exponent::prepare(shape, shape.mean - first_centre_, relative_log2_opacity(shape, *rules_),
+        Exponent::prepare(shape, shape.from_mean(first_centre_), relative_log2_opacity(shape, *rules_),
                           queue_->terms[slot], queue_->rests[slot]);
       }
       waiting_ += unsigned(__popc(lanes));

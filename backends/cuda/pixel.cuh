@@ -30,7 +30,7 @@ __device__ inline SplatShape load_shape(const SplatsView& splats, std::uint32_t 
   const float4 a = words[0], b = words[1];
   SplatShape shape;
   shape.mean = vec2(a.x, a.y), shape.l0 = a.z, shape.l1 = a.w;
-  shape.l2 = b.x, shape.opacity = b.y, shape.cutoff = b.z, shape.half_width = b.w;
+  shape.l2 = b.x, shape.opacity = b.y, shape.cutoff = b.z, shape.low = __float_as_uint(b.w);
   return shape;
 }
 

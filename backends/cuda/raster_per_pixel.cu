@@ -12,10 +12,10 @@ namespace kernels {
 
 /// Splats as every pixel of a raster block reads them.
 struct FactorBatch {
-  float2 means[block_threads];
-  float4 factors[block_threads];  ///< of `FactorExponent`, with opacity 0 where the raster block does not
-                                  ///< show it
-  float4 colours[block_threads];  ///< RGB, depth
+  float2 from_means[block_threads];  ///< to the raster block's first pixel
+  float4 factors[block_threads];     ///< of `FactorExponent`, with opacity 0 where the raster block does not
+                                     ///< show it
+  float4 colours[block_threads];     ///< RGB, depth
 };
 
 /// One thread block per raster block, one thread per pixel: the whole exponent and exponential of every
@@ -29,7 +29,7 @@ __global__ void __launch_bounds__(block_threads, resident_blocks(planes ? 6 : 8,
   if (mine.raster_block.outside(input)) return;
   const TileRange range = mine.raster_block.list(input);
   if (!range.drawn()) return;
-  const float x = mine.centre().x, y = mine.centre().y;
+  const float x = float(mine.column()), y = float(mine.row());
 
   for (std::uint32_t at = range.begin; at < range.end && !mine.all_stopped(); at += block_threads) {
     std::uint32_t count = min(range.end - at, block_threads);
@@ -37,7 +37,8 @@ __global__ void __launch_bounds__(block_threads, resident_blocks(planes ? 6 : 8,
     if (threadIdx.x < count) {
       const std::uint32_t id = job.lists.ids[at + threadIdx.x];
       const SplatShape s = load_shape(job.splats, id);
-      batch.means[threadIdx.x] = make_float2(s.mean.x, s.mean.y);
+      const vec2 from_mean = s.from_mean(mine.first_centre());
+      batch.from_means[threadIdx.x] = make_float2(from_mean.x, from_mean.y);
       const float4 colour = load_colour(job, id);
       float4 factor = FactorExponent::prepare(s);
       if (!box_touched(s, mine.first_centre(), raster_block_side) || is_hidden(colour)) factor.w = 0;
@@ -46,9 +47,9 @@ __global__ void __launch_bounds__(block_threads, resident_blocks(planes ? 6 : 8,
     }
     __syncthreads();
     for (std::uint32_t k = 0; k < count && mine.pixel.live(); ++k) {
-      const float2 mean = batch.means[k];
+      const float2 from_mean = batch.from_means[k];
       const float4 factor = batch.factors[k];
-      const float dx = x - mean.x, dy = y - mean.y;
+      const float dx = x + from_mean.x, dy = y + from_mean.y;
       mine.blend(FactorExponent::alpha(factor, dx, dy, mine.view().rules), batch.colours[k], at + k);
     }
   }

@@ -243,7 +243,7 @@ struct WorkItemBlender {
       const unsigned slot = half + lane_index();
       if (k + share.slot < count) {
         queue.fetch(input.job, slot, id);
-        Exponent::prepare(shape, shape.mean - first_centre, log2_opacity_of(shape), queue.terms[slot],
+        Exponent::prepare(shape, shape.from_mean(first_centre), log2_opacity_of(shape), queue.terms[slot],
                           queue.rests[slot]);
       } else {
         queue.clear(slot);

@@ -73,6 +73,12 @@ SWIFTGS_HD inline FloatPair operator-(float a, FloatPair b) {
   return fast_two_sum(sum.high, detail::rounded_sum(sum.low, -b.low));
 }
 
+/// As the one above.
+SWIFTGS_HD inline FloatPair operator-(FloatPair a, float b) {
+  const FloatPair sum = two_sum(a.high, -b);
+  return fast_two_sum(sum.high, detail::rounded_sum(sum.low, a.low));
+}
+
 namespace detail {
 /// a b with a low part of up to 3 u |a b|.
 SWIFTGS_HD inline FloatPair unnormalised_product(FloatPair a, FloatPair b) {

@@ -50,6 +50,8 @@ using vec2 = glm::vec<2, float, glm::packed_highp>;
 using vec3 = glm::vec<3, float, glm::packed_highp>;
 using vec4 = glm::vec<4, float, glm::packed_highp>;
 
+template <class Real>
+using Vector2 = glm::vec<2, Real, glm::packed_highp>;
 /// `vec3` or `dvec3`.
 template <class Real>
 using Vector3 = glm::vec<3, Real, glm::packed_highp>;

@@ -68,10 +68,9 @@ struct Linearisation {
 };
 
 /// Where a lens linearises: the derivatives of its plane by camera space, and the focal lengths.
-template <class Real>
 struct LensSlopes {
-  Vector3<Real> u, v;
-  Real x, y;  ///< @units{pixels}
+  dvec3 u, v;
+  double x, y;  ///< @units{pixels}
 };
 
 /// Rows of J W R S: how a Gaussian's own unit sphere maps to the image. @units{pixels}
@@ -90,7 +89,7 @@ struct ImageAxes {
     x = image_row(seen(0, at.tx), at.x, scale, axes), y = image_row(seen(1, at.ty), at.y, scale, axes);
   }
 
-  SWIFTGS_HD ImageAxes(const ViewConstants& v, const LensSlopes<Real>& by, vec3 scale, Quaternion q) {
+  SWIFTGS_HD ImageAxes(const ViewConstants& v, const LensSlopes& by, vec3 scale, Quaternion q) {
     const LocalAxes<Real> axes(q);
     const Vector3<Real> right = camera_axis(v, 0), down = camera_axis(v, 1), ahead = camera_axis(v, 2);
     const auto seen = [&](const Vector3<Real>& d) {
@@ -149,53 +148,22 @@ SWIFTGS_HD SplatFactor factor(const ImageAxes<Real>& m, Real blur) {
   return out;
 }
 
-/// Splats within these limits are factored in float. @see needs_double
+/// Limits of splats that GPUs with few units for double factor in float. @see needs_double
 inline constexpr float float_length_squared = 512;  ///< of a Gaussian seen from its side @units{pixels^2}
 inline constexpr float float_lengths_per_mean = 4;  ///< as much more for each pixel^2 of the mean
-inline constexpr float float_tangent_squared = 16;  ///< of the direction to the Gaussian, through a pinhole
-inline constexpr float float_sine_squared = 0.2f;   ///< at least, of the angle between rows, through a lens
+inline constexpr float float_tangent_squared = 16;  ///< of the direction to the Gaussian
 
-/// Largest squared length of a Gaussian at `mean`, seen from its side, that float may compute.
-SWIFTGS_HD inline float most_length_squared_in_float(vec2 mean) {
-  const float near = std::fmin(std::fabs(mean.x), std::fabs(mean.y));
-  return std::fma(float_lengths_per_mean * near, near, float_length_squared);
-}
-
-/// Whether rows of `ImageAxes` in float would move a splat visibly more than the rounding of its stored mean.
-/// A row errs by about 2^-22 of the Gaussian's length seen from the side, `mean` by 2^-24 of itself; the
-/// limit weighs one against the other. Needles that point at the camera exceed it, and needles beside the
-/// image's first row or column. Far off the axis rows are nearly parallel: their minors cancel, and with them
-/// the determinant that compensates opacities.
-///
-/// In captures 0.04 % to 0.7 % of the visible splats need it.
-SWIFTGS_HD inline bool needs_double(const Linearisation<float>& at, vec3 scale, vec2 mean) {
+/// Whether rows of `ImageAxes` in float would be far worse than the rest of a splat. A row errs by about
+/// 2^-22 of the Gaussian's length seen from the side: needles that point at the camera, and needles beside
+/// the image's first row or column. Far off the axis rows are nearly parallel: their minors cancel, and with
+/// them the determinant that compensates opacities. In captures 0.04 % to 0.7 % of the visible splats need
+/// double.
+SWIFTGS_HD inline bool needs_double(const Linearisation<float>& at, vec3 scale, float mean_x, float mean_y) {
   const float xx = at.tx * at.tx, yy = at.ty * at.ty;
   const float length = dot(scale, scale) * std::fma(at.x * at.x, 1 + xx, at.y * at.y * (1 + yy));
-  return !(length <= most_length_squared_in_float(mean) && xx + yy <= float_tangent_squared);
-}
-
-/// Whether rows in float would move a splat visibly through a lens.
-SWIFTGS_HD inline bool needs_double(const LensSlopes<float>& by, vec3 scale, vec2 mean) {
-  const float uu = dot(by.u, by.u), vv = dot(by.v, by.v);
-  const vec3 across = cross(by.u, by.v);
-  const float length = dot(scale, scale) * std::fma(by.x * by.x, uu, by.y * by.y * vv);
-  const vec3 narrow = across * inverse_sqrt(vv);  // divided before it is squared, as in `factor`
-  return !(length <= most_length_squared_in_float(mean) && dot(narrow, narrow) >= float_sine_squared * uu);
-}
-
-/// `factor` in double, for the few splats that need it. Not inlined: it would cost the others registers.
-/// Arguments as in `project_shape`.
-SWIFTGS_HD SWIFTGS_NOINLINE inline SplatFactor factor_in_double(const ViewConstants& v, double x_over_z,
-                                                                double y_over_z, double inverse_z,
-                                                                const Gaussian& g) {
-  const Linearisation<double> at{v.clamped_x(x_over_z), v.clamped_y(y_over_z), v.fx * inverse_z,
-                                 v.fy * inverse_z};
-  return factor(ImageAxes<double>(v, at, g.scale, g.rotation), double(v.blur));
-}
-SWIFTGS_HD SWIFTGS_NOINLINE inline SplatFactor factor_in_double(const ViewConstants& v,
-                                                                const LensSlopes<double>& by,
-                                                                const Gaussian& g) {
-  return factor(ImageAxes<double>(v, by, g.scale, g.rotation), double(v.blur));
+  const float near = std::fmin(std::fabs(mean_x), std::fabs(mean_y));
+  return !(length <= std::fma(float_lengths_per_mean * near, near, float_length_squared) &&
+           xx + yy <= float_tangent_squared);
 }
 
 /// How far beyond its box a splat counts as visible in a part of an image. Rounding may keep a pixel outside
@@ -220,9 +188,10 @@ struct CameraPoint {
   }
 };
 
-/// The splat with this factor at `mean`, if it can be seen.
-SWIFTGS_HD inline ProjectedShape visible_shape(const ViewConstants& v, vec2 mean, const SplatFactor& f,
-                                               float opacity, float depth) {
+/// The splat with this factor and mean, if it can be seen. `Real` as of `SplatShape::set_mean`.
+template <class Real>
+SWIFTGS_HD ProjectedShape visible_shape(const ViewConstants& v, const Real& mean_x, const Real& mean_y,
+                                        const SplatFactor& f, float opacity, float depth) {
   ProjectedShape out;
   if (!f.valid) return out;
   if (v.antialiased) {
@@ -231,21 +200,21 @@ SWIFTGS_HD inline ProjectedShape visible_shape(const ViewConstants& v, vec2 mean
   }
 
   SplatShape& s = out.shape;
-  s.mean = mean;
+  s.set_mean(mean_x, mean_y);
   s.l0 = f.l0, s.l1 = f.l1, s.l2 = f.l2;
   s.opacity = opacity;
   s.cutoff = std::log2(opacity / v.alpha_min);
   const float extent = std::sqrt(s.cutoff) * float(1 / to_base_2);
-  s.half_width = extent * std::sqrt(f.var_x);
-  const float half_height = extent * std::sqrt(f.var_y);
+  const float half_width = extent * std::sqrt(f.var_x), half_height = extent * std::sqrt(f.var_y);
 
   out.depth = depth;
-  out.visible = s.mean.x + s.half_width >= 0.5f && s.mean.x - s.half_width <= v.width - 0.5f &&
-                s.mean.y + half_height >= 0.5f && s.mean.y - half_height <= v.height - 0.5f;
-  const float slack = part_slack(s.half_width, half_height);
-  const float x = s.half_width + slack, y = half_height + slack;
-  out.visible = out.visible && s.mean.x + x >= v.left + 0.5f && s.mean.x - x <= v.right - 0.5f &&
-                s.mean.y + y >= v.top + 0.5f && s.mean.y - y <= v.bottom - 0.5f;
+  const vec2 mean{float(mean_x), float(mean_y)};
+  out.visible = mean.x + half_width >= 0.5f && mean.x - half_width <= v.width - 0.5f &&
+                mean.y + half_height >= 0.5f && mean.y - half_height <= v.height - 0.5f;
+  const float slack = part_slack(half_width, half_height);
+  const float x = half_width + slack, y = half_height + slack;
+  out.visible = out.visible && mean.x + x >= v.left + 0.5f && mean.x - x <= v.right - 0.5f &&
+                mean.y + y >= v.top + 0.5f && mean.y - y <= v.bottom - 0.5f;
   return out;
 }
 
@@ -280,13 +249,42 @@ SWIFTGS_HD inline ProjectedShape project_through_lens(const ViewConstants& v, co
   const LensPoint at = point_through(v.lens, v.limits, p);
   if (!at.inside) return {};
 
-  const vec2 mean(float(v.nearest_copy(std::fma(v.fx, at.u, v.cx))), float(std::fma(v.fy, at.v, v.cy)));
-  const LensSlopes<float> by{vec3(at.du), vec3(at.dv), v.focal_x, v.focal_y};
-  const SplatFactor f = needs_double(by, g.scale, mean)
-                            ? factor_in_double(v, LensSlopes<double>{at.du, at.dv, v.fx, v.fy}, g)
-                            : factor(ImageAxes<float>(v, by, g.scale, g.rotation), v.blur);
+  const double x = v.nearest_copy(std::fma(v.fx, at.u, v.cx)), y = std::fma(v.fy, at.v, v.cy);
+  const LensSlopes by{at.du, at.dv, v.fx, v.fy};
+  const SplatFactor f = factor(ImageAxes<double>(v, by, g.scale, g.rotation), double(v.blur));
   const float order = v.order_is_distance ? float(v.depth_scale * std::sqrt(dot(p, p))) : depth;
-  return visible_shape(v, mean, f, opacity, order);
+  return visible_shape(v, x, y, f, opacity, order);
+}
+
+/// The factor of a splat through a pinhole. In float it would be off by three times the rounding that stores
+/// it, and pixels would cross the threshold of alpha.
+SWIFTGS_HD inline SplatFactor pinhole_factor(const ViewConstants& v, double x_over_z, double y_over_z,
+                                             double inverse_z, const Gaussian& g) {
+  // Linearise within the limits of the conventions.
+  const Linearisation<double> at{v.clamped_x(x_over_z), v.clamped_y(y_over_z), v.fx * inverse_z,
+                                 v.fy * inverse_z};
+  return factor(ImageAxes<double>(v, at, g.scale, g.rotation), double(v.blur));
+}
+
+/// Not inlined: few splats need it where it is called, and it would cost the others registers.
+SWIFTGS_HD SWIFTGS_NOINLINE inline SplatFactor factor_in_double(const ViewConstants& v, double x_over_z,
+                                                                double y_over_z, double inverse_z,
+                                                                const Gaussian& g) {
+  return pinhole_factor(v, x_over_z, y_over_z, inverse_z, g);
+}
+
+/// The same on GPUs that place in pairs of floats: they have few units for double, and take them where float
+/// is far worse.
+SWIFTGS_HD inline SplatFactor pinhole_factor(const ViewConstants& v, FloatPair x_over_z, FloatPair y_over_z,
+                                             FloatPair inverse_z, const Gaussian& g) {
+  const float over_z = float(inverse_z);
+  const Linearisation<float> at{v.clamped_x(float(x_over_z)), v.clamped_y(float(y_over_z)),
+                                v.focal_x * over_z, v.focal_y * over_z};
+  const float mean_x = std::fma(v.focal_x, float(x_over_z), v.pairs.cx.high);
+  const float mean_y = std::fma(v.focal_y, float(y_over_z), v.pairs.cy.high);
+  return needs_double(at, g.scale, mean_x, mean_y)
+             ? factor_in_double(v, double(x_over_z), double(y_over_z), double(inverse_z), g)
+             : factor(ImageAxes<float>(v, at, g.scale, g.rotation), v.blur);
 }
 
 /// `project_shape` of other views.
@@ -302,15 +300,10 @@ SWIFTGS_HD ProjectedShape project_through_pinhole(const ViewConstants& v, const 
   const Real inverse_z = inverse(p[2]), x_over_z = p[0] * inverse_z, y_over_z = p[1] * inverse_z;
 
   // Linearise within the limits of the conventions.
-  const vec2 mean(float(multiply_add(placing.fx(), x_over_z, placing.cx())),
-                  float(multiply_add(placing.fy(), y_over_z, placing.cy())));
-  const float over_z = float(inverse_z);
-  const Linearisation<float> at{v.clamped_x(float(x_over_z)), v.clamped_y(float(y_over_z)),
-                                v.focal_x * over_z, v.focal_y * over_z};
-  const SplatFactor f = needs_double(at, g.scale, mean)
-                            ? factor_in_double(v, double(x_over_z), double(y_over_z), double(inverse_z), g)
-                            : factor(ImageAxes<float>(v, at, g.scale, g.rotation), v.blur);
-  return visible_shape(v, mean, f, opacity, z);
+  const Real x = multiply_add(placing.fx(), x_over_z, placing.cx());
+  const Real y = multiply_add(placing.fy(), y_over_z, placing.cy());
+  const SplatFactor f = pinhole_factor(v, x_over_z, y_over_z, inverse_z, g);
+  return visible_shape(v, x, y, f, opacity, z);
 }
 
 /// Projects a Gaussian. `visible` is false where no shown pixel can keep it: too near or far, too

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <tuple>
@@ -14,19 +15,57 @@ namespace swiftgs {
 
 /// Where a projected Gaussian is and how far it reaches.
 ///
-/// | mean.x mean.y l0 l1 | l2 opacity cutoff half_width |      32 bytes, two 16-byte loads
+/// | mean.x mean.y l0 l1 | l2 opacity cutoff low |      32 bytes, two 16-byte loads
 ///
 /// The precision matrix is kept as its Cholesky factor in base-2 units, because every other representation of
 /// it follows without cancellation: at d = pixel - mean the base-2 exponent is s(d) = (l0 dx + l1 dy)^2 + (l2
 /// dy)^2, and alpha = opacity 2^-s. A pixel keeps the splat where s <= cutoff = log2(opacity / alpha_min).
+///
+/// `mean` alone would be off by 6e-5 pixels at column 1,500, more than all else that is computed of a splat.
+/// `low` holds what the rounding to float has taken: d is then as exact as a float can be.
 struct alignas(32) SplatShape {
-  vec2 mean{0};          ///< @units{pixels}, the first pixel's centre is (0.5, 0.5)
-  float l0 = 0;          ///< > 0 @units{1/pixels}
-  float l1 = 0;          ///< @units{1/pixels}
-  float l2 = 0;          ///< > 0 @units{1/pixels}
-  float opacity = 0;     ///< after anti-aliasing compensation
-  float cutoff = 0;      ///< largest s that is kept, 0 or more for a visible splat
-  float half_width = 0;  ///< half the width of the ellipse s = cutoff @units{pixels}
+  vec2 mean{0};       ///< rounded to float @units{pixels}, the first pixel's centre is (0.5, 0.5)
+  float l0 = 0;       ///< > 0 @units{1/pixels}
+  float l1 = 0;       ///< @units{1/pixels}
+  float l2 = 0;       ///< > 0 @units{1/pixels}
+  float opacity = 0;  ///< after anti-aliasing compensation
+  float cutoff = 0;   ///< largest s that is kept, 0 or more for a visible splat
+  std::uint32_t low =
+      0;  ///< what `mean` lacks in x, and in y in the upper 16 bits: signed @units{2^-24 pixels}
+
+  /// `x` - the mean's. @units{pixels}
+  SWIFTGS_HD float right_of_mean(float x) const { return x - mean.x - low_unit * low_number(low); }
+  /// `y` - the mean's. @units{pixels}
+  SWIFTGS_HD float below_mean(float y) const { return y - mean.y - low_unit * low_number(low >> 16); }
+  SWIFTGS_HD vec2 from_mean(vec2 at) const { return vec2(right_of_mean(at.x), below_mean(at.y)); }
+
+  /// The mean, in images of any size to 2^-25 pixels. Far outside of them it is no more than a float.
+  /// `Real` is double, or `FloatPair`.
+  template <class Real>
+  SWIFTGS_HD void set_mean(const Real& x, const Real& y) {
+    mean = vec2(float(x), float(y));
+    low = low_of(float(x - mean.x)) | low_of(float(y - mean.y)) << 16;
+  }
+  SWIFTGS_HD Vector2<double> exact_mean() const {
+    return {mean.x + double(low_unit) * std::int16_t(low),
+            mean.y + double(low_unit) * std::int16_t(low >> 16)};
+  }
+
+  static constexpr float low_unit = 0x1p-24f;
+  /// The signed number of the lower 16 bits.
+  SWIFTGS_HD static float low_number(std::uint32_t bits) {
+#if defined(__CUDA_ARCH__)
+    // 2^23 and the number's distance from the least, as a float's own bits: conversions would occupy the unit
+    // that exponentials need.
+    return __uint_as_float((bits & 0xffff) ^ 0x4b008000) - (0x1p23f + 0x1p15f);
+#else
+    return std::int16_t(bits);
+#endif
+  }
+  SWIFTGS_HD static std::uint32_t low_of(float lacking) {
+    const float units = lacking * (1 / low_unit), most = 0x7fff;
+    return std::uint16_t(std::int16_t(std::rint(units < -most ? -most : units > most ? most : units)));
+  }
 };
 
 /// Largest variance of a splat, blur included: a Gaussian with a larger one is not drawn. Up to here no

@@ -103,7 +103,7 @@ struct LeastSquares {
     for (int i = 0; i < side * side; ++i)
       of_centres = std::min(of_centres, ExactSquare(shape, x0 + i % side, y0 + i / side).s);
     const double l0 = double(shape.l0), l1 = double(shape.l1), l2 = double(shape.l2);
-    const double mx = double(shape.mean.x), my = double(shape.mean.y);
+    const double mx = shape.exact_mean().x, my = shape.exact_mean().y;
     const auto take = [&](double x, double y) {
       const ExactSquare exact(shape, std::clamp(x, x0, x1), std::clamp(y, y0, y1));
       of_box = std::min(of_box, exact.s), error = std::max(error, 4 * exact.error);
@@ -148,7 +148,7 @@ namespace {
 
 /// Whether no row of pixel centres meets the ellipse of a splat.
 bool lies_between_rows(const SplatShape& shape) {
-  const double height = std::sqrt(double(shape.cutoff)) / double(shape.l2), y = double(shape.mean.y);
+  const double height = std::sqrt(double(shape.cutoff)) / double(shape.l2), y = shape.exact_mean().y;
   return std::ceil(y - height - 0.5) > std::floor(y + height - 0.5);
 }
 

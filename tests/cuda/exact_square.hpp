@@ -19,7 +19,7 @@ struct ExactSquare {
   double u, v, s, error;
 
   ExactSquare(const SplatShape& shape, double x, double y) {
-    const double dx = x - double(shape.mean.x), dy = y - double(shape.mean.y);
+    const double dx = x - shape.exact_mean().x, dy = y - shape.exact_mean().y;
     u = double(shape.l0) * dx + double(shape.l1) * dy, v = double(shape.l2) * dy;
     s = u * u + v * v;
     const double wide = std::abs(dx) + part, high = std::abs(dy) + part;

@@ -66,7 +66,7 @@ void check_exponent(const ErrorOf& error_of) {
   for_each_splat_and_part([&](const SplatShape& shape, vec2 first, bool usual) {
     float4 terms;
     typename Exponent::Rest rest;
-    Exponent::prepare(shape, shape.mean - first, relative_log2_opacity(shape, rules), terms, rest);
+    Exponent::prepare(shape, shape.from_mean(first), relative_log2_opacity(shape, rules), terms, rest);
     for (int lane = 0; lane < 32; ++lane) {
       const int x = lane % (part / 2), y = lane / (part / 2);
       float exponents[pixels_of_lane];
@@ -112,7 +112,8 @@ TEST_CASE("cuda arithmetic: the split representation takes s that rounding makes
   float4 terms;
   SplitExponent::Rest rest;
   float exponents[pixels_of_lane];
-  SplitExponent::prepare(shape, shape.mean - vec2(0.5f), relative_log2_opacity(shape, rules), terms, rest);
+  SplitExponent::prepare(shape, shape.from_mean(vec2(0.5f)), relative_log2_opacity(shape, rules), terms,
+                         rest);
   SplitExponent::evaluate(terms, rest, 3, 2, exponents);
   CHECK(exponents[0] == doctest::Approx(rest.z).epsilon(1e-6));
   terms.z = -10;
@@ -122,7 +123,8 @@ TEST_CASE("cuda arithmetic: the split representation takes s that rounding makes
 
   // Nothing is shown of a splat whose squares no float holds.
   shape.l0 = 1e25f;
-  SplitExponent::prepare(shape, shape.mean - vec2(0.5f), relative_log2_opacity(shape, rules), terms, rest);
+  SplitExponent::prepare(shape, shape.from_mean(vec2(0.5f)), relative_log2_opacity(shape, rules), terms,
+                         rest);
   SplitExponent::evaluate(terms, rest, 3, 2, exponents);
   CHECK(exponents[0] == -INFINITY);
 }

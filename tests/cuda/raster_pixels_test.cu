@@ -42,13 +42,15 @@ struct Round {
   struct Y {
     float square;
   };
-  SWIFTGS_HD Round(const SplatShape& s, vec2) : mean_(s.mean), factor_(s.l0 * s.l2) {}
-  SWIFTGS_HD X x_term(float at) const { return {factor_ * (at - mean_.x) * (at - mean_.x)}; }
-  SWIFTGS_HD Y y_term(float at) const { return {factor_ * (at - mean_.y) * (at - mean_.y)}; }
+  SWIFTGS_HD Round(const SplatShape& s, vec2) : shape_(s), factor_(s.l0 * s.l2) {}
+  SWIFTGS_HD X x_term(float at) const {
+    return {factor_ * shape_.right_of_mean(at) * shape_.right_of_mean(at)};
+  }
+  SWIFTGS_HD Y y_term(float at) const { return {factor_ * shape_.below_mean(at) * shape_.below_mean(at)}; }
   SWIFTGS_HD static float exponent(X x, Y y) { return x.square + y.square; }
 
  private:
-  vec2 mean_;
+  const SplatShape& shape_;
   float factor_;
 };
 static_assert(RastersOn<AxisShared<Round>, Serial> && RastersOn<AxisSharedThreshold<Round>, Cpu> &&

@@ -36,17 +36,16 @@ struct Member {
   Limit unfused;  ///< of others
 };
 constexpr Member members[] = {
-    {"mean", {1, 1}, {1, 1}},          // 0; 0
-    {"l0", {2, 2}, {24, 24}},          // 1; 17, of the minors of a flake that is seen edge-on
-    {"l1", {3, 3}, {28, 28}},          // 2; 22, has the digits of l0
-    {"l2", {1, 1}, {9, 9}},            // 0; 7
-    {"opacity", {0, 0}, {0, 16}},      // 0; 11, by the root of the minors' sum over the variance in l0
-    {"cutoff", {1.5, 3}, {1.5, 12}},   // 1 and 2; 1 and 8, of the logarithm, and of such an opacity
-    {"half_width", {5, 5}, {13, 13}},  // 4; 9
-    {"depth", {1, 1}, {1, 1}}};        // 0; 0
+    {"mean", {1, 1}, {1, 1}},         // 0; 0
+    {"l0", {2, 2}, {24, 24}},         // 1; 17, of the minors of a flake that is seen edge-on
+    {"l1", {3, 3}, {28, 28}},         // 2; 22, has the digits of l0
+    {"l2", {1, 1}, {9, 9}},           // 0; 7
+    {"opacity", {0, 0}, {0, 16}},     // 0; 11, by the root of the minors' sum over the variance in l0
+    {"cutoff", {1.5, 3}, {1.5, 12}},  // 1 and 2; 1 and 8, of the logarithm, and of such an opacity
+    {"depth", {1, 1}, {1, 1}}};       // 0; 0
 using Apart = std::array<double, std::size(members)>;
 /// The same through lenses. Both forms factor these needles in float; each was within 60 of l2 in double.
-constexpr Apart through_lens = {1, 160, 160, 2 * 60, 160, 160, 160, 1};
+constexpr Apart through_lens = {1, 160, 160, 2 * 60, 160, 160, 1};
 
 double apart(float a, float b, double scale = 0) {
   return double(std::abs(Real(a) - Real(b)) /
@@ -55,16 +54,15 @@ double apart(float a, float b, double scale = 0) {
 
 /// Differences in ulps.
 Apart differences(const SplatShape& a, float depth_a, const SplatShape& b, float depth_b) {
-  // The root in the half width doubles digits of a cutoff below 1. Of l1, what l0 dx is at the edge of the
+  // Of l1, what l0 dx is at the edge of the
   // splat: l0 times its width over its height.
-  const double l1_scale = double(a.l0) * double(a.l2) * double(a.half_width) / std::sqrt(double(a.cutoff));
+  const double l1_scale = double(a.l0) * double(a.l2) * double(half_width(a)) / std::sqrt(double(a.cutoff));
   return {std::max(apart(a.mean.x, b.mean.x, 1), apart(a.mean.y, b.mean.y, 1)),
           apart(a.l0, b.l0),
           apart(a.l1, b.l1, l1_scale),
           apart(a.l2, b.l2),
           apart(a.opacity, b.opacity),
           apart(a.cutoff, b.cutoff, 1),
-          apart(a.half_width, b.half_width, double(a.half_width) / double(a.cutoff)),
           apart(depth_a, depth_b)};
 }
 

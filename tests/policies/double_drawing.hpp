@@ -33,7 +33,7 @@ inline DoubleDrawing draw_in_double(const SplatSet& splats, int width, int heigh
       double colour[3] = {}, depth = 0, transmittance = 1;
       for (const std::size_t i : order) {
         const SplatShape& shape = splats.shapes[i];
-        const double dx = x + 0.5 - double(shape.mean.x), dy = y + 0.5 - double(shape.mean.y);
+        const double dx = x + 0.5 - shape.exact_mean().x, dy = y + 0.5 - shape.exact_mean().y;
         const double u = double(shape.l0) * dx + double(shape.l1) * dy, v = double(shape.l2) * dy;
         const double alpha =
             std::min(double(shape.opacity) * std::exp2(-(u * u + v * v)), double(settings.rules.alpha_max));

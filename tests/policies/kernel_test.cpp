@@ -12,7 +12,7 @@ namespace {
 
 /// s of a pixel in double, from the splat's own numbers.
 double exponent(const SplatShape& s, double x, double y) {
-  const double dx = x - double(s.mean.x), dy = y - double(s.mean.y);
+  const double dx = x - s.exact_mean().x, dy = y - s.exact_mean().y;
   const double u = double(s.l0) * dx + double(s.l1) * dy, v = double(s.l2) * dy;
   return u * u + v * v;
 }
@@ -20,7 +20,7 @@ double exponent(const SplatShape& s, double x, double y) {
 /// Largest term of a dx^2 + c dy^2 + b dx dy: what the split representations round, and what their errors
 /// scale with.
 double largest_term(const SplatShape& s, double x, double y) {
-  const double dx = x - double(s.mean.x), dy = y - double(s.mean.y);
+  const double dx = x - s.exact_mean().x, dy = y - s.exact_mean().y;
   const double l0 = s.l0, l1 = s.l1, l2 = s.l2;
   return std::max({l0 * l0 * dx * dx, (l1 * l1 + l2 * l2) * dy * dy, std::abs(2 * l0 * l1 * dx * dy)});
 }
@@ -39,7 +39,7 @@ std::vector<SplatShape> splats_near_the_tile() {
 /// Error of s where it is the sum of two squares: u = p + q is a difference of terms that may each be far
 /// larger; their roundings count, but only once and before squaring.
 double factor_error(const SplatShape& s, double x, double y) {
-  const double dx = x - double(s.mean.x), dy = y - double(s.mean.y);
+  const double dx = x - s.exact_mean().x, dy = y - s.exact_mean().y;
   const double terms = std::abs(double(s.l0) * dx) + std::abs(double(s.l1) * dy);
   const double u = std::abs(double(s.l0) * dx + double(s.l1) * dy), error = 3 * 0x1p-24 * terms;
   return 2 * u * error + error * error + 6 * 0x1p-24 * (exponent(s, x, y) + double(s.cutoff)) + 1e-6;
@@ -47,7 +47,7 @@ double factor_error(const SplatShape& s, double x, double y) {
 
 /// The bound that `FloatSplit` states, beside the error of the terms that it begins with.
 double float_split_error(const SplatShape& s, double x, double y) {
-  const double dx = x - double(s.mean.x), dy = y - double(s.mean.y);
+  const double dx = x - s.exact_mean().x, dy = y - s.exact_mean().y;
   const double wide =
       std::abs(double(s.l0) * dx + double(s.l1) * dy) + 16 * (double(s.l0) + std::abs(double(s.l1)));
   const double high = double(s.l2) * (std::abs(dy) + 16);

@@ -39,19 +39,17 @@ class Random {
 inline SplatShape make_splat(double x, double y, double along, double across, double angle, double opacity,
                              double alpha_min = 1.0 / 255) {
   const double c = std::cos(angle), s = std::sin(angle);
-  const double xx = along * along * c * c + across * across * s * s;
   const double yy = along * along * s * s + across * across * c * c;
   const double xy = (along * along - across * across) * c * s;
   const double det = along * along * across * across;
   const double base_2 = std::sqrt(0.5 * log2_e);
   SplatShape shape;
-  shape.mean = vec2(float(x), float(y));
+  shape.set_mean(x, y);
   shape.l0 = float(base_2 * std::sqrt(yy / det));
   shape.l1 = float(-base_2 * std::sqrt(yy / det) * xy / yy);
   shape.l2 = float(base_2 / std::sqrt(yy));
   shape.opacity = float(opacity);
   shape.cutoff = float(std::log2(opacity / alpha_min));
-  shape.half_width = float(std::sqrt(double(shape.cutoff)) / base_2 * std::sqrt(xx));
   return shape;
 }
 

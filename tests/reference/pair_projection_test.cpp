@@ -29,12 +29,13 @@ struct Differences {
   void add(const ProjectedShape& in_double, const ProjectedShape& in_pairs) {
     visible += in_double.visible, alone += in_double.visible != in_pairs.visible;
     if (!in_double.visible || !in_pairs.visible) return;
-    means += in_double.shape.mean != in_pairs.shape.mean, depths += in_double.depth != in_pairs.depth;
+    means += in_double.shape.mean != in_pairs.shape.mean || in_double.shape.low != in_pairs.shape.low;
+    depths += in_double.depth != in_pairs.depth;
     for (int k = 0; k < 2; ++k) {
-      const float exact = in_double.shape.mean[k];
-      const double off = std::abs(double(in_pairs.shape.mean[k]) - exact);
+      const double exact = in_double.shape.exact_mean()[k];
+      const double off = std::abs(in_pairs.shape.exact_mean()[k] - exact);
       mean_pixels = std::max(mean_pixels, off);
-      mean_ulps = std::max(mean_ulps, off / ulp(std::max(std::abs(exact), 1e-3f)));
+      mean_ulps = std::max(mean_ulps, off / ulp(float(std::max(std::abs(exact), 1e-3))));
     }
     const double off = std::abs(double(in_pairs.depth) - in_double.depth);
     depth_ulps = std::max(depth_ulps, off / ulp(in_double.depth));

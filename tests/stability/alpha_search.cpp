@@ -20,7 +20,8 @@ struct Exponent {
   Real s, moved, split, half;
 
   Exponent(const SplatShape& shape, Real x, Real y) {
-    const Real mx = shape.mean.x, my = shape.mean.y, l0 = shape.l0, l1 = shape.l1, l2 = shape.l2;
+    const Real mx = shape.exact_mean().x, my = shape.exact_mean().y, l0 = shape.l0, l1 = shape.l1,
+               l2 = shape.l2;
     const Real dx = x - mx, dy = y - my, u = l0 * dx + l1 * dy, v = l2 * dy;
     s = u * u + v * v;
     // What s moves by if each number of the splat moves by one ulp.
@@ -193,8 +194,8 @@ std::vector<Worst> search_alpha(int effort) {
   for (std::size_t i = 0; i < worst.size(); ++i) {
     const SplatShape& s = search.best()[i].candidate;
     worst[i].ulps = search.value(i);
-    worst[i].at = text("mean %.9g %.9g l0 %.9g l1 %.9g l2 %.9g opacity %.9g", double(s.mean.x),
-                       double(s.mean.y), double(s.l0), double(s.l1), double(s.l2), double(s.opacity));
+    worst[i].at = text("mean %.9g %.9g l0 %.9g l1 %.9g l2 %.9g opacity %.9g", s.exact_mean().x,
+                       s.exact_mean().y, double(s.l0), double(s.l1), double(s.l2), double(s.opacity));
   }
   return worst;
 }

@@ -87,10 +87,12 @@ class Judge {
     const bool blurred = view_.view.camera.blur > 0, compensated = view_.view.camera.antialiased;
     std::array<double, stage_count> out;
     out.fill(-1);
-    const auto mean = [&](float got, Real exact) {
-      return double(std::abs(got - exact) / ulp(std::max(std::abs(exact), Real(1e-3L))));
+    // Of a pixel, or of the distance from the largest image.
+    const auto mean = [&](double got, Real exact) {
+      const Real outside = exact - std::clamp(exact, Real(0), Real(max_image_side));
+      return double(std::abs(Real(got) - exact) / ulp(std::max(std::abs(outside), Real(1))));
     };
-    out[0] = std::max(mean(s.mean.x, exact_[mean_x]), mean(s.mean.y, exact_[mean_y]));
+    out[0] = std::max(mean(s.exact_mean().x, exact_[mean_x]), mean(s.exact_mean().y, exact_[mean_y]));
     out[1] = double(std::abs(f.depth - exact_[depth]) / ulp(exact_[depth]));
     const auto judge = [&](std::size_t stage, Real got, Real exact, Real scale, const auto& moved) {
       const Real error = std::abs(got - exact);
@@ -120,7 +122,8 @@ class Judge {
     judge(7, s.l2, exact_[l2], exact_[l2], [&] { return moved()[l2]; });
     if (compensated) alone(8, opacity, s.opacity);
     alone(9, cutoff, s.cutoff);
-    judge(10, s.half_width, exact_[half_width], exact_[half_width], [&] { return moved()[half_width]; });
+    judge(10, swiftgs::half_width(s), exact_[half_width], exact_[half_width],
+          [&] { return moved()[half_width]; });
     return out;
   }
 

@@ -29,7 +29,7 @@ std::vector<float> transmittances(B& backend, const std::vector<Candidate>& cand
     const auto first = std::uint32_t(shapes.size()), begin = std::uint32_t(ids.size());
     for (int k = 0; k < c.period; ++k) {
       SplatShape shape;
-      shape.opacity = c.alphas[k], shape.cutoff = 20, shape.half_width = 1e9f;
+      shape.opacity = c.alphas[k], shape.cutoff = 20;
       shapes.push_back(shape), colours.push_back({vec3(0), 1});
     }
     for (int k = 0; k < layers; ++k) ids.push_back(first + std::uint32_t(k % c.period));

@@ -85,10 +85,24 @@ SWIFTGS_HD inline float half_height(const SplatShape& shape) {
   return std::sqrt(shape.cutoff) * (1 / shape.l2);
 }
 
+/// Half its width. No square leaves the range of float where the variance does not. @units{pixels}
+SWIFTGS_HD inline float half_width(const SplatShape& shape) {
+  const float inverse_l0 = 1 / shape.l0, tilt = shape.l1 * inverse_l0 * (1 / shape.l2);
+  return std::sqrt(shape.cutoff) * std::sqrt(inverse_l0 * inverse_l0 + tilt * tilt);
+}
+
+/// Half the width and the height of the ellipse s <= cutoff, and `bounds_slack`. @units{pixels}
+struct EllipseExtent {
+  float width, height, slack;
+
+  SWIFTGS_HD explicit EllipseExtent(const SplatShape& shape)
+      : width(half_width(shape)), height(half_height(shape)), slack(bounds_slack(width, height)) {}
+};
+
 /// Tiles that the box of the ellipse s <= cutoff touches.
 SWIFTGS_HD inline TileRect opacity_box(const SplatShape& shape, TileGrid grid) {
-  const float height = half_height(shape), slack = bounds_slack(shape.half_width, height);
-  const float x = shape.half_width + slack, y = height + slack;
+  const EllipseExtent half(shape);
+  const float x = half.width + half.slack, y = half.height + half.slack;
   return {tiles_meeting(shape.mean.x - x, shape.mean.x + x, grid.side, grid.columns),
           tiles_between(shape.mean.y - y, shape.mean.y + y, grid.side, grid.rows)};
 }

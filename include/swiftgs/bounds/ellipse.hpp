@@ -24,7 +24,7 @@ struct SWIFTGS_API Ellipse {
           l2_(shape.l2),
           cutoff_(shape.cutoff),
           height_(half_height(shape)),
-          slack_(bounds_slack(shape.half_width, height_)) {
+          slack_(EllipseExtent(shape).slack) {
       const float slope = l1_ * (1 / l2_);
       steepest_ = height_ * slope / std::sqrt(1 + slope * slope);
     }

@@ -20,7 +20,7 @@ struct SWIFTGS_API Obb {
         : rect(opacity_box(shape, grid)),
           side_(grid.side),
           mean_(shape.mean),
-          slack_(bounds_slack(shape.half_width, half_height(shape))) {
+          slack_(EllipseExtent(shape).slack) {
       const vec2 axis = short_axis(shape);
       across_ = Slab(shape, axis), along_ = Slab(shape, vec2(-axis.y, axis.x));
       corner_ = across_.half * across_.tilt + along_.half * along_.tilt;

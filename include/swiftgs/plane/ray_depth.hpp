@@ -36,7 +36,7 @@ SWIFTGS_HD inline SphereSlopes sphere_slopes(const ViewConstants& v, const Gauss
   const auto image = [&] {
     if (v.through_lens) {
       const LensPoint seen = point_through(v.lens, v.limits, p);
-      return ImageAxes<double>(v, LensSlopes<double>{seen.du, seen.dv, v.fx, v.fy}, g.scale, g.rotation);
+      return ImageAxes<double>(v, LensSlopes{seen.du, seen.dv, v.fx, v.fy}, g.scale, g.rotation);
     }
     const double inverse_z = inverse(p.z);
     const Linearisation<double> by{v.clamped_x(p.x * inverse_z), v.clamped_y(p.y * inverse_z),

@@ -11,9 +11,9 @@
 namespace swiftgs {
 
 /// Exponent representation of axis-shared rasterization, which computes one term per column and one per row.
-/// An object is made for one splat and the centre of a raster block. `x_term` and `y_term` take the place of
-/// a column and of a row @units{pixels}. `exponent` joins two terms to s, base 2. If s is negative or not a
-/// number, the pixel skips the splat.
+/// An object is made for one splat, which outlives it, and the centre of a raster block. `x_term` and
+/// `y_term` take the place of a column and of a row @units{pixels}. `exponent` joins two terms to s, base 2.
+/// If s is negative or not a number, the pixel skips the splat.
 template <class T>
 concept ExponentPolicy = requires(const T& terms, const SplatShape& shape, vec2 centre, float at,
                                   typename T::X x, typename T::Y y) {
@@ -39,7 +39,7 @@ struct SWIFTGS_API FloatSplit {
   };
 
   SWIFTGS_HD FloatSplit(const SplatShape& s, vec2 centre) : centre_(centre) {
-    const vec2 from_mean = centre - s.mean;
+    const vec2 from_mean = s.from_mean(centre);
     const float u = s.l0 * from_mean.x + s.l1 * from_mean.y, v = s.l2 * from_mean.y;
     a_ = s.l0 * s.l0, b_ = 2 * s.l0 * s.l1, c_ = s.l1 * s.l1 + s.l2 * s.l2;
     d_ = 2 * s.l0 * u, e_ = 2 * (s.l1 * u + s.l2 * v), g_ = u * u + v * v;
@@ -65,17 +65,17 @@ struct SWIFTGS_API FloatSplit {
 namespace detail {
 /// The terms of the paper's split before they are rounded to half.
 struct MeanSplit {
-  vec2 mean;
+  const SplatShape& shape;
   float a, b, c;  ///< s = a dx^2 + b dx dy + c dy^2
 
   SWIFTGS_HD explicit MeanSplit(const SplatShape& s)
-      : mean(s.mean), a(s.l0 * s.l0), b(2 * s.l0 * s.l1), c(s.l1 * s.l1 + s.l2 * s.l2) {}
+      : shape(s), a(s.l0 * s.l0), b(2 * s.l0 * s.l1), c(s.l1 * s.l1 + s.l2 * s.l2) {}
   SWIFTGS_HD vec2 x_term(float at) const {
-    const float dx = at - mean.x;
+    const float dx = shape.right_of_mean(at);
     return {a * dx * dx, b * dx};
   }
   SWIFTGS_HD vec2 y_term(float at) const {
-    const float dy = at - mean.y;
+    const float dy = shape.below_mean(at);
     return {c * dy * dy, dy};
   }
 };
@@ -122,11 +122,11 @@ struct SWIFTGS_API FloatCholesky {
     float q, r;  ///< l1 dy, (l2 dy)^2
   };
 
-  SWIFTGS_HD FloatCholesky(const SplatShape& s, vec2) : mean_(s.mean), l0_(s.l0), l1_(s.l1), l2_(s.l2) {}
-  SWIFTGS_HD X x_term(float at) const { return {l0_ * (at - mean_.x)}; }
+  SWIFTGS_HD FloatCholesky(const SplatShape& s, vec2) : shape_(s) {}
+  SWIFTGS_HD X x_term(float at) const { return {shape_.l0 * shape_.right_of_mean(at)}; }
   SWIFTGS_HD Y y_term(float at) const {
-    const float dy = at - mean_.y, v = l2_ * dy;
-    return {l1_ * dy, v * v};
+    const float dy = shape_.below_mean(at), v = shape_.l2 * dy;
+    return {shape_.l1 * dy, v * v};
   }
   SWIFTGS_HD static float exponent(X x, Y y) {
     const float u = x.p + y.q;
@@ -134,8 +134,7 @@ struct SWIFTGS_API FloatCholesky {
   }
 
  private:
-  vec2 mean_;
-  float l0_, l1_, l2_;
+  const SplatShape& shape_;
 };
 
 static_assert(ExponentPolicy<HalfSplit> && ExponentPolicy<FloatSplit> && ExponentPolicy<FloatCholesky>);

@@ -20,7 +20,7 @@ struct SWIFTGS_API PerPixel {
         : shape_(s), rules_(rules), first_x_(first_centre.x) {}
     SWIFTGS_HD void start_row(float y) { y_ = y; }
     SWIFTGS_HD float alpha(int column) const {
-      const float dx = first_x_ + float(column) - shape_.mean.x, dy = y_ - shape_.mean.y;
+      const float dx = shape_.right_of_mean(first_x_ + float(column)), dy = shape_.below_mean(y_);
       const float u = shape_.l0 * dx + shape_.l1 * dy, v = shape_.l2 * dy;
       const float alpha = shape_.opacity * std::exp2(-(u * u + v * v));
       if (!(alpha >= rules_.alpha_min)) return 0;

@@ -89,9 +89,9 @@ inline constexpr bool may_gain_by_coarse_tiles = false;
 /// listed the splat. Rounding is monotone along a row: no pixel of a refused row passes s <= cutoff. Device
 /// kernels have a rule of their own.
 SWIFTGS_HD inline bool row_touched(const SplatShape& shape, float first_x, float y) {
-  const float q = shape.l1 * (y - shape.mean.y), v = shape.l2 * (y - shape.mean.y);
-  const float left = shape.l0 * (first_x - shape.mean.x) + q;
-  const float right = shape.l0 * (first_x + float(raster_block_side - 1) - shape.mean.x) + q;
+  const float dy = shape.below_mean(y), q = shape.l1 * dy, v = shape.l2 * dy;
+  const float left = shape.l0 * shape.right_of_mean(first_x) + q;
+  const float right = shape.l0 * shape.right_of_mean(first_x + float(raster_block_side - 1)) + q;
   const float nearest = left > 0 ? left : right < 0 ? right : 0.0f;
   return nearest * nearest + v * v <= shape.cutoff;
 }

@@ -42,17 +42,17 @@ def defects(subject, where, *rows):
 def means(parts):
     """Means of splats on a grid of `parts` a pixel."""
     x, y = (f"std::round(s.mean.{axis} * {parts}) / {parts}" for axis in "xy")
-    return f"means on 1/{parts} pixel", f"s.{{+mean = vec2({x}, {y});\n  s.+}}l0 = f.l0,"
+    return f"means on 1/{parts} pixel", f"s.{{+mean = vec2({x}, {y}), s.low = 0;\n  s.+}}l0 = f.l0,"
 
 
 def cpu_means(parts):
     def grid(of, focal, point):
-        return (f"hn::Mul(hn::Round(hn::Mul(Demote(ScaleAdd({of}, v.{focal}, v.{point})), hn::Set(d, {parts}.0f))), "
-                f"hn::Set(d, 1.0f / {parts}))")
+        return (f"Promote(hn::Mul(hn::Round(hn::Mul(Demote(ScaleAdd({of}, v.{focal}, v.{point})), "
+                f"hn::Set(d, {parts}.0f))), hn::Set(d, 1.0f / {parts})))")
 
     return (f"means on 1/{parts} pixel",
-            "out.x = [-Demote(ScaleAdd(x_over_z, v.fx, v.cx)), out.y = Demote(ScaleAdd(y_over_z, v.fy, v.cy))-]"
-            f"{{+{grid('x_over_z', 'fx', 'cx')}, out.y = {grid('y_over_z', 'fy', 'cy')}+}};")
+            "out.place_mean([-ScaleAdd(x_over_z, v.fx, v.cx), ScaleAdd(y_over_z, v.fy, v.cy)-]"
+            f"{{+{grid('x_over_z', 'fx', 'cx')}, {grid('y_over_z', 'fy', 'cy')}+}});")
 
 
 DEFECTS = [
@@ -98,7 +98,7 @@ DEFECTS = [
          "[-opacity >= v.alpha_min && opacity < INFINITY-]{+!(opacity < v.alpha_min || opacity == INFINITY)+}",
          "half the width is not a number then, and the splat not visible"),
         ("an opacity of alpha_min is left out", "opacity >[-=-] v.alpha_min && opacity < INFINITY"),
-        ("visible by its mean alone", "s.mean.x [-+ s.half_width -]>= 0.5f"),
+        ("visible by its mean alone", "mean.x [-+ half_width -]>= 0.5f"),
         ("view_direction without scaling", "[-for (int k = 0; k < 3; ++k) d[k] /= largest;-]"),
         ("far plane left out", "z > v.near_plane[- && z <= v.far_plane-]"),
         ("z on the far plane left out", "z <[-=-] v.far_plane"),
@@ -209,8 +209,8 @@ DEFECTS = [
          "      hn::Store(hn::Mul(b, from_centre), d, t.x_mixed + i);\n"
          "      hn::Store(hn::MulAdd(hn::MulAdd(c, from_centre, linear_y), from_centre, constant), d, t.y_square + "
          "i);\n"
-         "      hn::Store(from_centre, d, t.y_offset + i)-]{+x = hn::Iota(d, first_centre.x - shape.mean.x + "
-         "float(i)), y = hn::Iota(d, first_centre.y - shape.mean.y + float(i));\n"
+         "      hn::Store(from_centre, d, t.y_offset + i)-]{+x = hn::Iota(d, shape.right_of_mean(first_centre.x) + "
+         "float(i)), y = hn::Iota(d, shape.below_mean(first_centre.y) + float(i));\n"
          "      hn::Store(hn::Mul(hn::Mul(a, x), x), d, t.x_square + i);\n"
          "      hn::Store(hn::Mul(b, x), d, t.x_mixed + i);\n"
          "      hn::Store(hn::Mul(hn::Mul(c, y), y), d, t.y_square + i);\n"
