@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Frames a second from Python against C++, in one run on one machine.
 
-    PYTHONPATH=backends/python SWIFTGS_LIBRARY=build/release/backends/c/libswiftgs_c.so \
+    PYTHONPATH=backends/bindings/python SWIFTGS_LIBRARY=build/release/backends/bindings/c/libswiftgs_c.so \
         python3 benchmarks/python_overhead.py build/release/examples/swiftgs builtin:200000 --json FILE
 
 C++ is `swiftgs bench` with the same renderer, scene, view and size. The languages take turns. Each time is given twice,

@@ -170,7 +170,7 @@ packages() {
 build_wheel() {  # build_wheel SOURCES BUILD FOLDER [CUDA]
   (cd "$1" && cmake --preset distribution -B "$2" -DBUILD_SHARED_LIBS=OFF -DSWIFTGS_BUILD_CUDA="${4:-OFF}" \
     -DSWIFTGS_BUILD_EXAMPLES=OFF && cmake --build "$2" && rm -f "$3"/*.whl &&
-    python3 backends/python/wheel.py "$2" "$3")
+    python3 backends/bindings/python/wheel.py "$2" "$3")
 }
 
 use_wheel() {  # use_wheel NAME FOLDER [cuda]
@@ -225,7 +225,7 @@ same_bytes() {
   local again=$roots/elsewhere/sources dist=$roots/elsewhere/dist file other count=0
   remove elsewhere
   copy_sources "$again" && CCACHE_DISABLE=1 build_wheel "$again" "$again/build/again" "$dist" || return 1
-  for file in "$out/wheel"/backends/{,*/}*.a "$out/wheel"/backends/c/*.so.*.* "$out/dist"/*.whl; do
+  for file in "$out/wheel"/backends/{,*/,*/*/}*.a "$out/wheel"/backends/bindings/c/*.so.*.* "$out/dist"/*.whl; do
     other=$again/build/again${file#"$out/wheel"}
     [ "$file" = "${file#"$out/dist"}" ] || other=$dist${file#"$out/dist"}
     cmp "$file" "$other" || return 1

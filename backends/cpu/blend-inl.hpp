@@ -12,7 +12,7 @@
 
 #include <hwy/highway.h>
 
-#include <swiftgs/raster/raster.hpp>
+#include <swiftgs/frame/raster.hpp>
 
 #include "batch-inl.hpp"
 #include "raster_block-inl.hpp"

@@ -12,9 +12,8 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <swiftgs/cpu.hpp>
-#include <swiftgs/processor_name.hpp>
-#include <swiftgs/round_to_nearest.hpp>
-#include <swiftgs/thread_count.hpp>
+#include <swiftgs/lens/view.hpp>
+#include <swiftgs/tools/processor.hpp>
 
 #include "parts.hpp"
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include <swiftgs/cpu.hpp>
-#include <swiftgs/raster/raster.hpp>
+#include <swiftgs/frame/raster.hpp>
 
 namespace swiftgs {
 

@@ -13,9 +13,9 @@
 
 #include <hwy/highway.h>
 
+#include <swiftgs/frame/raster.hpp>
+#include <swiftgs/functor/blend.hpp>
 #include <swiftgs/plane/picks.hpp>
-#include <swiftgs/raster/blend.hpp>
-#include <swiftgs/raster/raster.hpp>
 
 #include "batch-inl.hpp"
 #include "blend-inl.hpp"

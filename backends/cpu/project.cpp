@@ -3,10 +3,10 @@
 #include <cstring>
 #include <utility>
 
-#include <swiftgs/chunks.hpp>
 #include <swiftgs/cpu.hpp>
 #include <swiftgs/placed_scene.hpp>
-#include <swiftgs/project.hpp>
+#include <swiftgs/project/chunks.hpp>
+#include <swiftgs/project/project.hpp>
 
 // Compile the rest of this file for every target; the order of these lines matters. The formulas of lenses
 // are compiled again, for vectors.
@@ -86,7 +86,8 @@ HWY_INLINE Wide3 FromCentre(const ViewConstants& v, const vec3* HWY_RESTRICT mea
   return {dx, dy, Minus(Promote(mean.z), v.centre[2])};
 }
 
-// Half a group in double, as `LocalAxes`, `ImageAxes` and `factor` of project.hpp are of one Gaussian.
+// Half a group in double, as `LocalAxes`, `ImageAxes` and `factor` of project/project.hpp are of one
+// Gaussian.
 using Triple = TripleOf<Doubles>;
 
 HWY_INLINE Doubles Dot(const Triple& a, const Triple& b) {

@@ -16,8 +16,8 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
-#include <swiftgs/raster/blend.hpp>
-#include <swiftgs/raster/raster.hpp>
+#include <swiftgs/frame/raster.hpp>
+#include <swiftgs/functor/blend.hpp>
 
 #include "batch-inl.hpp"
 #include "blend-inl.hpp"

@@ -15,8 +15,8 @@
 #include <hwy/highway.h>
 
 #include <swiftgs/frame.hpp>
-#include <swiftgs/raster/blend.hpp>
-#include <swiftgs/raster/raster.hpp>
+#include <swiftgs/frame/raster.hpp>
+#include <swiftgs/functor/blend.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {

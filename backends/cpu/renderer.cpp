@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <swiftgs/bound_renderer.hpp>
 #include <swiftgs/cpu.hpp>
+#include <swiftgs/drivers/bound_renderer.hpp>
 
 namespace swiftgs {
 

@@ -11,8 +11,8 @@
 
 #include <hwy/highway.h>
 
-#include <swiftgs/srgb.hpp>
-#include <swiftgs/store_pixel.hpp>
+#include <swiftgs/frame/srgb.hpp>
+#include <swiftgs/raster/store.hpp>
 
 #include "raster_block-inl.hpp"
 

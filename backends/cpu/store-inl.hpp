@@ -16,9 +16,9 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
-#include <swiftgs/raster/blend.hpp>
-#include <swiftgs/store_pixel.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/functor/blend.hpp>
+#include <swiftgs/lens/view.hpp>
+#include <swiftgs/raster/store.hpp>
 
 #include "half-inl.hpp"
 #include "raster_block-inl.hpp"

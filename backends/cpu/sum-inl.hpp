@@ -16,8 +16,8 @@
 #include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
+#include <swiftgs/frame/raster.hpp>
 #include <swiftgs/plane/attributes.hpp>
-#include <swiftgs/raster/raster.hpp>
 
 #include "batch-inl.hpp"
 #include "raster_block-inl.hpp"

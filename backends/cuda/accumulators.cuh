@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 
-#include <swiftgs/store_pixel.hpp>
+#include <swiftgs/raster/store.hpp>
 
 #include "depth.cuh"
 

@@ -5,11 +5,11 @@
 #include <optional>
 #include <utility>
 
-#include <swiftgs/chunks.hpp>
 #include <swiftgs/cuda.cuh>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/error.hpp>
+#include <swiftgs/project/chunks.hpp>
 #include <swiftgs/scene_arrays.hpp>
 
 #include "device_scene.hpp"

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstddef>
 
-#include <swiftgs/attribute_stage.hpp>
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/view_source.cuh>
+#include <swiftgs/plane/attribute_stage.hpp>
 
 namespace swiftgs {
 

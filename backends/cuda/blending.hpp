@@ -10,10 +10,10 @@
 
 #include <vector_types.h>
 
-#include <swiftgs/raster/raster.hpp>
-#include <swiftgs/store_pixel.hpp>
+#include <swiftgs/frame/raster.hpp>
+#include <swiftgs/raster/store.hpp>
 
-#include "arithmetic.hpp"
+#include "exponents.hpp"
 
 namespace swiftgs::kernels {
 

@@ -6,7 +6,7 @@
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/raster_block.cuh>
-#include <swiftgs/store_pixel.hpp>
+#include <swiftgs/raster/store.hpp>
 
 #include "planes.hpp"
 #include "raster_memory.hpp"

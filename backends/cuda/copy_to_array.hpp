@@ -7,8 +7,8 @@
 #include <cuda_runtime_api.h>
 
 #include <swiftgs/cuda/check.hpp>
+#include <swiftgs/error.hpp>
 #include <swiftgs/frame.hpp>
-#include <swiftgs/message.hpp>
 
 namespace swiftgs {
 

@@ -9,8 +9,8 @@
 #include <vector>
 
 #include <swiftgs/cuda.hpp>
-#include <swiftgs/hidden_intersections.hpp>
-#include <swiftgs/raster/blend.hpp>
+#include <swiftgs/drivers/statistics.hpp>
+#include <swiftgs/functor/blend.hpp>
 
 namespace swiftgs {
 namespace {

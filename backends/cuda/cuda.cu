@@ -17,7 +17,7 @@
 #include <swiftgs/cuda/for_each.cuh>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/error.hpp>
-#include <swiftgs/sort/sort.hpp>
+#include <swiftgs/frame/sort.hpp>
 
 #include "state.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include <swiftgs/raster/passes.hpp>
+#include <swiftgs/frame/passes.hpp>
 
 #include "list_traversal.cuh"
 

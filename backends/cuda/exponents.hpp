@@ -2,6 +2,7 @@
 #pragma once
 
 /// @file
+/// What kernels compute with instructions that hosts do not have. Hosts compute the same, rounded better.
 /// Exponent representations. Hosts test them.
 ///
 /// `prepare` finds the terms of a splat from where the warp block's first pixel lies from its mean, and from
@@ -14,12 +15,49 @@
 
 #include <vector_functions.h>
 
-#include <swiftgs/raster/raster.hpp>
-#include <swiftgs/splats.hpp>
-
-#include "arithmetic.hpp"
+#include <swiftgs/frame/math.hpp>
+#include <swiftgs/frame/raster.hpp>
+#include <swiftgs/frame/splats.hpp>
 
 namespace swiftgs::kernels {
+
+/// exp2 of the device's special function unit: 2 units in the last place.
+SWIFTGS_HD inline float exp2_approx(float x) {
+#if defined(__CUDA_ARCH__)
+  float result;
+  asm("ex2.approx.ftz.f32 %0, %1;" : "=f"(result) : "f"(x));
+  return result;
+#else
+  return std::exp2(x);
+#endif
+}
+
+/// x cut to 0 and 1; 0 for NaN. Devices do it in the instruction that computes x.
+SWIFTGS_HD inline float saturate(float x) {
+#if defined(__CUDA_ARCH__)
+  return __saturatef(x);
+#else
+  return x > 0 ? std::fmin(x, 1.0f) : 0.0f;
+#endif
+}
+
+/// a * b, rounded by itself: compilers do not join it with an addition.
+SWIFTGS_HD inline float multiply_rounded(float a, float b) {
+#if defined(__CUDA_ARCH__)
+  return __fmul_rn(a, b);
+#else
+  return a * b;
+#endif
+}
+
+/// a / b: 2 units in the last place, for b up to 2^126.
+SWIFTGS_HD inline float divide_approx(float a, float b) {
+#if defined(__CUDA_ARCH__)
+  return __fdividef(a, b);
+#else
+  return a / b;
+#endif
+}
 
 /// Pixels of a lane are of one row, so what depends on the row is computed once.
 inline constexpr unsigned pixels_of_lane = 2;
@@ -107,5 +145,29 @@ struct FactorExponent {
     return alpha >= rules.alpha_min ? fminf(alpha, rules.alpha_max) : 0.0f;
   }
 };
+
+/// What a coordinate of a mean in an image lacks as a float, at most. @units{pixels}
+inline constexpr float most_lacking = 0x1p-8f;
+
+/// Whether the ellipse s <= cutoff meets the box of pixel centres that begins at `first` and is `side` - 1
+/// wide and high. Reads means in float, and takes a box that much wider.
+///
+/// A splat that does not pass is not drawn. Conservative bounds include every tile that passes, so frames do
+/// not depend on bounds. s is convex: its least value lies at the mean, or on the edge nearest to it at the
+/// mean's height.
+SWIFTGS_HD inline bool box_touched(const SplatShape& s, vec2 first, float side) {
+  const float last = side - 1 + 2 * most_lacking;
+  const float left = first.x - most_lacking - s.mean.x, right = left + last;
+  const float top = first.y - most_lacking - s.mean.y, bottom = top + last;
+  const float nearest_y = fminf(fmaxf(0, top), bottom);
+  const float u_left = fmaf(s.l0, left, s.l1 * nearest_y), u_right = fmaf(s.l0, right, s.l1 * nearest_y);
+  const float edge = u_left > 0 ? left : right;
+  const float along = divide_approx(-s.l0 * s.l1 * edge, fmaf(s.l1, s.l1, s.l2 * s.l2));
+  const bool across = u_left <= 0 && u_right >= 0;
+  const float y = across ? nearest_y : fminf(fmaxf(along, top), bottom);
+  const float u = across ? 0.0f : fmaf(s.l0, edge, s.l1 * y), v = s.l2 * y;
+  // Pixels round differently from this, so they decide so close to the edge.
+  return fmaf(u, u, v * v) <= s.cutoff * 1.0001f;
+}
 
 }  // namespace swiftgs::kernels

@@ -5,7 +5,6 @@
 
 #include <swiftgs/cuda/warp.cuh>
 
-#include "box_touched.hpp"
 #include "exponents.hpp"
 #include "pixel.cuh"
 #include "work_queue.cuh"

@@ -7,7 +7,7 @@
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/pick.hpp>
 
-#include "box_touched.hpp"
+#include "exponents.hpp"
 #include "pixel.cuh"
 
 namespace swiftgs {

@@ -6,7 +6,7 @@
 
 #include <swiftgs/cuda/raster_block.cuh>
 #include <swiftgs/cuda/warp.cuh>
-#include <swiftgs/raster/raster.hpp>
+#include <swiftgs/frame/raster.hpp>
 
 #include "blending.hpp"
 

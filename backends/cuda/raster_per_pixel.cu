@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <swiftgs/cuda.hpp>
-#include <swiftgs/cuda/residency.cuh>
+#include <swiftgs/cuda/launch.cuh>
 
 #include "block.cuh"
-#include "box_touched.hpp"
 #include "exponents.hpp"
 
 namespace swiftgs {

@@ -6,7 +6,6 @@
 #include <cstdint>
 
 #include <swiftgs/cuda/launch.cuh>
-#include <swiftgs/cuda/residency.cuh>
 
 #include "lane_blender.cuh"
 

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 
-#include "group.cuh"
 #include "lane_blender.cuh"
 #include "touched_splats.cuh"
 

@@ -11,8 +11,8 @@
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/cuda/warp.cuh>
-#include <swiftgs/project.hpp>
-#include <swiftgs/shade_stage.hpp>
+#include <swiftgs/functor/shade_stage.hpp>
+#include <swiftgs/project/project.hpp>
 
 #include "sh_words.hpp"
 

@@ -3,15 +3,51 @@
 
 #include <cstdint>
 
-#include <swiftgs/cuda/warp.cuh>
-#include <swiftgs/raster/raster.hpp>
+#include <cooperative_groups.h>
 
-#include "box_touched.hpp"
-#include "group.cuh"
+#include <swiftgs/cuda/warp.cuh>
+#include <swiftgs/frame/raster.hpp>
+
+#include "exponents.hpp"
 #include "pixel.cuh"
 #include "work_queue.cuh"
 
 namespace swiftgs::kernels {
+
+/// Blocks that work on one thing: one, or the `blocks_of_group` of a cluster.
+inline constexpr unsigned blocks_of_group = 8;
+
+struct Group {
+  unsigned rank = 0, blocks = 1;
+
+  /// The cluster of this block.
+  __device__ static Group cluster() {
+#if __CUDA_ARCH__ >= 900
+    const auto all = cooperative_groups::this_cluster();
+    if (all.num_blocks() == blocks_of_group) return {all.block_rank(), blocks_of_group};
+#endif
+    return {};
+  }
+
+  __device__ void sync() const {
+#if __CUDA_ARCH__ >= 900
+    if (blocks != 1) {
+      cooperative_groups::this_cluster().sync();
+      return;
+    }
+#endif
+    __syncthreads();
+  }
+
+  /// `mine` in the shared memory of block `block`.
+  template <class T>
+  __device__ T& in(unsigned block, T& mine) const {
+#if __CUDA_ARCH__ >= 900
+    if (blocks != 1) return *cooperative_groups::this_cluster().map_shared_rank(&mine, block);
+#endif
+    return mine;
+  }
+};
 
 /// Finds the splats that touch a warp block, by all threads of a group, in list order. They lie in rings in
 /// shared memory, each in that of the thread block that blends it: one blends `share` of them, the next the

@@ -7,12 +7,12 @@
 
 #include <cuda_runtime_api.h>
 
-#include <swiftgs/chunks.hpp>
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/check.hpp>
 #include <swiftgs/error.hpp>
-#include <swiftgs/harmonic_packing.hpp>
-#include <swiftgs/parallel.hpp>
+#include <swiftgs/memory/harmonic_packing.hpp>
+#include <swiftgs/project/chunks.hpp>
+#include <swiftgs/tools/parallel.hpp>
 
 #include "device_scene.hpp"
 

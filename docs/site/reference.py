@@ -10,7 +10,7 @@ import textwrap
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PART_OF = {"docs/command_line.md": "command_line_options", "docs/python.md": "python_reference"}
-PACKAGE = ROOT / "backends/python/swiftgs"
+PACKAGE = ROOT / "backends/bindings/python/swiftgs"
 NO_TOOL = "No tool was built when this page was written. Run `./demo.sh`, which builds one, and `docs/site.sh` again.\n"
 
 

@@ -2,8 +2,10 @@
 #pragma once
 
 #include <string>
+#include <string_view>
+#include <vector>
 
-#include <swiftgs/harmonics.hpp>
+#include <swiftgs/frame/harmonics.hpp>
 
 namespace CLI {
 class App;
@@ -71,5 +73,8 @@ void require_batch(int batch);
 
 /// Throws `InvalidArgument` unless `--keep` is a part above 0 and at most 1.
 void require_keep(double part);
+
+/// ", did you mean 'NEAREST'?" if one of `known` is near `word`; otherwise nothing.
+std::string suggestion(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace swiftgs::cli

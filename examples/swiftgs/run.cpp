@@ -17,7 +17,6 @@
 #include "draw/team.hpp"
 #include "interruptible.hpp"
 #include "options.hpp"
-#include "suggestion.hpp"
 
 namespace swiftgs::cli {
 namespace {

@@ -9,23 +9,20 @@
 #include <string_view>
 #include <vector>
 
-#include <swiftgs/api.hpp>
-#include <swiftgs/backend.hpp>
 #include <swiftgs/camera.hpp>
-#include <swiftgs/clip.hpp>
-#include <swiftgs/count.hpp>
+#include <swiftgs/drivers/statistics.hpp>
 #include <swiftgs/frame.hpp>
-#include <swiftgs/harmonics.hpp>
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/backend.hpp>
+#include <swiftgs/frame/harmonics.hpp>
+#include <swiftgs/frame/placing.hpp>
+#include <swiftgs/frame/span.hpp>
+#include <swiftgs/frame/views.hpp>
 #include <swiftgs/pick.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/render_settings.hpp>
 #include <swiftgs/scene.hpp>
 #include <swiftgs/scene_arrays.hpp>
-#include <swiftgs/similarity.hpp>
-#include <swiftgs/span.hpp>
-#include <swiftgs/statistics.hpp>
-#include <swiftgs/tint.hpp>
-#include <swiftgs/views.hpp>
 
 namespace swiftgs {
 

@@ -8,10 +8,10 @@
 #include <cstddef>
 #include <vector>
 
-#include <swiftgs/api.hpp>
 #include <swiftgs/camera.hpp>
+#include <swiftgs/frame/api.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/scene_part.hpp>
+#include <swiftgs/tools/scene_part.hpp>
 
 namespace swiftgs {
 

@@ -4,11 +4,10 @@
 #include <cmath>
 #include <string>
 
-#include <swiftgs/finite.hpp>
+#include <swiftgs/error.hpp>
 #include <swiftgs/frame.hpp>
-#include <swiftgs/lens.hpp>
-#include <swiftgs/math.hpp>
-#include <swiftgs/message.hpp>
+#include <swiftgs/frame/lens.hpp>
+#include <swiftgs/frame/math.hpp>
 
 namespace swiftgs {
 

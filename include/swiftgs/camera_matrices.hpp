@@ -13,10 +13,9 @@
 #include <type_traits>
 
 #include <swiftgs/camera.hpp>
-#include <swiftgs/finite.hpp>
+#include <swiftgs/error.hpp>
 #include <swiftgs/frame.hpp>
-#include <swiftgs/math.hpp>
-#include <swiftgs/message.hpp>
+#include <swiftgs/frame/math.hpp>
 
 namespace swiftgs {
 

@@ -19,19 +19,19 @@
 #include <utility>
 #include <vector>
 
-#include <swiftgs/api.hpp>
-#include <swiftgs/backend.hpp>
 #include <swiftgs/bounds/ellipse.hpp>
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/error.hpp>
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/backend.hpp>
+#include <swiftgs/frame/stages.hpp>
+#include <swiftgs/functor/blend.hpp>
+#include <swiftgs/functor/stage_table.hpp>
+#include <swiftgs/lens/view.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
-#include <swiftgs/raster/blend.hpp>
 #include <swiftgs/sort/early.hpp>
-#include <swiftgs/stage_table.hpp>
-#include <swiftgs/stages.hpp>
-#include <swiftgs/view.hpp>
 
 namespace swiftgs {
 

@@ -5,7 +5,7 @@
 #include <optional>
 #include <string_view>
 
-#include <swiftgs/message.hpp>
+#include <swiftgs/error.hpp>
 
 namespace swiftgs {
 

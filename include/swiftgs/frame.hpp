@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include <swiftgs/math.hpp>
+#include <swiftgs/frame/math.hpp>
 
 /// @file
 /// Frames, and their memory. Colours of a frame are in the scene's own values: those of the photographs that

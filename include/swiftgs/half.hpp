@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include <swiftgs/math.hpp>
+#include <swiftgs/frame/math.hpp>
 
 namespace swiftgs {
 

@@ -11,7 +11,7 @@
 #include <iterator>
 #include <vector>
 
-#include <swiftgs/message.hpp>
+#include <swiftgs/error.hpp>
 
 namespace swiftgs {
 

@@ -8,17 +8,16 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <swiftgs/api.hpp>
-#include <swiftgs/backend.hpp>
-#include <swiftgs/colours.hpp>
+#include <swiftgs/error.hpp>
 #include <swiftgs/frame.hpp>
-#include <swiftgs/message.hpp>
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/backend.hpp>
+#include <swiftgs/frame/raster.hpp>
+#include <swiftgs/frame/splats.hpp>
+#include <swiftgs/frame/tiles.hpp>
+#include <swiftgs/frame/views.hpp>
 #include <swiftgs/plane/picks.hpp>
 #include <swiftgs/raster/exponents.hpp>
-#include <swiftgs/raster/raster.hpp>
-#include <swiftgs/splats.hpp>
-#include <swiftgs/tiles.hpp>
-#include <swiftgs/views.hpp>
 
 namespace swiftgs {
 

@@ -13,18 +13,14 @@
 #include <tuple>
 #include <vector>
 
-#include <swiftgs/clip.hpp>
 #include <swiftgs/error.hpp>
-#include <swiftgs/math.hpp>
-#include <swiftgs/message.hpp>
-#include <swiftgs/placing.hpp>
-#include <swiftgs/render_input.hpp>
+#include <swiftgs/frame/math.hpp>
+#include <swiftgs/frame/placing.hpp>
+#include <swiftgs/frame/render_input.hpp>
+#include <swiftgs/frame/span.hpp>
+#include <swiftgs/frame/view_constants.hpp>
+#include <swiftgs/frame/views.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/similarity.hpp>
-#include <swiftgs/span.hpp>
-#include <swiftgs/tint.hpp>
-#include <swiftgs/view_constants.hpp>
-#include <swiftgs/views.hpp>
 
 namespace swiftgs {
 

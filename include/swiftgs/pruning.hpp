@@ -2,22 +2,69 @@
 #pragma once
 
 /// @file
-/// Which Gaussians score highest. `subset` makes a smaller scene of them.
+/// How much each Gaussian adds to frames of a backend that is chosen at run time, and which ones
+/// score highest. `subset` makes a smaller scene of them.
 
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <numeric>
+#include <string_view>
+#include <utility>
 #include <vector>
 
+#include <swiftgs/contribution.hpp>
 #include <swiftgs/edit/select.hpp>
 #include <swiftgs/error.hpp>
-#include <swiftgs/message.hpp>
+#include <swiftgs/frame/api.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs {
+
+/// `Contributions` on a backend that is chosen at run time.
+class SWIFTGS_API AnyContributions {
+ public:
+  virtual ~AnyContributions() = default;
+  /// As `Contributions::add`.
+  virtual void add(const Camera& camera, const Conventions& conventions) = 0;
+  /// As `Contributions::sums`.
+  virtual std::vector<std::uint64_t> sums() const = 0;
+};
+
+/// `AnyContributions` on backend `B`.
+template <FunctorBackend B>
+class ContributionsOn final : public AnyContributions {
+ public:
+  explicit ContributionsOn(std::shared_ptr<const Scene> scene) : contributions_(std::move(scene)) {}
+  void add(const Camera& camera, const Conventions& conventions) override {
+    contributions_.add(camera, conventions);
+  }
+  std::vector<std::uint64_t> sums() const override { return contributions_.sums(); }
+
+ private:
+  Contributions<B> contributions_;
+};
+
+/// One row of the table of backends with contributions.
+struct ContributionsEntry {
+  std::string_view backend;  ///< its `name`
+  bool usable = false;       ///< whether it can run on this machine
+
+  /// Makes sums of a scene, all 0. Throws as `Contributions`.
+  std::unique_ptr<AnyContributions> (*make)(std::shared_ptr<const Scene>) = nullptr;
+};
+
+/// Every backend of this build, whether or not it can run here, the preferred first. Defined in the library
+/// that joins the backends.
+SWIFTGS_API const std::vector<ContributionsEntry>& contribution_backends();
+
+/// The row called `backend`; if that is empty, the first row that can run here. Throws
+/// `InvalidArgument` with the valid words if the backend is not known, and `Unavailable` if it
+/// cannot run here.
+SWIFTGS_API const ContributionsEntry& contribution_backend(std::string_view backend);
 
 /// Opacity times the product of the three scales: a score that needs no view. @shape{Gaussians}
 inline std::vector<double> opacity_volumes(const Scene& scene) {

@@ -4,20 +4,38 @@
 /// @file
 /// The float64 renderer that judges every other renderer. It follows `Conventions`, approximates nothing
 /// beyond them, and shares no arithmetic with the renderers that it judges but the limits of lenses.
+/// For all planes it also tells how near each pixel's decisions are to others.
 
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include <swiftgs/api.hpp>
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
-#include <swiftgs/math.hpp>
-#include <swiftgs/reference/placed.hpp>
+#include <swiftgs/frame.hpp>
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/math.hpp>
+#include <swiftgs/frame/placing.hpp>
+#include <swiftgs/frame/span.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/span.hpp>
 
 namespace swiftgs {
+
+/// A placed scene of the reference: as `PlacedScene`, of a scene on the host, which must outlive it.
+struct ReferenceScene {
+  const Scene& scene;
+  Similarity world_from_scene{};
+  float opacity = 1;
+  Clip clip{};
+  Tint tint{};
+};
+
+/// Throws `InvalidArgument` as `validate` of a `PlacedScene`.
+inline void validate(const ReferenceScene& placed) {
+  validate(placed.scene);
+  detail::validate_placing(placed.world_from_scene, placed.opacity, placed.clip, placed.tint);
+}
 
 /// An image in double precision, rows from top to bottom, with counts.
 struct ReferenceFrame {
@@ -53,6 +71,39 @@ inline ReferenceFrame render_reference(const Scene& scene, const Camera& camera,
                                        int threads = 0, Span<const float> occluder = {}) {
   const ReferenceScene alone{scene};
   return render_reference({&alone, 1}, camera, conventions, background, threads, occluder);
+}
+
+/// The planes of `Frame`, before a black background, and margins of each pixel @shape{height, width}. In a
+/// pixel with a small margin a renderer may decide otherwise.
+struct ReferencePlanes : PerPlane<std::vector<double>, std::vector<std::uint32_t>> {
+  int width = 0, height = 0, feature_channels = 0;
+
+  std::vector<double> weight, next_weight;  ///< of the Gaussian of `id`, and the largest of the others
+  std::vector<double> depth_of_id;          ///< 0 where there is none
+  /// How near a transmittance behind some splat comes to the limit that the first splat passes, and to that
+  /// of the median splat.
+  std::vector<double> first_margin, median_margin;
+  std::vector<double> undecided_normals;  ///< weight of splats that rounding may turn to the other side
+  /// Least part of itself that an alpha is off `Conventions::alpha_min`, or a transmittance off
+  /// `Conventions::stop`.
+  std::vector<double> threshold_margin;
+  /// Least part of itself that the depth of a splat which could show is off the occluder.
+  std::vector<double> occluder_margin;
+
+  std::size_t pixels() const { return std::size_t(width) * std::size_t(height); }
+};
+
+/// Renders all planes of placed scenes, with the features that all have, on `threads` threads, as
+/// `render_reference` renders colour, alpha and depth. Throws as it does.
+SWIFTGS_API ReferencePlanes render_reference_planes(Span<const ReferenceScene> scenes, const Camera& camera,
+                                                    const Conventions& conventions, int threads = 0,
+                                                    Span<const float> occluder = {});
+/// The same of a scene alone, where it stands by itself.
+inline ReferencePlanes render_reference_planes(const Scene& scene, const Camera& camera,
+                                               const Conventions& conventions, int threads = 0,
+                                               Span<const float> occluder = {}) {
+  const ReferenceScene alone{scene};
+  return render_reference_planes({&alone, 1}, camera, conventions, threads, occluder);
 }
 
 }  // namespace swiftgs

@@ -5,12 +5,12 @@
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
+#include <swiftgs/error.hpp>
 #include <swiftgs/frame.hpp>
-#include <swiftgs/math.hpp>
-#include <swiftgs/message.hpp>
-#include <swiftgs/render_input.hpp>
-#include <swiftgs/span.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/frame/math.hpp>
+#include <swiftgs/frame/render_input.hpp>
+#include <swiftgs/frame/span.hpp>
+#include <swiftgs/lens/view.hpp>
 
 namespace swiftgs {
 

@@ -9,14 +9,12 @@
 #include <type_traits>
 #include <vector>
 
-#include <swiftgs/api.hpp>
 #include <swiftgs/conventions.hpp>
-#include <swiftgs/count.hpp>
-#include <swiftgs/finite.hpp>
-#include <swiftgs/harmonics.hpp>
-#include <swiftgs/math.hpp>
-#include <swiftgs/message.hpp>
-#include <swiftgs/span.hpp>
+#include <swiftgs/error.hpp>
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/harmonics.hpp>
+#include <swiftgs/frame/math.hpp>
+#include <swiftgs/frame/span.hpp>
 
 namespace swiftgs {
 
@@ -58,7 +56,7 @@ SWIFTGS_API inline std::uint64_t new_scene_identity() {
   return last.fetch_add(1, std::memory_order_relaxed) + 1;
 }
 
-/// Gaussians that a view may skip together; `chunks.hpp` says how.
+/// Gaussians that a view may skip together; `project/chunks.hpp` says how.
 inline constexpr std::size_t chunk_size = 128;
 
 /// What holds for all Gaussians of a chunk: numbers i * chunk_size to (i + 1) * chunk_size - 1 of a scene.

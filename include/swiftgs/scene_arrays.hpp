@@ -11,12 +11,11 @@
 #include <cstdint>
 #include <limits>
 
-#include <swiftgs/activation.hpp>
-#include <swiftgs/count.hpp>
-#include <swiftgs/math.hpp>
-#include <swiftgs/message.hpp>
+#include <swiftgs/error.hpp>
+#include <swiftgs/frame/math.hpp>
+#include <swiftgs/frame/span.hpp>
+#include <swiftgs/project/sh.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/sh.hpp>
 
 namespace swiftgs {
 

@@ -12,11 +12,10 @@
 #include <string_view>
 #include <utility>
 
-#include <swiftgs/backend.hpp>
-#include <swiftgs/growing_buffer.hpp>
-#include <swiftgs/host_scene.hpp>
-#include <swiftgs/memory_hook.hpp>
-#include <swiftgs/processor_name.hpp>
+#include <swiftgs/frame/backend.hpp>
+#include <swiftgs/memory/growing_buffer.hpp>
+#include <swiftgs/memory/host_scene.hpp>
+#include <swiftgs/tools/processor.hpp>
 
 namespace swiftgs {
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/drivers/renderer_table.hpp>
 #include <swiftgs/io/replace_file.hpp>
-#include <swiftgs/renderer_table.hpp>
 #include <swiftgs/serial.hpp>
 #include <swiftgs/swiftgs.hpp>
 

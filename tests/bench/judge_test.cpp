@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "bench/judge.hpp"
-
 #include <memory>
 
 #include <doctest/doctest.h>
 
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/reference.hpp>
+
+#include "bench/measure.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::cli;

@@ -131,7 +131,7 @@ def compare(recorded, found):
                           f"SWIFTGS_ABI_MINOR to 0 in include/swiftgs/c/status.h, {ADVICE}"], False
     if (added or broken) and new <= old:
         return differs + [f"An addition: raise SWIFTGS_ABI_MINOR in include/swiftgs/c/status.h, {ADVICE}. A struct "
-                          "that grew needs its first size in backends/c/structs.hpp"], False
+                          "that grew needs its first size in backends/bindings/c/structs.hpp"], False
     return differs + ([f"The numbers fit; {ADVICE.removeprefix('then ')}"] if differs else []), True
 
 

@@ -23,11 +23,10 @@
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/default_view.hpp>
+#include <swiftgs/edit/rotation.hpp>
 #include <swiftgs/error.hpp>
-#include <swiftgs/io/progress.hpp>
-#include <swiftgs/orbit.hpp>
-#include <swiftgs/rotation.hpp>
-#include <swiftgs/scene_bounds.hpp>
+#include <swiftgs/io/scene_file.hpp>
+#include <swiftgs/tools/scene_bounds.hpp>
 
 #include "policies/all_planes.hpp"
 

@@ -9,9 +9,9 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/half_size_occluder.hpp>
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/swiftgs.hpp>
+#include <swiftgs/tools/half_size_occluder.hpp>
 
 using namespace swiftgs;
 

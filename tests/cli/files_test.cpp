@@ -11,7 +11,7 @@
 #include "read/distinct_files.hpp"
 #include "read/placed_input.hpp"
 #include "result_file.hpp"
-#include "shell_word.hpp"
+#include "words.hpp"
 
 using namespace swiftgs::cli;
 using swiftgs::cli::shell_word;

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "progress.hpp"
-
 #include <chrono>
 #include <cstdio>
 #include <string>
@@ -9,6 +7,7 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include "notes.hpp"
 #include "support/files.hpp"
 
 using namespace swiftgs::test;

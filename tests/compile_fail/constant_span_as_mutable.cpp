@@ -2,7 +2,7 @@
 // clang-format off
 // expected constant_span_as_mutable: (could not convert|conversion from|no viable conversion).*Span<const float>
 // clang-format on
-#include <swiftgs/span.hpp>
+#include <swiftgs/frame/span.hpp>
 
 float first_of(swiftgs::Span<const float> values) {
 #ifndef constant_span_as_mutable

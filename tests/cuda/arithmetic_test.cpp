@@ -13,10 +13,9 @@
 #include <swiftgs/bounds/all.hpp>
 #include <swiftgs/cuda/epochs.hpp>
 #include <swiftgs/cuda/find_bit.hpp>
-#include <swiftgs/type_list.hpp>
+#include <swiftgs/tools/policy_lists.hpp>
 
 #include "blending.hpp"
-#include "box_touched.hpp"
 #include "cuda/exact_square.hpp"
 #include "exponents.hpp"
 #include "policies/random_splats.hpp"

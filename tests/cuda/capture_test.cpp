@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include <swiftgs/any_contributions.hpp>
 #include <swiftgs/any_renderer.hpp>
+#include <swiftgs/pruning.hpp>
 
 #include "cuda/graph.hpp"
 #include "policies/contribution_sums.hpp"

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 
-#include <swiftgs/frame_planes.hpp>
+#include <swiftgs/drivers/resident_frames.hpp>
 
 #include "cuda/device.hpp"
 #include "stability/sweep.hpp"

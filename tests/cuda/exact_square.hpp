@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include <swiftgs/splats.hpp>
+#include <swiftgs/frame/splats.hpp>
 
 namespace swiftgs::test {
 

@@ -3,8 +3,8 @@
 // The exponential of kernels, as it is compiled for a device.
 #include <swiftgs/cuda.cuh>
 
-#include "arithmetic.hpp"
 #include "cuda/device.hpp"
+#include "exponents.hpp"
 #include "stability/exp2_search.hpp"
 #include "stability/ulps.hpp"
 

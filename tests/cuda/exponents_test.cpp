@@ -8,7 +8,7 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/view.hpp>
+#include <swiftgs/lens/view.hpp>
 
 #include "blending.hpp"
 #include "cuda/exact_square.hpp"

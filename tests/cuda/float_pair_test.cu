@@ -10,7 +10,7 @@
 #include <vector>
 
 #include <swiftgs/cuda.cuh>
-#include <swiftgs/project.hpp>
+#include <swiftgs/project/project.hpp>
 #include <swiftgs/serial.hpp>
 
 #include "cuda/device.hpp"

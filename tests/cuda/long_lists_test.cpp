@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <swiftgs/cpu.hpp>
-#include <swiftgs/type_list.hpp>
+#include <swiftgs/tools/policy_lists.hpp>
 
 #include "cuda/device.hpp"
 #include "cuda/graph.hpp"

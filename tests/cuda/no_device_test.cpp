@@ -8,9 +8,9 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/any_contributions.hpp>
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/cuda.hpp>
+#include <swiftgs/pruning.hpp>
 #include <swiftgs/swiftgs.hpp>
 
 #include "policies/random_splats.hpp"

@@ -41,7 +41,7 @@ class Pages(unittest.TestCase):
 
     def test_the_page_of_formats_has_the_names_of_all(self):
         rows = re.compile(r"SceneFormat \w+_format\{.*?\.names = \{(.*?)\}", re.DOTALL)
-        names = [name for path in (ROOT / "backends/io").rglob("*.cpp")
+        names = [name for path in (ROOT / "backends/parts/io").rglob("*.cpp")
                  for row in rows.findall(path.read_text(encoding="utf-8")) for name in re.findall('"(.*?)"', row)]
         self.assertGreater(len(names), 8)
         page = PAGES[ROOT / "docs/formats.md"]

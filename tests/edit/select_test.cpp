@@ -9,7 +9,7 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/edit.hpp>
-#include <swiftgs/scene_part.hpp>
+#include <swiftgs/tools/scene_part.hpp>
 
 #include "policies/random_splats.hpp"
 

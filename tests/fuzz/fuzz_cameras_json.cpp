@@ -6,7 +6,6 @@
 #include <swiftgs/error.hpp>
 
 #include "camera_parsing.hpp"
-#include "transforms_json.hpp"
 
 namespace {
 

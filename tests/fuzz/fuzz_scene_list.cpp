@@ -4,8 +4,8 @@
 #include <cstdlib>
 #include <span>
 
-#include <swiftgs/clip.hpp>
 #include <swiftgs/error.hpp>
+#include <swiftgs/frame/placing.hpp>
 
 #include "scene_list.hpp"
 

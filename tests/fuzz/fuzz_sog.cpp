@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/sog/sog_read.hpp"
+#include "formats/sog/sog_content.hpp"
 #include "scene_building.hpp"
 #include "scene_format.hpp"
 #include "watched_read.hpp"

@@ -7,12 +7,11 @@
 #include <vector>
 
 #include <swiftgs/camera.hpp>
-#include <swiftgs/clip.hpp>
 #include <swiftgs/conventions.hpp>
-#include <swiftgs/reference/conditioning.hpp>
+#include <swiftgs/frame/placing.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/similarity.hpp>
-#include <swiftgs/split_mix.hpp>
+#include <swiftgs/stress.hpp>
+#include <swiftgs/tools/split_mix.hpp>
 
 /// @file
 /// Frames that are hard for float arithmetic: tests and `swiftgs stress` draw them.

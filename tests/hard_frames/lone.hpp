@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include <swiftgs/rotation.hpp>
+#include <swiftgs/edit/rotation.hpp>
 
 #include "hard_frames/case.hpp"
 

@@ -6,9 +6,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <swiftgs/clip.hpp>
 #include <swiftgs/edit/transform.hpp>
-#include <swiftgs/similarity.hpp>
+#include <swiftgs/frame/placing.hpp>
 
 #include "hard_frames/case.hpp"
 #include "hard_frames/shapes.hpp"

@@ -8,7 +8,7 @@
 #if defined(GLM_BEFORE)
 #include <glm/vec3.hpp>
 #endif
-#include <swiftgs/math.hpp>
+#include <swiftgs/frame/math.hpp>
 
 using OfTheLibrary = swiftgs::vec3;  // between inclusions, whose order is what is tested
 

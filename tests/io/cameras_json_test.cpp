@@ -2,7 +2,7 @@
 #include <system_error>
 
 #include "camera_files.hpp"
-#include "transforms_json.hpp"
+#include "camera_parsing.hpp"
 
 namespace swiftgs::test::cameras_json_test {
 

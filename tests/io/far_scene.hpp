@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <swiftgs/math.hpp>
+#include <swiftgs/frame/math.hpp>
 
 #include "ply_text.hpp"
 

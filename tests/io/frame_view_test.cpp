@@ -10,7 +10,7 @@
 
 #include <swiftgs/half.hpp>
 #include <swiftgs/io/image.hpp>
-#include <swiftgs/store_pixel.hpp>
+#include <swiftgs/raster/store.hpp>
 
 #include "files.hpp"
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <swiftgs/affine.hpp>
-#include <swiftgs/sh.hpp>
+#include <swiftgs/edit/affine.hpp>
+#include <swiftgs/project/sh.hpp>
 
 #include "gltf_encoder.hpp"
 #include "spz_encoder.hpp"

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include <swiftgs/io/model_text.hpp>
+#include <swiftgs/io/scene_file.hpp>
 
 #include "ply_text.hpp"
 #include "scenes.hpp"

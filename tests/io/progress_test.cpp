@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <stdexcept>
 
-#include "progress_meter.hpp"
 #include "scenes.hpp"
 #include "tasks.hpp"
 

@@ -3,7 +3,7 @@
 #include <set>
 
 #include <swiftgs/edit/order.hpp>
-#include <swiftgs/harmonic_packing.hpp>
+#include <swiftgs/memory/harmonic_packing.hpp>
 #include <swiftgs/serial.hpp>
 
 #include "scenes.hpp"

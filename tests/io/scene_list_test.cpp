@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
+#include <swiftgs/edit/rotation.hpp>
 #include <swiftgs/io/scene_list.hpp>
-#include <swiftgs/rotation.hpp>
 
 #include "files.hpp"
 

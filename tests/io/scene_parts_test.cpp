@@ -12,7 +12,7 @@
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/edit/select.hpp>
 #include <swiftgs/io/scene_file.hpp>
-#include <swiftgs/scene_part.hpp>
+#include <swiftgs/tools/scene_part.hpp>
 
 #include "far_scene.hpp"
 #include "ply_text.hpp"

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "formats/sog/sog_palette.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,7 +9,7 @@
 
 #include <doctest/doctest.h>
 
-#include "formats/sog/sog_codebook.hpp"
+#include "formats/sog/sog_pixels.hpp"
 #include "nearest_points.hpp"
 
 namespace swiftgs::test::sog_palette_test {

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <swiftgs/sh.hpp>
+#include <swiftgs/project/sh.hpp>
 
 #include "scenes.hpp"
 #include "spz_encoder.hpp"

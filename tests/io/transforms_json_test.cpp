@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "transforms_json.hpp"
-
 #include <cmath>
 
 #include <nlohmann/json.hpp>
 
 #include "camera_files.hpp"
+#include "camera_parsing.hpp"
 #include "png_encoder.hpp"
 
 namespace swiftgs::test::transforms_json_test {

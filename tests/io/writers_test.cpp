@@ -15,9 +15,9 @@
 #include <swiftgs/io/image.hpp>
 
 #include "far_scene.hpp"
-#include "name_ending.hpp"
 #include "scene_format.hpp"
 #include "scenes.hpp"
+#include "text.hpp"
 
 namespace swiftgs::test::writers_test {
 

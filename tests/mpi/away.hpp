@@ -13,9 +13,9 @@
 #include <utility>
 #include <vector>
 
+#include <swiftgs/functor/blend.hpp>
 #include <swiftgs/mpi.hpp>
 #include <swiftgs/mpi/comm.hpp>
-#include <swiftgs/raster/blend.hpp>
 #include <swiftgs/serial.hpp>
 
 namespace swiftgs::test {

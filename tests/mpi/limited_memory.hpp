@@ -8,7 +8,7 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/memory_hook.hpp>
+#include <swiftgs/frame/backend.hpp>
 
 #include "mpi/compare.hpp"
 

@@ -10,7 +10,7 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/rotation.hpp>
+#include <swiftgs/edit/rotation.hpp>
 #include <swiftgs/serial.hpp>
 
 #include "mpi/away.hpp"

@@ -21,7 +21,7 @@
 
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/edit.hpp>
-#include <swiftgs/project.hpp>
+#include <swiftgs/project/project.hpp>
 #include <swiftgs/swiftgs.hpp>
 
 #include "policies/planes.hpp"

@@ -16,9 +16,9 @@
 #include <utility>
 #include <vector>
 
+#include <swiftgs/functor/stage_table.hpp>
 #include <swiftgs/serial.hpp>
 #include <swiftgs/sort/early.hpp>
-#include <swiftgs/stage_table.hpp>
 
 namespace swiftgs::test {
 

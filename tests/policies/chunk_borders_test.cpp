@@ -7,9 +7,9 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/chunks.hpp>
-#include <swiftgs/project.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/lens/view.hpp>
+#include <swiftgs/project/chunks.hpp>
+#include <swiftgs/project/project.hpp>
 
 #include "policies/random_splats.hpp"
 

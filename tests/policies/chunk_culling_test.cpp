@@ -11,10 +11,10 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/chunks.hpp>
 #include <swiftgs/edit.hpp>
-#include <swiftgs/project.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/lens/view.hpp>
+#include <swiftgs/project/chunks.hpp>
+#include <swiftgs/project/project.hpp>
 
 #include "policies/random_splats.hpp"
 #include "support/one_view.hpp"

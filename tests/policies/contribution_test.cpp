@@ -14,7 +14,6 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/any_contributions.hpp>
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/edit.hpp>
 #include <swiftgs/metrics.hpp>

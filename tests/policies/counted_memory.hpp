@@ -15,8 +15,8 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/error.hpp>
-#include <swiftgs/growing_buffer.hpp>
-#include <swiftgs/memory_hook.hpp>
+#include <swiftgs/frame/backend.hpp>
+#include <swiftgs/memory/growing_buffer.hpp>
 
 namespace swiftgs::test {
 

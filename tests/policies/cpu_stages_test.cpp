@@ -12,7 +12,7 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/sh.hpp>
+#include <swiftgs/project/sh.hpp>
 
 #include "policies/random_splats.hpp"
 #include "stability/targets.hpp"

@@ -10,7 +10,7 @@
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/error.hpp>
-#include <swiftgs/io/progress.hpp>
+#include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/swiftgs.hpp>
 
 namespace swiftgs::test::error_test {

@@ -14,8 +14,8 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/any_renderer.hpp>
-#include <swiftgs/harmonic_packing.hpp>
-#include <swiftgs/parallel.hpp>
+#include <swiftgs/memory/harmonic_packing.hpp>
+#include <swiftgs/tools/parallel.hpp>
 
 #include "colour.hpp"
 #include "policies/arrays_on.hpp"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <swiftgs/frame.hpp>
-#include <swiftgs/store_pixel.hpp>
+#include <swiftgs/raster/store.hpp>
 
 #include "policies/random_splats.hpp"
 

@@ -9,12 +9,12 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/camera.hpp>
-#include <swiftgs/chunks.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/lens/limits.hpp>
 #include <swiftgs/lens/point.hpp>
-#include <swiftgs/project.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/lens/view.hpp>
+#include <swiftgs/project/chunks.hpp>
+#include <swiftgs/project/project.hpp>
 
 #include "reference/oracle_lens.hpp"
 

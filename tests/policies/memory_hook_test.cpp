@@ -10,7 +10,7 @@
 #include <vector>
 
 #include <swiftgs/contribution.hpp>
-#include <swiftgs/renderer_table.hpp>
+#include <swiftgs/drivers/renderer_table.hpp>
 
 #include "policies/hooked.hpp"
 

@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/message.hpp>
+#include <swiftgs/error.hpp>
 
 namespace swiftgs::test::message_test {
 

@@ -10,7 +10,6 @@
 
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/reference.hpp>
-#include <swiftgs/reference/planes.hpp>
 
 #include "policies/placed_list.hpp"
 #include "policies/planes.hpp"

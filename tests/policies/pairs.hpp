@@ -6,7 +6,7 @@
 #include <numeric>
 #include <vector>
 
-#include <swiftgs/backend.hpp>
+#include <swiftgs/frame/backend.hpp>
 
 #include "policies/random_splats.hpp"
 #include "policies/tile_lists.hpp"

@@ -4,13 +4,11 @@
 #include <utility>
 #include <vector>
 
-#include <swiftgs/clip.hpp>
 #include <swiftgs/edit/transform.hpp>
+#include <swiftgs/frame/placing.hpp>
 #include <swiftgs/placed_scene.hpp>
-#include <swiftgs/reference/placed.hpp>
+#include <swiftgs/reference.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/similarity.hpp>
-#include <swiftgs/tint.hpp>
 
 #include "policies/random_splats.hpp"
 

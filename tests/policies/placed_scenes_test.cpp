@@ -13,9 +13,9 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/chunks.hpp>
 #include <swiftgs/edit.hpp>
 #include <swiftgs/metrics.hpp>
+#include <swiftgs/project/chunks.hpp>
 
 #include "policies/hooked.hpp"
 #include "policies/placed_list.hpp"

@@ -3,8 +3,8 @@
 // Shapes whose normals and depths along the ray frames leave undecided.
 #include <doctest/doctest.h>
 
-#include <swiftgs/plane/normal.hpp>
-#include <swiftgs/plane/ray_depth.hpp>
+#include <swiftgs/plane/attribute_stage.hpp>
+#include <swiftgs/plane/attributes.hpp>
 
 #include "policies/random_splats.hpp"
 

@@ -15,7 +15,7 @@
 
 #include <swiftgs/frame.hpp>
 #include <swiftgs/pick.hpp>
-#include <swiftgs/reference/planes.hpp>
+#include <swiftgs/reference.hpp>
 #include <swiftgs/renderer.hpp>
 
 #include "policies/all_planes.hpp"

@@ -10,8 +10,8 @@
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
+#include <swiftgs/frame/splats.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/splats.hpp>
 
 namespace swiftgs::test {
 

@@ -13,7 +13,7 @@
 #include <utility>
 #include <vector>
 
-#include <swiftgs/frame_planes.hpp>
+#include <swiftgs/drivers/resident_frames.hpp>
 
 #include "policies/all_planes.hpp"
 #include "policies/backends.hpp"

@@ -10,9 +10,9 @@
 
 #include <doctest/doctest.h>
 
+#include <swiftgs/frame/srgb.hpp>
 #include <swiftgs/half.hpp>
-#include <swiftgs/srgb.hpp>
-#include <swiftgs/store_pixel.hpp>
+#include <swiftgs/raster/store.hpp>
 
 namespace swiftgs::test::srgb_test {
 

@@ -11,10 +11,10 @@
 #include <type_traits>
 #include <vector>
 
-#include <swiftgs/bin_stage.hpp>
 #include <swiftgs/bounds/opacity_box.hpp>
-#include <swiftgs/colours.hpp>
-#include <swiftgs/sort/sort.hpp>
+#include <swiftgs/frame/sort.hpp>
+#include <swiftgs/frame/splats.hpp>
+#include <swiftgs/functor/bounds_stages.hpp>
 
 #include "policies/random_splats.hpp"
 #include "support/one_view.hpp"

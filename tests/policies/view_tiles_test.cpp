@@ -8,7 +8,7 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/project.hpp>
+#include <swiftgs/project/project.hpp>
 
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"

@@ -15,7 +15,7 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/project.hpp>
+#include <swiftgs/project/project.hpp>
 #include <swiftgs/renderer.hpp>
 
 #include "policies/all_planes.hpp"

@@ -21,7 +21,7 @@ def test_the_package_is_the_installed_one_with_its_own_library():
     assert pathlib.Path(PREFIX).resolve() in package.resolve().parents
     names = {path.name for path in package.iterdir()} - {"__pycache__"}
     assert {"__init__.py", "py.typed", "LICENSE", "libswiftgs_c.so.2"} <= names
-    sources = {path.name for path in (pathlib.Path(__file__).parents[2] / "backends/python/swiftgs").glob("*.py")}
+    sources = {path.name for path in (pathlib.Path(__file__).parents[2] / "backends/bindings/python/swiftgs").glob("*.py")}
     assert {name for name in names if name.endswith(".py")} == sources
     maps = pathlib.Path("/proc/self/maps").read_text()
     assert str((package / "libswiftgs_c.so.2").resolve()) in maps

@@ -25,7 +25,7 @@ SYSTEM = {"libc.so.6", "libm.so.6", "libdl.so.2", "librt.so.1", "libpthread.so.0
 
 
 def make(folder):
-    done = subprocess.run([sys.executable, ROOT / "backends/python/wheel.py", BUILD, folder], check=True,
+    done = subprocess.run([sys.executable, ROOT / "backends/bindings/python/wheel.py", BUILD, folder], check=True,
                           stdout=subprocess.PIPE, text=True)
     return pathlib.Path(done.stdout.strip())
 
@@ -79,7 +79,7 @@ def test_pip_makes_it(wheel, tmp_path):
     pip = [sys.executable, "-m", "pip"]
     if subprocess.run([*pip, "--version"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=False).returncode:
         pytest.skip("no pip here (package python3-pip)")
-    subprocess.run([*pip, "wheel", ROOT / "backends/python", "--no-deps", "--no-index", f"--config-settings=build={BUILD}",
+    subprocess.run([*pip, "wheel", ROOT / "backends/bindings/python", "--no-deps", "--no-index", f"--config-settings=build={BUILD}",
                     "-w", tmp_path], check=True, stdout=subprocess.DEVNULL)
     assert (tmp_path / wheel.name).read_bytes() == wheel.read_bytes()
 

@@ -3,7 +3,6 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/reference/conditioning.hpp>
 #include <swiftgs/stress.hpp>
 
 #include "reference/gaussians.hpp"

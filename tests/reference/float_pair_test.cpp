@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/float_pair.hpp>
+#include <swiftgs/frame/float_pair.hpp>
 
 #include "reference/hostile_pairs.hpp"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
-#include <swiftgs/float_pair.hpp>
-#include <swiftgs/split_mix.hpp>
+#include <swiftgs/frame/float_pair.hpp>
+#include <swiftgs/tools/split_mix.hpp>
 
 namespace swiftgs::test {
 

@@ -6,8 +6,8 @@
 
 #include <doctest/doctest.h>
 
+#include <swiftgs/frame/span.hpp>
 #include <swiftgs/metrics.hpp>
-#include <swiftgs/span.hpp>
 
 namespace swiftgs::test {
 namespace {

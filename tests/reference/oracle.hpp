@@ -13,7 +13,7 @@
 #include <vector>
 
 #include <swiftgs/frame.hpp>
-#include <swiftgs/span.hpp>
+#include <swiftgs/frame/span.hpp>
 
 #include "reference/oracle_gaussian.hpp"
 

@@ -14,8 +14,7 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/reference.hpp>
-#include <swiftgs/reference/conditioning.hpp>
-#include <swiftgs/reference/planes.hpp>
+#include <swiftgs/stress.hpp>
 
 #include "policies/placed_list.hpp"
 #include "reference/oracle.hpp"

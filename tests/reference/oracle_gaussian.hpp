@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include <swiftgs/reference/placed.hpp>
+#include <swiftgs/reference.hpp>
 
 #include "reference/oracle_lens.hpp"
 #include "reference/oracle_projection.hpp"

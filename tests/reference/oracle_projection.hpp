@@ -12,8 +12,8 @@
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
+#include <swiftgs/frame/span.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/span.hpp>
 
 #include "reference/oracle_harmonics.hpp"
 

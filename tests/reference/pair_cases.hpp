@@ -10,9 +10,9 @@
 #include <vector>
 
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/lens/view.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/view.hpp>
 
 #include "hard_frames/families.hpp"
 

@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/project.hpp>
+#include <swiftgs/project/project.hpp>
 
 #include "reference/pair_cases.hpp"
 

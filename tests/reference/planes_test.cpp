@@ -7,7 +7,7 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/reference/planes.hpp>
+#include <swiftgs/reference.hpp>
 
 #include "policies/random_splats.hpp"
 

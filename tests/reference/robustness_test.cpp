@@ -12,7 +12,7 @@
 #include <unistd.h>
 
 #include <swiftgs/frame.hpp>
-#include <swiftgs/parallel.hpp>
+#include <swiftgs/tools/parallel.hpp>
 
 #include "reference/gaussians.hpp"
 

@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-#include <swiftgs/project.hpp>
+#include <swiftgs/project/project.hpp>
 
 #include "reference/oracle_projection.hpp"
 #include "stability/ulps.hpp"

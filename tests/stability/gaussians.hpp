@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <swiftgs/project.hpp>
+#include <swiftgs/project/project.hpp>
 
 #include "stability/exact_projection.hpp"
 #include "stability/search.hpp"

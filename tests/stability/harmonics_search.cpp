@@ -2,7 +2,7 @@
 #include <cmath>
 #include <vector>
 
-#include <swiftgs/sh.hpp>
+#include <swiftgs/project/sh.hpp>
 
 #include "stability/exact_projection.hpp"
 #include "stability/search.hpp"

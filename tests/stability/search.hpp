@@ -11,7 +11,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <swiftgs/activation.hpp>
+#include <swiftgs/project/sh.hpp>
 
 #include "hard_frames/climb.hpp"
 #include "policies/random_splats.hpp"

@@ -12,7 +12,7 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/math.hpp>
+#include <swiftgs/frame/math.hpp>
 #include <swiftgs/serial.hpp>
 #include <swiftgs/swiftgs.hpp>
 

@@ -10,7 +10,7 @@
 #include <doctest/doctest.h>
 #include <nlohmann/json.hpp>
 
-#include <swiftgs/renderer_table.hpp>
+#include <swiftgs/drivers/renderer_table.hpp>
 #include <swiftgs/serial.hpp>
 #include <swiftgs/stress.hpp>
 #include <swiftgs/swiftgs.hpp>

@@ -19,8 +19,8 @@
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/camera_matrices.hpp>
 #include <swiftgs/cpu.hpp>
+#include <swiftgs/default_view.hpp>
 #include <swiftgs/metrics.hpp>
-#include <swiftgs/orbit.hpp>
 #include <swiftgs/swiftgs.hpp>
 
 namespace swiftgs::test {

@@ -6,8 +6,8 @@
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
-#include <swiftgs/frame_plan.hpp>
-#include <swiftgs/view.hpp>
+#include <swiftgs/frame/frame_plan.hpp>
+#include <swiftgs/lens/view.hpp>
 
 namespace swiftgs::test {
 

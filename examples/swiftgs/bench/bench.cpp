@@ -15,11 +15,10 @@
 
 #include <CLI/CLI.hpp>
 
-#include <swiftgs/io/model_text.hpp>
+#include <swiftgs/io/scene_file.hpp>
 
-#include "bench/lists.hpp"
 #include "bench/profile.hpp"
-#include "bench/resume.hpp"
+#include "bench/results.hpp"
 #include "bench/runner.hpp"
 #include "bench/table.hpp"
 #include "bench/threads.hpp"

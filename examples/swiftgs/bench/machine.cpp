@@ -12,11 +12,11 @@
 #include <malloc.h>
 #include <unistd.h>
 
-#include <swiftgs/processor_name.hpp>
+#include <swiftgs/tools/processor.hpp>
 #include <swiftgs/version.hpp>
 
 #include "build_stamp.hpp"
-#include "shell_word.hpp"
+#include "words.hpp"
 
 namespace swiftgs::cli {
 namespace {

@@ -12,7 +12,7 @@
 #endif
 
 #include "bench/measure.hpp"
-#include "draw/renderer_words.hpp"
+#include "words.hpp"
 
 namespace swiftgs::cli {
 namespace {

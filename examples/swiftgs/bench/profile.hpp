@@ -7,7 +7,7 @@
 #include <swiftgs/any_renderer.hpp>
 
 #include "bench/runner.hpp"
-#include "progress.hpp"
+#include "notes.hpp"
 
 namespace swiftgs::cli {
 

@@ -8,7 +8,7 @@
 #include <tuple>
 #include <vector>
 
-#include <swiftgs/statistics.hpp>
+#include <swiftgs/drivers/statistics.hpp>
 
 #include "result_head.hpp"
 
@@ -104,5 +104,14 @@ struct Results {
 
 /// The document of `--json`.
 std::string to_json(const Results& results);
+
+/// What an earlier run of the command of `head` left in the file at `path`; no rows where the file is not
+/// there. Throws `Unavailable` with `path` where it holds anything else, or is of another machine,
+/// build or command.
+Results resumed_results(const std::string& path, const ResultHead& head);
+
+/// Throws `Unavailable` with `path` unless `found`, if it holds the scene, has the Gaussians of
+/// `scene`.
+void require_same_scene(const std::string& path, const Results& found, const SceneResult& scene);
 
 }  // namespace swiftgs::cli

@@ -7,8 +7,8 @@
 #include <swiftgs/bounds/three_sigma_square.hpp>
 
 #include "bench/machine.hpp"
-#include "draw/renderer_words.hpp"
 #include "interruptible.hpp"
+#include "words.hpp"
 
 namespace swiftgs::cli {
 namespace {

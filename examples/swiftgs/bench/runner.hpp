@@ -11,11 +11,10 @@
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/io/image.hpp>
 
-#include "bench/judge.hpp"
 #include "bench/measure.hpp"
 #include "bench/results.hpp"
 #include "draw/team.hpp"
-#include "progress.hpp"
+#include "notes.hpp"
 #include "read/views.hpp"
 #include "result_file.hpp"
 

@@ -3,10 +3,20 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs::cli {
+
+/// The parts of `text` between commas. Throws `InvalidArgument`, naming `option`, for an empty one and
+/// for one that is there twice.
+std::vector<std::string> list_of(const std::string& option, const std::string& text);
+
+/// The same as numbers.
+std::vector<double> numbers_of(const std::string& option, const std::string& text);
+std::vector<std::size_t> counts_of(const std::string& option, const std::string& text);
 
 /// Throw `InvalidArgument` for a number of Gaussians that is 0 or above 100 million, and for a factor
 /// of scales below 0.001 or above 1000.

@@ -8,7 +8,7 @@
 
 #include <swiftgs/any_renderer.hpp>
 
-#include "number_text.hpp"
+#include "words.hpp"
 
 namespace swiftgs::cli {
 

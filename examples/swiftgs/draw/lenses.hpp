@@ -5,9 +5,10 @@
 #include <vector>
 
 #include <swiftgs/conventions.hpp>
-#include <swiftgs/lens.hpp>
+#include <swiftgs/frame/lens.hpp>
 #include <swiftgs/scene.hpp>
 
+#include "json.hpp"
 #include "read/views.hpp"
 
 namespace CLI {
@@ -39,5 +40,8 @@ void use_lens(std::vector<View>& views, const LensOptions& options, const Scene&
 
 /// The model's name, with ", distorted" where it is.
 std::string words_of(const Lens& lens);
+
+/// Prints an image's file and its frame's times; of a counted frame its statistics too.
+void print(const RenderResult& result);
 
 }  // namespace swiftgs::cli

@@ -9,11 +9,11 @@
 #include <swiftgs/any_renderer.hpp>
 
 #include "commands.hpp"
-#include "draw/renderer_words.hpp"
-#include "json_text.hpp"
+#include "json.hpp"
 #include "options.hpp"
 #include "result_file.hpp"
 #include "result_head.hpp"
+#include "words.hpp"
 
 namespace swiftgs::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include <swiftgs/split_mix.hpp>
+#include <swiftgs/tools/split_mix.hpp>
 
 namespace swiftgs::cli {
 

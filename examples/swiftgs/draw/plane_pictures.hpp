@@ -4,7 +4,7 @@
 #include <optional>
 
 #include <swiftgs/frame.hpp>
-#include <swiftgs/math.hpp>
+#include <swiftgs/frame/math.hpp>
 
 namespace swiftgs::cli {
 

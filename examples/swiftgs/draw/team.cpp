@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include <swiftgs/launcher.hpp>
+#include "draw/launcher.hpp"
 #if defined(SWIFTGS_HAS_MPI)
 #include <swiftgs/mpi/identity.hpp>
 #include <swiftgs/mpi/ranks.hpp>

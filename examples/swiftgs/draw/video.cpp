@@ -17,7 +17,7 @@
 
 #include "draw/rgb_bytes.hpp"
 #include "draw/team.hpp"
-#include "number_text.hpp"
+#include "words.hpp"
 
 extern char** environ;
 

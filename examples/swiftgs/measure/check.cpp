@@ -10,17 +10,17 @@
 #include <CLI/CLI.hpp>
 
 #include <swiftgs/any_renderer.hpp>
+#include <swiftgs/frame/span.hpp>
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/reference.hpp>
-#include <swiftgs/span.hpp>
 
 #include "commands.hpp"
 #include "draw/choice.hpp"
 #include "draw/team.hpp"
 #include "json.hpp"
 #include "measure/photos.hpp"
+#include "notes.hpp"
 #include "options.hpp"
-#include "progress.hpp"
 #include "read/distinct_files.hpp"
 #include "read/scene_input.hpp"
 #include "read/views.hpp"

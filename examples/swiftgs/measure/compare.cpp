@@ -11,7 +11,7 @@
 #include <swiftgs/metrics.hpp>
 
 #include "commands.hpp"
-#include "json_text.hpp"
+#include "json.hpp"
 #include "notes.hpp"
 
 namespace swiftgs::cli {

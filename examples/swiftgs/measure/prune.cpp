@@ -9,7 +9,6 @@
 
 #include <CLI/CLI.hpp>
 
-#include <swiftgs/any_contributions.hpp>
 #include <swiftgs/io/replace_file.hpp>
 #include <swiftgs/pruning.hpp>
 
@@ -18,10 +17,8 @@
 #include "draw/team.hpp"
 #include "measure/photos.hpp"
 #include "measure/prune_judge.hpp"
-#include "measure/prune_result.hpp"
 #include "notes.hpp"
 #include "options.hpp"
-#include "progress.hpp"
 #include "read/distinct_files.hpp"
 #include "read/scene_input.hpp"
 #include "read/views.hpp"

@@ -13,21 +13,20 @@
 #include <unistd.h>
 
 #include <swiftgs/edit.hpp>
-#include <swiftgs/io/model_text.hpp>
 #include <swiftgs/io/replace_file.hpp>
+#include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/pruning.hpp>
 
 #include "commands.hpp"
 #include "interruptible.hpp"
 #include "notes.hpp"
-#include "number_text.hpp"
 #include "options.hpp"
-#include "progress.hpp"
 #include "read/convert_result.hpp"
 #include "read/distinct_files.hpp"
 #include "read/scene_edits.hpp"
 #include "read/scene_input.hpp"
 #include "result_file.hpp"
+#include "words.hpp"
 
 namespace swiftgs::cli {
 namespace {

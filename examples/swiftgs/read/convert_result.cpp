@@ -5,7 +5,7 @@
 #include <cstdio>
 #include <string>
 
-#include "json_text.hpp"
+#include "json.hpp"
 
 namespace swiftgs::cli {
 namespace {

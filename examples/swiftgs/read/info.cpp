@@ -12,14 +12,14 @@
 #include <CLI/CLI.hpp>
 
 #include <swiftgs/error.hpp>
-#include <swiftgs/harmonic_packing.hpp>
 #include <swiftgs/io/cameras.hpp>
-#include <swiftgs/io/model_text.hpp>
-#include <swiftgs/parallel.hpp>
+#include <swiftgs/io/scene_file.hpp>
+#include <swiftgs/memory/harmonic_packing.hpp>
+#include <swiftgs/tools/parallel.hpp>
 
 #include "commands.hpp"
 #include "draw/lenses.hpp"
-#include "json_text.hpp"
+#include "json.hpp"
 #include "notes.hpp"
 #include "options.hpp"
 #include "read/distinct_files.hpp"

@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <string_view>
 
-#include <swiftgs/rotation.hpp>
+#include <swiftgs/edit/rotation.hpp>
 
-#include "number_text.hpp"
+#include "words.hpp"
 
 namespace swiftgs::cli {
 namespace {

@@ -7,11 +7,11 @@
 #include <utility>
 
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/io/model_text.hpp>
+#include <swiftgs/io/scene_file.hpp>
 
 #include "draw/team.hpp"
 #include "notes.hpp"
-#include "suggestion.hpp"
+#include "options.hpp"
 
 namespace swiftgs::cli {
 namespace {

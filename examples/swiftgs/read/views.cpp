@@ -18,9 +18,9 @@
 #include "draw/image_name.hpp"
 #include "draw/team.hpp"
 #include "notes.hpp"
-#include "number_text.hpp"
+#include "options.hpp"
 #include "read/scene_input.hpp"
-#include "suggestion.hpp"
+#include "words.hpp"
 
 namespace swiftgs::cli {
 namespace {

@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "report/results.hpp"
-
 #include <cerrno>
 #include <filesystem>
 #include <fstream>
@@ -11,8 +9,9 @@
 
 #include <swiftgs/error.hpp>
 
-#include "json_text.hpp"
-#include "number_text.hpp"
+#include "json.hpp"
+#include "report/report.hpp"
+#include "words.hpp"
 
 namespace swiftgs::cli {
 namespace {

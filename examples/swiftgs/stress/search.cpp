@@ -11,13 +11,12 @@
 
 #include "bench/threads.hpp"
 #include "draw/team.hpp"
-#include "number_text.hpp"
-#include "progress.hpp"
+#include "notes.hpp"
 #include "result_file.hpp"
-#include "stress/cases.hpp"
-#include "stress/search_results.hpp"
 #include "stress/stress.hpp"
+#include "stress/sweep.hpp"
 #include "stress/table.hpp"
+#include "words.hpp"
 
 namespace swiftgs::cli {
 namespace {

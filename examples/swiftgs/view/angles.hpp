@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <swiftgs/math.hpp>
+#include <swiftgs/frame/math.hpp>
 
 /// @file
 /// Rotations of placed scenes as the angles that panels show.

@@ -13,10 +13,10 @@
 
 #include <nlohmann/json.hpp>
 
+#include <swiftgs/edit/rotation.hpp>
 #include <swiftgs/edit/transform.hpp>
 #include <swiftgs/io/cameras.hpp>
 #include <swiftgs/io/replace_file.hpp>
-#include <swiftgs/rotation.hpp>
 
 namespace swiftgs::cli {
 namespace {

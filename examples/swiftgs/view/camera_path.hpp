@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <swiftgs/camera.hpp>
-#include <swiftgs/math.hpp>
+#include <swiftgs/frame/math.hpp>
 
 namespace swiftgs::cli {
 

@@ -2,8 +2,8 @@
 #pragma once
 
 #include <swiftgs/camera.hpp>
-#include <swiftgs/math.hpp>
-#include <swiftgs/orbit.hpp>
+#include <swiftgs/default_view.hpp>
+#include <swiftgs/frame/math.hpp>
 
 /// @file
 /// How mouse and keys move a camera: functions of the camera and the input alone.

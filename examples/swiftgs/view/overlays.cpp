@@ -8,7 +8,6 @@
 #include <imgui.h>
 
 #include "view/panels.hpp"
-#include "view/widgets.hpp"
 
 namespace swiftgs::cli {
 namespace {

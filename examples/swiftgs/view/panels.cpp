@@ -8,8 +8,7 @@
 
 #include <imgui.h>
 
-#include "draw/renderer_words.hpp"
-#include "view/widgets.hpp"
+#include "words.hpp"
 
 namespace swiftgs::cli {
 namespace {

@@ -9,11 +9,10 @@
 #include <imgui.h>
 
 #include <swiftgs/io/scene_list.hpp>
-#include <swiftgs/scene_bounds.hpp>
+#include <swiftgs/tools/scene_bounds.hpp>
 
 #include "view/angles.hpp"
 #include "view/panels.hpp"
-#include "view/widgets.hpp"
 
 namespace swiftgs::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include <swiftgs/io/image.hpp>
-#include <swiftgs/scene_bounds.hpp>
+#include <swiftgs/tools/scene_bounds.hpp>
 
 #include "view/panels.hpp"
 #include "view/resolution.hpp"

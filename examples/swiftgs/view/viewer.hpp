@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include <swiftgs/orbit.hpp>
+#include <swiftgs/default_view.hpp>
 
 #include "options.hpp"
 #include "read/placed_input.hpp"

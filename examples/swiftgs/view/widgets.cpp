@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "view/widgets.hpp"
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -9,6 +7,8 @@
 #include <utility>
 
 #include <imgui.h>
+
+#include "view/panels.hpp"
 
 namespace swiftgs::cli {
 int digits_of(double value, double step) {

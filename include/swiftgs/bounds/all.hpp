@@ -5,7 +5,7 @@
 #include <swiftgs/bounds/obb.hpp>
 #include <swiftgs/bounds/opacity_box.hpp>
 #include <swiftgs/bounds/three_sigma_square.hpp>
-#include <swiftgs/type_list.hpp>
+#include <swiftgs/tools/policy_lists.hpp>
 
 namespace swiftgs {
 

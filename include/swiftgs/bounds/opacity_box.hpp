@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <swiftgs/api.hpp>
-#include <swiftgs/bounds/bounds.hpp>
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/bounds.hpp>
 
 namespace swiftgs {
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include <swiftgs/bulk.hpp>
+#include <swiftgs/edit/origin.hpp>
 #include <swiftgs/edit/select.hpp>
 #include <swiftgs/scene.hpp>
 

@@ -13,9 +13,7 @@
 
 #include <swiftgs/edit/origin.hpp>
 #include <swiftgs/error.hpp>
-#include <swiftgs/finite.hpp>
-#include <swiftgs/math.hpp>
-#include <swiftgs/message.hpp>
+#include <swiftgs/frame/math.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs {

@@ -7,17 +7,14 @@
 #include <stdexcept>
 #include <string>
 
-#include <swiftgs/affine.hpp>
 #include <swiftgs/camera.hpp>
+#include <swiftgs/edit/affine.hpp>
 #include <swiftgs/edit/origin.hpp>
-#include <swiftgs/edit/principal_axes.hpp>
-#include <swiftgs/edit/sh_rotation.hpp>
+#include <swiftgs/edit/rotation.hpp>
 #include <swiftgs/error.hpp>
-#include <swiftgs/finite.hpp>
-#include <swiftgs/math.hpp>
-#include <swiftgs/rotation.hpp>
+#include <swiftgs/frame/math.hpp>
+#include <swiftgs/frame/placing.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/similarity.hpp>
 
 namespace swiftgs {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include <swiftgs/api.hpp>
 #include <swiftgs/camera.hpp>
+#include <swiftgs/frame/api.hpp>
 
 namespace swiftgs {
 

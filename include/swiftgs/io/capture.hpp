@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-#include <swiftgs/api.hpp>
+#include <swiftgs/frame/api.hpp>
 
 namespace swiftgs {
 

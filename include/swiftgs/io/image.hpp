@@ -7,9 +7,9 @@
 #include <string>
 #include <vector>
 
-#include <swiftgs/api.hpp>
 #include <swiftgs/frame.hpp>
-#include <swiftgs/math.hpp>
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/math.hpp>
 
 namespace swiftgs {
 

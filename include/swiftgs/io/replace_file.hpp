@@ -5,7 +5,7 @@
 #include <functional>
 #include <string_view>
 
-#include <swiftgs/api.hpp>
+#include <swiftgs/frame/api.hpp>
 
 /// @file
 /// Files that are whole or as they were: a new one is written beside the old one and takes its place at once.

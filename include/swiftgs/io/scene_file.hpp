@@ -1,22 +1,46 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+/// @file
+/// Files of scenes: reading and writing with progress, and rendering models as text, in files and
+/// on the command line: `antialiased=yes,blur=0.1`.
+
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
-#include <swiftgs/api.hpp>
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
-#include <swiftgs/io/progress.hpp>
+#include <swiftgs/error.hpp>
+#include <swiftgs/frame/api.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/scene_part.hpp>
+#include <swiftgs/tools/scene_part.hpp>
 
 namespace swiftgs {
+
+/// A reader or writer calls it several times a second with the part that is done: from 0 to 1, never less
+/// than before. Return false to cancel. It is called in the thread that called the reader or writer.
+using Progress = std::function<bool(double part)>;
+
+/// A `Progress` returned false. Nothing was read; the file to write is as it was before.
+class SWIFTGS_API Cancelled : public detail::ErrorAs<std::runtime_error> {
+ public:
+  explicit Cancelled(const std::string& file) : ErrorAs(ErrorCode::cancelled, file + ": cancelled") {}
+};
+
+/// What of `model` is not as a scene has it that says nothing; empty if nothing is.
+SWIFTGS_API std::string text_of(const RenderingModel& model);
+
+/// `model` changed by such a text: settings with commas between, of `antialiased` (yes, no), `blur`
+/// (@units{pixels^2}, 0 or more), `order` (depth, distance), `colours` (srgb, linear) and `kernel`
+/// (ellipsoid, disk). Throws `InvalidArgument` that names the first setting that is none of these.
+SWIFTGS_API RenderingModel model_from(std::string_view text, RenderingModel model = {});
 
 /// World axes that an SPZ file is stored in; letters name where +x, +y, +z point (Right, Left, Up, Down,
 /// Forward, Back). A scene in memory is always RDF, the axes of COLMAP and of INRIA's files.

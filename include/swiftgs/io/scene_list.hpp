@@ -7,10 +7,9 @@
 #include <string>
 #include <vector>
 
-#include <swiftgs/api.hpp>
 #include <swiftgs/edit/select.hpp>
-#include <swiftgs/similarity.hpp>
-#include <swiftgs/tint.hpp>
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/placing.hpp>
 
 namespace swiftgs {
 

@@ -6,8 +6,8 @@
 
 #include <cmath>
 
-#include <swiftgs/lens.hpp>
-#include <swiftgs/math.hpp>
+#include <swiftgs/frame/lens.hpp>
+#include <swiftgs/frame/math.hpp>
 
 namespace swiftgs::lens {
 // What the formulas ask of a double.

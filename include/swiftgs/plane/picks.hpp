@@ -8,11 +8,10 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <swiftgs/colours.hpp>
 #include <swiftgs/frame.hpp>
-#include <swiftgs/math.hpp>
-#include <swiftgs/splats.hpp>
-#include <swiftgs/views.hpp>
+#include <swiftgs/frame/math.hpp>
+#include <swiftgs/frame/splats.hpp>
+#include <swiftgs/frame/views.hpp>
 
 namespace swiftgs {
 

@@ -3,7 +3,7 @@
 
 #include <swiftgs/raster/axis_shared.hpp>
 #include <swiftgs/raster/per_pixel.hpp>
-#include <swiftgs/type_list.hpp>
+#include <swiftgs/tools/policy_lists.hpp>
 
 namespace swiftgs {
 

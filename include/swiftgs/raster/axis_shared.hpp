@@ -3,10 +3,10 @@
 
 #include <cmath>
 
-#include <swiftgs/api.hpp>
-#include <swiftgs/composed_name.hpp>
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/raster.hpp>
 #include <swiftgs/raster/exponents.hpp>
-#include <swiftgs/raster/raster.hpp>
+#include <swiftgs/tools/policy_lists.hpp>
 
 namespace swiftgs {
 

@@ -4,9 +4,9 @@
 #include <concepts>
 #include <string_view>
 
-#include <swiftgs/api.hpp>
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/splats.hpp>
 #include <swiftgs/half.hpp>
-#include <swiftgs/splats.hpp>
 
 namespace swiftgs {
 

@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include <swiftgs/api.hpp>
-#include <swiftgs/raster/raster.hpp>
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/raster.hpp>
 
 namespace swiftgs {
 

@@ -4,7 +4,7 @@
 #include <swiftgs/sort/adaptive.hpp>
 #include <swiftgs/sort/early.hpp>
 #include <swiftgs/sort/standard.hpp>
-#include <swiftgs/type_list.hpp>
+#include <swiftgs/tools/policy_lists.hpp>
 
 namespace swiftgs {
 

@@ -3,8 +3,8 @@
 
 #include <tuple>
 
-#include <swiftgs/api.hpp>
-#include <swiftgs/sort/sort.hpp>
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/sort.hpp>
 
 namespace swiftgs {
 

@@ -3,7 +3,7 @@
 
 #include <tuple>
 
-#include <swiftgs/sort/sort.hpp>
+#include <swiftgs/frame/sort.hpp>
 
 namespace swiftgs {
 

@@ -57,7 +57,7 @@ def cpu_means(parts):
 
 DEFECTS = [
     # Projection.
-    *defects("project", I + "project.hpp",
+    *defects("project", I + "project/project.hpp",
         ("camera space in float",
          "p[row] = [-multiply_add(v.rotation(row, 0), d[0],\n"
          "                            multiply_add(v.rotation(row, 1), d[1], v.rotation(row, 2) * d[2]))-]"
@@ -106,14 +106,14 @@ DEFECTS = [
          "if (!([-z > v.near_plane && z <= v.far_plane-]{+p[2] > double(v.near_plane) && p[2] <= "
          "double(v.far_plane)+})) return {};")),
     # Blending.
-    *defects("raster", I + "raster/raster.hpp",
+    *defects("raster", I + "frame/raster.hpp",
         ("row_touched compares with <", "nearest * nearest + v * v <[-=-] shape.cutoff"),
         ("T (1 - alpha)", "transmittance [-- alpha * transmittance-]{+* (1 - alpha)+};"),
         ("T - alpha T", "[-alpha > 0.5f-]{+false+} ?")),
-    *defects("raster", I + "raster/blend.hpp",
+    *defects("raster", I + "functor/blend.hpp",
         ("the stop compares with <=", "next <{+=+} view.rules.stop_below"),
         ("an occluder hides only what is behind it", "depth >[-=-] view.frame.occluder_at")),
-    *defects("raster", I + "view.hpp",
+    *defects("raster", I + "lens/view.hpp",
         ("stop_at_equal ignored", "c.[-stop_at_equal ? std::nextafter(stop, 1.0f) : -]stop"),
         ("alpha_max 0.9901", "return {c.alpha_min,\n          c.alpha_max{+ == 0.99f ? 0.9901f : c.alpha_max+},")),
     *defects("raster", I + "raster/axis_shared.hpp",
@@ -136,7 +136,7 @@ DEFECTS = [
         ("float-split a term short", "g_ = u * u[- + v * v-];"),
         ("half-split a term short",
          "to_float(x.square) + to_float(y.square)[- + to_float(x.mixed) * to_float(y.offset)-]")),
-    *defects("raster", I + "store_pixel.hpp",
+    *defects("raster", I + "raster/store.hpp",
         ("background times alpha", "[-pixel.transmittance-]{+alpha+} * below"),
         ("depth is not divided by alpha", "[-alpha > 0 ? pixel.depth / alpha : 0.0f-]{+pixel.depth+}")),
     # The cpu backend's own arithmetic.

@@ -22,7 +22,7 @@ from defects import DEFECTS  # noqa: E402
 HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parents[2]
 CPU = ROOT / "backends/cpu"
-JUDGE = [ROOT / "tests/stability/case_judge.cpp", *(ROOT / "backends/reference").glob("*.cpp")]
+JUDGE = [ROOT / "tests/stability/case_judge.cpp", *(ROOT / "backends/parts/reference").glob("*.cpp")]
 # One vector target, so that a defect compiles once.
 CPU_FLAGS = ["-O2", "-DHWY_COMPILE_ONLY_STATIC", "-DHWY_BASELINE_TARGETS=HWY_SSE4"]
 # Functions that the judge and a backend have in common must not replace each other at link time.

@@ -13,22 +13,20 @@
 #include <tuple>
 #include <utility>
 
-#include <swiftgs/api.hpp>
-#include <swiftgs/backend.hpp>
-#include <swiftgs/bin_stage.hpp>
-#include <swiftgs/bound_renderer.hpp>
 #include <swiftgs/bounds/ellipse.hpp>
 #include <swiftgs/bounds/opacity_box.hpp>
 #include <swiftgs/bounds/three_sigma_square.hpp>
-#include <swiftgs/footprint.hpp>
-#include <swiftgs/growing_buffer.hpp>
-#include <swiftgs/host_scene.hpp>
-#include <swiftgs/memory_hook.hpp>
-#include <swiftgs/project_stage.hpp>
+#include <swiftgs/drivers/bound_renderer.hpp>
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/backend.hpp>
+#include <swiftgs/frame/bounds.hpp>
+#include <swiftgs/frame/sort.hpp>
+#include <swiftgs/functor/bounds_stages.hpp>
+#include <swiftgs/functor/shade_stage.hpp>
+#include <swiftgs/memory/growing_buffer.hpp>
+#include <swiftgs/memory/host_scene.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
 #include <swiftgs/raster/per_pixel.hpp>
-#include <swiftgs/shade_stage.hpp>
-#include <swiftgs/sort/sort.hpp>
 
 namespace swiftgs {
 

@@ -8,21 +8,19 @@
 #include <cstdint>
 #include <utility>
 
-#include <swiftgs/api.hpp>
-#include <swiftgs/bound_renderer.hpp>
-#include <swiftgs/bounds/bounds.hpp>
-#include <swiftgs/colours.hpp>
 #include <swiftgs/cuda/stage_memory.hpp>
-#include <swiftgs/footprint.hpp>
-#include <swiftgs/frame_plan.hpp>
+#include <swiftgs/drivers/bound_renderer.hpp>
+#include <swiftgs/drivers/statistics.hpp>
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/bounds.hpp>
+#include <swiftgs/frame/frame_plan.hpp>
+#include <swiftgs/frame/raster.hpp>
+#include <swiftgs/frame/sort.hpp>
+#include <swiftgs/frame/splats.hpp>
+#include <swiftgs/frame/views.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/raster/all.hpp>
-#include <swiftgs/raster/raster.hpp>
 #include <swiftgs/sort/early.hpp>
-#include <swiftgs/sort/sort.hpp>
-#include <swiftgs/splats.hpp>
-#include <swiftgs/statistics.hpp>
-#include <swiftgs/views.hpp>
 
 namespace swiftgs {
 

@@ -9,11 +9,10 @@
 #include <string_view>
 #include <utility>
 
-#include <swiftgs/api.hpp>
-#include <swiftgs/backend.hpp>
 #include <swiftgs/cuda/epochs.hpp>
 #include <swiftgs/cuda/memory.hpp>
-#include <swiftgs/memory_hook.hpp>
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/backend.hpp>
 
 /// A stream as `<cuda_runtime_api.h>` declares it, so that this header needs no toolkit.
 using cudaStream_t = struct CUstream_st*;

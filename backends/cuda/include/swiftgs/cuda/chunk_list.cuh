@@ -4,12 +4,12 @@
 #include <algorithm>
 #include <cstdint>
 
-#include <swiftgs/chunks.hpp>
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/running_sum.cuh>
 #include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/cuda/warp.cuh>
+#include <swiftgs/project/chunks.hpp>
 
 namespace swiftgs::kernels {
 

@@ -8,7 +8,7 @@
 
 #include <cstdint>
 
-#include <swiftgs/math.hpp>
+#include <swiftgs/frame/math.hpp>
 
 namespace swiftgs {
 

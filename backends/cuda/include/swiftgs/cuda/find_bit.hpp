@@ -4,7 +4,7 @@
 #include <bit>
 #include <cstdint>
 
-#include <swiftgs/math.hpp>
+#include <swiftgs/frame/math.hpp>
 
 namespace swiftgs::kernels {
 

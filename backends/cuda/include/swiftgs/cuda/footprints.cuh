@@ -3,10 +3,10 @@
 
 #include <cstdint>
 
-#include <swiftgs/bounds/bounds.hpp>
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/cuda/warp.cuh>
+#include <swiftgs/frame/bounds.hpp>
 
 namespace swiftgs::kernels {
 

@@ -6,8 +6,8 @@
 #include <memory>
 #include <utility>
 
-#include <swiftgs/api.hpp>
-#include <swiftgs/growing_buffer.hpp>
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/memory/growing_buffer.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs {

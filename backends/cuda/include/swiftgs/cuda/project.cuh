@@ -11,11 +11,10 @@
 #include <swiftgs/cuda/chunk_list.cuh>
 #include <swiftgs/cuda/footprints.cuh>
 #include <swiftgs/cuda/launch.cuh>
-#include <swiftgs/cuda/residency.cuh>
 #include <swiftgs/cuda/running_sum.cuh>
 #include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/error.hpp>
-#include <swiftgs/project.hpp>
+#include <swiftgs/project/project.hpp>
 
 namespace swiftgs::kernels {
 

@@ -8,7 +8,7 @@
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/cuda/warp.cuh>
-#include <swiftgs/raster/raster.hpp>
+#include <swiftgs/frame/raster.hpp>
 #include <swiftgs/raster/store.hpp>
 
 namespace swiftgs::kernels {

@@ -4,13 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <swiftgs/composed_name.hpp>
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/raster_block.cuh>
 #include <swiftgs/cuda/warp.cuh>
-#include <swiftgs/raster/raster.hpp>
+#include <swiftgs/frame/raster.hpp>
 #include <swiftgs/raster/store.hpp>
-#include <swiftgs/store_pixel.hpp>
+#include <swiftgs/tools/policy_lists.hpp>
 
 namespace swiftgs::kernels {
 

@@ -12,11 +12,11 @@
 #include <vector>
 
 #include <swiftgs/cuda/backend.hpp>
-#include <swiftgs/footprint.hpp>
-#include <swiftgs/sort/sort.hpp>
-#include <swiftgs/splats.hpp>
-#include <swiftgs/stages.hpp>
-#include <swiftgs/views.hpp>
+#include <swiftgs/frame/bounds.hpp>
+#include <swiftgs/frame/sort.hpp>
+#include <swiftgs/frame/splats.hpp>
+#include <swiftgs/frame/stages.hpp>
+#include <swiftgs/frame/views.hpp>
 
 namespace swiftgs {
 

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
+#include <swiftgs/frame/raster.hpp>
+#include <swiftgs/frame/views.hpp>
 #include <swiftgs/placed_scene.hpp>
-#include <swiftgs/raster/raster_blocks.hpp>
-#include <swiftgs/views.hpp>
 
 namespace swiftgs::kernels {
 

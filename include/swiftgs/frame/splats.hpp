@@ -1,0 +1,183 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <tuple>
+
+#include <swiftgs/frame/math.hpp>
+#include <swiftgs/frame/span.hpp>
+#include <swiftgs/frame/tiles.hpp>
+
+namespace swiftgs {
+
+/// What a splat contributes, in one 16-byte load.
+struct alignas(16) SplatColour {
+  vec3 rgb{0};      ///< in the scene's own values, 0 or more
+  float depth = 0;  ///< of the splat; 0 if the splat is hidden
+};
+
+/// Whether no pixel shows the splat: the colour of its Gaussian is not finite.
+SWIFTGS_HD inline bool is_hidden(const SplatColour& colour) { return !(colour.depth > 0); }
+
+/// Colour of a splat at `depth`, cut below at 0. A colour that is not finite hides the splat.
+SWIFTGS_HD inline SplatColour splat_colour(vec3 rgb, float depth) {
+  const float most = 3.4028234663852886e38f;
+  SplatColour colour{vec3(0), depth};
+  for (int c = 0; c < 3; ++c) {
+    if (!(rgb[c] >= -most && rgb[c] <= most)) return {};
+    colour.rgb[c] = rgb[c] > 0 ? rgb[c] : 0.0f;
+  }
+  return colour;
+}
+
+/// Finished colours of a frame's splats. `Shading::finish` gives them; rasterizers take them.
+struct ColoursView {
+  Span<const SplatColour> each;           ///< @shape{splats}
+  const std::uint32_t* hidden = nullptr;  ///< not 0 if a splat is hidden; null: none is
+
+  SWIFTGS_HD bool some_hidden() const { return hidden && *hidden != 0; }
+};
+
+/// Colours that `shade` evaluates. A backend specialises this class if its `shade` returns before the colours
+/// are evaluated: `finish`, called once, orders later work after the colours and returns them. Without a call
+/// of `finish` the destructor orders later work.
+template <class B>
+class [[nodiscard]] Shading {
+ public:
+  explicit Shading(const ColoursView& colours) : colours_(colours) {}
+  ColoursView finish() { return colours_; }
+  /// Stream that evaluates the colours if it is not the backend's own: work that waits for it reads them.
+  void* stream() const { return nullptr; }
+
+ private:
+  ColoursView colours_;
+};
+
+/// Storage of one frame's colours on backend `B`.
+template <class B>
+struct Colours {
+  typename B::template Buffer<SplatColour> each;
+  typename B::template Buffer<std::uint32_t> hidden;  ///< one word
+
+  void reserve(B&, const Reservation& reserved) {
+    each.reset_exactly(reserved.capacity.splats), hidden.reset_exactly(1);
+  }
+  static auto buffers(auto& self) { return std::tie(self.each, self.hidden); }
+};
+
+/// Where a projected Gaussian is and how far it reaches.
+///
+/// | mean.x mean.y l0 l1 | l2 opacity cutoff low |      32 bytes, two 16-byte loads
+///
+/// The precision matrix is kept as its Cholesky factor in base-2 units, because every other representation of
+/// it follows without cancellation: at d = pixel - mean the base-2 exponent is s(d) = (l0 dx + l1 dy)^2 + (l2
+/// dy)^2, and alpha = opacity 2^-s. A pixel keeps the splat where s <= cutoff = log2(opacity / alpha_min).
+///
+/// `mean` alone would be off by 6e-5 pixels at column 1,500, more than all else that is computed of a splat.
+/// `low` holds what the rounding to float has taken: d is then as exact as a float can be.
+struct alignas(32) SplatShape {
+  vec2 mean{0};       ///< rounded to float @units{pixels}, the first pixel's centre is (0.5, 0.5)
+  float l0 = 0;       ///< > 0 @units{1/pixels}
+  float l1 = 0;       ///< @units{1/pixels}
+  float l2 = 0;       ///< > 0 @units{1/pixels}
+  float opacity = 0;  ///< after anti-aliasing compensation
+  float cutoff = 0;   ///< largest s that is kept, 0 or more for a visible splat
+  std::uint32_t low =
+      0;  ///< what `mean` lacks in x, and in y in the upper 16 bits: signed @units{2^-24 pixels}
+
+  /// `x` - the mean's. @units{pixels}
+  SWIFTGS_HD float right_of_mean(float x) const { return x - mean.x - low_unit * low_number(low); }
+  /// `y` - the mean's. @units{pixels}
+  SWIFTGS_HD float below_mean(float y) const { return y - mean.y - low_unit * low_number(low >> 16); }
+  SWIFTGS_HD vec2 from_mean(vec2 at) const { return vec2(right_of_mean(at.x), below_mean(at.y)); }
+
+  /// The mean, in images of any size to 2^-25 pixels. Far outside of them it is no more than a float.
+  /// `Real` is double, or `FloatPair`.
+  template <class Real>
+  SWIFTGS_HD void set_mean(const Real& x, const Real& y) {
+    mean = vec2(float(x), float(y));
+    low = low_of(float(x - mean.x)) | low_of(float(y - mean.y)) << 16;
+  }
+  SWIFTGS_HD Vector2<double> exact_mean() const {
+    return {mean.x + double(low_unit) * std::int16_t(low),
+            mean.y + double(low_unit) * std::int16_t(low >> 16)};
+  }
+
+  static constexpr float low_unit = 0x1p-24f;
+  /// The signed number of the lower 16 bits.
+  SWIFTGS_HD static float low_number(std::uint32_t bits) {
+#if defined(__CUDA_ARCH__)
+    // 2^23 and the number's distance from the least, as a float's own bits: conversions would occupy the unit
+    // that exponentials need.
+    return __uint_as_float((bits & 0xffff) ^ 0x4b008000) - (0x1p23f + 0x1p15f);
+#else
+    return std::int16_t(bits);
+#endif
+  }
+  SWIFTGS_HD static std::uint32_t low_of(float lacking) {
+    const float units = lacking * (1 / low_unit), most = 0x7fff;
+    return std::uint16_t(std::int16_t(std::rint(units < -most ? -most : units > most ? most : units)));
+  }
+};
+
+/// Largest variance of a splat, blur included: a Gaussian with a larger one is not drawn. Up to here no
+/// product of projection leaves the range of float. @units{pixels^2}
+inline constexpr float largest_variance = 1e36f;
+
+/// Visible splats of all views, an element a splat in each array: those of one view in the order of their
+/// Gaussians.
+struct SplatsView {
+  Span<const SplatShape> shapes;
+  Span<const float> depths;                ///< what orders them, as `Conventions::order` has it, > 0
+  Span<const std::uint32_t> gaussians;     ///< index of each splat's Gaussian in the scene
+  const std::uint16_t* of_view = nullptr;  ///< index of each splat's view; null: all are of the first
+  const std::uint32_t* exact = nullptr;    ///< as `Count::exact`; null: the arrays hold splats alone
+
+  SWIFTGS_HD std::size_t size() const { return shapes.size; }  ///< at most
+  SWIFTGS_HD Count count() const { return {shapes.size, exact}; }
+  SWIFTGS_HD std::uint32_t view(std::size_t i) const { return of_view ? of_view[i] : 0; }
+};
+
+/// Storage of one frame's splats on backend `B`.
+template <class B>
+struct Splats {
+  typename B::template Buffer<SplatShape> shapes;
+  typename B::template Buffer<float> depths;
+  typename B::template Buffer<std::uint32_t> gaussians;
+  typename B::template Buffer<std::uint16_t> of_view;  ///< empty if there is one view
+  std::size_t count = 0;
+  std::size_t visible = 0;  ///< more than `count` where the capacity did not suffice
+
+  /// Makes room for so many splats of so many views, and keeps the splats.
+  void resize(std::size_t splats, std::size_t views) {
+    shapes.resize(splats), depths.resize(splats), gaussians.resize(splats);
+    of_view.resize(views > 1 ? splats : 0);
+  }
+  /// Makes room as `resize` does, but keeps no splats.
+  void reset(std::size_t splats, std::size_t views) {
+    shapes.reset(splats), depths.reset(splats), gaussians.reset(splats);
+    of_view.reset(views > 1 ? splats : 0);
+  }
+  void set_count(std::size_t splats) { count = visible = splats; }
+  SplatsView view() const {
+    return {{shapes.data(), count},
+            {depths.data(), count},
+            {gaussians.data(), count},
+            of_view.size() != 0 ? of_view.data() : nullptr};
+  }
+  void reserve(B&, const Reservation& reserved) {
+    const std::size_t splats = reserved.capacity.splats;
+    shapes.reset_exactly(splats), depths.reset_exactly(splats), gaussians.reset_exactly(splats);
+    of_view.reset_exactly(reserved.views > 1 ? splats : 0);
+  }
+  static auto buffers(auto& self) { return std::tie(self.shapes, self.depths, self.gaussians, self.of_view); }
+};
+
+/// Key that orders depths as integers: the bits of a positive float ascend with its value, and its sign bit
+/// is zero.
+SWIFTGS_HD inline std::uint32_t depth_key(float depth) { return __builtin_bit_cast(std::uint32_t, depth); }
+inline constexpr int depth_key_bits = 31;
+
+}  // namespace swiftgs
