@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <utility>
 
-#include <swiftgs/cpu.hpp>
+#include <swiftgs/cpu/stages.hpp>
 
 #include "parts.hpp"
 

@@ -11,7 +11,7 @@
 #endif
 #endif
 
-#include <swiftgs/cpu.hpp>
+#include <swiftgs/cpu/stages.hpp>
 
 namespace swiftgs {
 namespace {

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <utility>
 
-#include <swiftgs/cpu.hpp>
+#include <swiftgs/cpu/stages.hpp>
 #include <swiftgs/frame/raster.hpp>
 
 namespace swiftgs {

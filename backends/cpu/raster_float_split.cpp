@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include <swiftgs/cpu.hpp>
+#include <swiftgs/cpu/stages.hpp>
 
 #include "parts.hpp"
 

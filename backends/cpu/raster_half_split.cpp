@@ -2,7 +2,7 @@
 #include <bit>
 #include <cstdint>
 
-#include <swiftgs/cpu.hpp>
+#include <swiftgs/cpu/stages.hpp>
 
 #include "parts.hpp"
 

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <swiftgs/cpu.hpp>
+#include <swiftgs/cpu/stages.hpp>
 
 #include "parts.hpp"
 

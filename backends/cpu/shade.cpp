@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <swiftgs/cpu.hpp>
+#include <swiftgs/cpu/stages.hpp>
 
 // Compile the rest of this file for every target; the order of these lines matters.
 // clang-format off

@@ -7,7 +7,7 @@
 #include <limits>
 #include <utility>
 
-#include <swiftgs/cpu.hpp>
+#include <swiftgs/cpu/stages.hpp>
 
 #include "parts.hpp"
 

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/raster_block.cuh>
+#include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/raster/store.hpp>
 
 #include "planes.hpp"

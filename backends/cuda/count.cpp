@@ -8,7 +8,7 @@
 #include <thread>
 #include <vector>
 
-#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/drivers/statistics.hpp>
 #include <swiftgs/functor/blend.hpp>
 

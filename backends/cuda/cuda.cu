@@ -13,9 +13,9 @@
 #include <cuda/atomic>
 #include <cuda_runtime_api.h>
 
-#include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/for_each.cuh>
 #include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame/sort.hpp>
 

@@ -2,8 +2,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/pick.hpp>
 

@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <vector>
 
-#include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/raster_block.cuh>
+#include <swiftgs/cuda/stages.hpp>
 
 namespace swiftgs::kernels {
 

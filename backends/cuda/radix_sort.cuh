@@ -16,9 +16,9 @@
 #include <limits>
 #include <utility>
 
-#include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/running_sum.cuh>
+#include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/error.hpp>
 

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <tuple>
 
-#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/stages.hpp>
 
 namespace swiftgs {
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/stages.hpp>
 
 #include "block.cuh"
 #include "exponents.hpp"

@@ -7,8 +7,8 @@
 #include <cuda_fp16.h>
 #include <cuda_pipeline_primitives.h>
 
-#include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/functor/shade_stage.hpp>

@@ -5,8 +5,8 @@
 #include <cub/device/device_reduce.cuh>
 #include <cub/device/device_scan.cuh>
 
-#include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/check.hpp>
+#include <swiftgs/cuda/stages.hpp>
 
 #include "radix_sort.cuh"
 #include "state.hpp"

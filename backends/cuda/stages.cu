@@ -6,9 +6,9 @@
 #include <tuple>
 
 #include <swiftgs/bounds/all.hpp>
-#include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/intersections.cuh>
 #include <swiftgs/cuda/project.cuh>
+#include <swiftgs/cuda/stages.hpp>
 
 namespace swiftgs {
 

@@ -8,7 +8,7 @@
 
 #include <cuda_runtime_api.h>
 
-#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/stages.hpp>
 
 #include "raster_memory.hpp"
 

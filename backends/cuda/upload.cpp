@@ -7,8 +7,8 @@
 
 #include <cuda_runtime_api.h>
 
-#include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/check.hpp>
+#include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/memory/harmonic_packing.hpp>
 #include <swiftgs/project/chunks.hpp>

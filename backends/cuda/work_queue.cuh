@@ -9,9 +9,9 @@
 
 #include <cuda/atomic>
 
-#include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/raster_block.cuh>
+#include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/cuda/warp.cuh>
 
 #include "blending.hpp"

@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cstdint>
 
-#include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/running_sum.cuh>
+#include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/project/chunks.hpp>

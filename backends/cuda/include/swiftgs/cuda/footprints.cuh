@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include <swiftgs/cuda.hpp>
+#include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/frame/bounds.hpp>

@@ -3,8 +3,8 @@
 
 #include <cstddef>
 
-#include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/stages.hpp>
 
 namespace swiftgs {
 

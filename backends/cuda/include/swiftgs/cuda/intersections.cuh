@@ -3,11 +3,11 @@
 
 #include <cstdint>
 
-#include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/find_bit.hpp>
 #include <swiftgs/cuda/footprints.cuh>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/running_sum.cuh>
+#include <swiftgs/cuda/stages.hpp>
 
 namespace swiftgs::kernels {
 

@@ -7,11 +7,11 @@
 #include <limits>
 #include <utility>
 
-#include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/chunk_list.cuh>
 #include <swiftgs/cuda/footprints.cuh>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/running_sum.cuh>
+#include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/error.hpp>
 #include <swiftgs/project/project.hpp>

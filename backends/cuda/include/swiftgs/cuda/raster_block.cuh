@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <cstdint>
 
-#include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/frame/raster.hpp>

@@ -4,8 +4,8 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/raster_block.cuh>
+#include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/frame/raster.hpp>
 #include <swiftgs/raster/store.hpp>
