@@ -122,6 +122,7 @@ std::uint64_t views_identity(Span<const View> views) {
     const Distortion& d = c.lens.distortion;
     add(int(c.lens.model), c.depth_is_distance, c.order_is_distance, c.depth_along_ray,
         int(view.frame.conversion));
+    add(c.depth_along_ray && view.asked().occluder);  // it adds attributes, and with them passes
     for (const double number : d.radial) add(number);
     for (const double number : d.rational) add(number);
     add(d.tangential[0], d.tangential[1], d.prism[0], d.prism[1]);
