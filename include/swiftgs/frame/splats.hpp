@@ -78,14 +78,13 @@ struct Colours {
 /// `mean` alone would be off by 6e-5 pixels at column 1,500, more than all else that is computed of a splat.
 /// `low` holds what the rounding to float has taken: d is then as exact as a float can be.
 struct alignas(32) SplatShape {
-  vec2 mean{0};       ///< rounded to float @units{pixels}, the first pixel's centre is (0.5, 0.5)
-  float l0 = 0;       ///< > 0 @units{1/pixels}
-  float l1 = 0;       ///< @units{1/pixels}
-  float l2 = 0;       ///< > 0 @units{1/pixels}
-  float opacity = 0;  ///< after anti-aliasing compensation
-  float cutoff = 0;   ///< largest s that is kept, 0 or more for a visible splat
-  std::uint32_t low =
-      0;  ///< what `mean` lacks in x, and in y in the upper 16 bits: signed @units{2^-24 pixels}
+  vec2 mean{0};           ///< rounded to float @units{pixels}, the first pixel's centre is (0.5, 0.5)
+  float l0 = 0;           ///< > 0 @units{1/pixels}
+  float l1 = 0;           ///< @units{1/pixels}
+  float l2 = 0;           ///< > 0 @units{1/pixels}
+  float opacity = 0;      ///< after anti-aliasing compensation
+  float cutoff = 0;       ///< largest s that is kept, 0 or more for a visible splat
+  std::uint32_t low = 0;  ///< what `mean` lacks in x; in the upper 16 bits, in y; signed @units{2^-24 pixels}
 
   /// `x` - the mean's. @units{pixels}
   SWIFTGS_HD float right_of_mean(float x) const { return x - mean.x - low_unit * low_number(low); }
@@ -118,7 +117,7 @@ struct alignas(32) SplatShape {
   }
   SWIFTGS_HD static std::uint32_t low_of(float lacking) {
     const float units = lacking * (1 / low_unit), most = 0x7fff;
-    return std::uint16_t(std::int16_t(std::rint(units < -most ? -most : units > most ? most : units)));
+    return std::uint16_t(std::int16_t(std::rint(!(units >= -most) ? -most : units > most ? most : units)));
   }
 };
 

@@ -272,8 +272,8 @@ SWIFTGS_HD SWIFTGS_NOINLINE inline SplatFactor factor_in_double(const ViewConsta
   return pinhole_factor(v, x_over_z, y_over_z, inverse_z, g);
 }
 
-/// The same on GPUs that place in pairs of floats: they have few units for double, and take them where float
-/// is far worse.
+/// `pinhole_factor` of GPUs that place in pairs of floats: they have few units for double, and take them
+/// where float is far worse.
 SWIFTGS_HD inline SplatFactor pinhole_factor(const ViewConstants& v, FloatPair x_over_z, FloatPair y_over_z,
                                              FloatPair inverse_z, const Gaussian& g) {
   const float over_z = float(inverse_z);
