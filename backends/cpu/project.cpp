@@ -238,9 +238,10 @@ HWY_INLINE bool SeeThroughPinhole(const ViewConstants& v, const Group& group, Ma
     return Row{{component(0), component(1), component(2)}, pixels};
   };
   const auto rows = [&](Doubles tangent_x, Doubles tangent_y, Doubles over_z) HWY_ATTR {
-    return Rows{
-        row(0, clamped(tangent_x, Doubles(v.tan_x_min), Doubles(v.tan_x_max)), Doubles(v.fx) * over_z),
-        row(1, clamped(tangent_y, Doubles(v.tan_y_min), Doubles(v.tan_y_max)), Doubles(v.fy) * over_z)};
+    return Rows{row(0, clamped(tangent_x, Doubles(v.limits.least_u), Doubles(v.limits.most_u)),
+                    Doubles(v.fx) * over_z),
+                row(1, clamped(tangent_y, Doubles(v.limits.least_v), Doubles(v.limits.most_v)),
+                    Doubles(v.fy) * over_z)};
   };
   out.rows[0] = rows(x_over_z.low, y_over_z.low, inverse_z.low);
   out.rows[1] = rows(x_over_z.high, y_over_z.high, inverse_z.high);

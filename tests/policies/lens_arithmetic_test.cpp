@@ -253,10 +253,10 @@ TEST_CASE("lens: limits of tangents are a pinhole's where there is no distortion
     camera.cx = 200, camera.cy = 300;
     const ViewConstants pinhole = view_constants(camera, conventions);
     const LensLimits limits = lens_limits(camera, conventions);
-    CHECK(limits.least_u == doctest::Approx(double(pinhole.tan_x_min)));
-    CHECK(limits.most_u == doctest::Approx(double(pinhole.tan_x_max)));
-    CHECK(limits.least_v == doctest::Approx(double(pinhole.tan_y_min)));
-    CHECK(limits.most_v == doctest::Approx(double(pinhole.tan_y_max)));
+    CHECK(limits.least_u == doctest::Approx(pinhole.limits.least_u));
+    CHECK(limits.most_u == doctest::Approx(pinhole.limits.most_u));
+    CHECK(limits.least_v == doctest::Approx(pinhole.limits.least_v));
+    CHECK(limits.most_v == doctest::Approx(pinhole.limits.most_v));
   }
 }
 

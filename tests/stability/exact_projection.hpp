@@ -87,8 +87,8 @@ inline ProjectionResults project_exactly(const ViewConstants& v, const Projectio
   out[mean_x] = Real(v.fx) * p[0] / p[2] + Real(v.cx);
   out[mean_y] = Real(v.fy) * p[1] / p[2] + Real(v.cy);
   out[depth] = p[2];
-  const Real tx = std::clamp(p[0] / p[2], Real(v.tan_x_min), Real(v.tan_x_max));
-  const Real ty = std::clamp(p[1] / p[2], Real(v.tan_y_min), Real(v.tan_y_max));
+  const Real tx = std::clamp(p[0] / p[2], Real(v.limits.least_u), Real(v.limits.most_u));
+  const Real ty = std::clamp(p[1] / p[2], Real(v.limits.least_v), Real(v.limits.most_v));
   const ExactAxes m(w, Real(v.fx), Real(v.fy), tx, ty, p[2], &in[3], &in[6]);
 
   const Real3 c = cross(m.x, m.y);

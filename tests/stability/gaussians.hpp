@@ -60,8 +60,8 @@ inline Gaussian draw_gaussian(Random& random, const ViewConstants& v) {
   g.opacity = float(random.scale(0.004, 1));
 
   const double z = random.scale(0.02, 100);
-  const double tx = random.in(1.2 * double(v.tan_x_min), 1.2 * double(v.tan_x_max));
-  const double ty = random.in(1.2 * double(v.tan_y_min), 1.2 * double(v.tan_y_max));
+  const double tx = random.in(1.2 * v.limits.least_u, 1.2 * v.limits.most_u);
+  const double ty = random.in(1.2 * v.limits.least_v, 1.2 * v.limits.most_v);
   double p[3] = {tx * z, ty * z, z};
   double world[3] = {};
   for (int k = 0; k < 3; ++k)

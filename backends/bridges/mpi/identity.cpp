@@ -115,7 +115,7 @@ std::uint64_t views_identity(Span<const View> views) {
       add(c.centre[row], view.background[row]);
     }
     add(c.fx, c.fy, c.cx, c.cy, c.width, c.height, c.left, c.top, c.right, c.bottom);
-    add(c.tan_x_min, c.tan_x_max, c.tan_y_min, c.tan_y_max, c.near_plane, c.far_plane);
+    add(c.limits.least_u, c.limits.most_u, c.limits.least_v, c.limits.most_v, c.near_plane, c.far_plane);
     // What is left to the scene may differ from rank to rank.
     add(c.blur_of_scene ? -1.0f : c.blur, c.antialiased_of_scene ? 2 : int(c.antialiased));
     add(c.min_compensation, c.alpha_min);

@@ -49,9 +49,7 @@ struct ViewConstants {
   double cx, cy;                             ///< @units{pixels}
   float width, height;                       ///< of the image @units{pixels}
   float left, top, right, bottom;            ///< part of it that is shown @units{pixels}
-  double tan_x_min, tan_x_max;               ///< limits of x/z where the projection is linearised
-  double tan_y_min, tan_y_max;
-  float near_plane, far_plane;  ///< kept where near_plane < z <= far_plane
+  float near_plane, far_plane;               ///< kept where near_plane < z <= far_plane
   float min_compensation;
   float alpha_min;
   bool through_lens;       ///< not a pinhole that takes z alone, and so projected by `project_through_lens`
@@ -96,11 +94,11 @@ struct ViewConstants {
   /// x/z and y/z within their limits.
   template <class Real>
   SWIFTGS_HD Real clamped_x(Real tangent) const {
-    return clamped<Real>(tangent, Real(tan_x_min), Real(tan_x_max));
+    return clamped<Real>(tangent, Real(limits.least_u), Real(limits.most_u));
   }
   template <class Real>
   SWIFTGS_HD Real clamped_y(Real tangent) const {
-    return clamped<Real>(tangent, Real(tan_y_min), Real(tan_y_max));
+    return clamped<Real>(tangent, Real(limits.least_v), Real(limits.most_v));
   }
 
  private:

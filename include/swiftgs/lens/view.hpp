@@ -105,8 +105,6 @@ inline ViewConstants view_constants(const Camera& camera, const Conventions& con
     tangents.most_u = 1.3 * half_x, tangents.least_u = -tangents.most_u;
     tangents.most_v = 1.3 * half_y, tangents.least_v = -tangents.most_v;
   }
-  v.tan_x_min = tangents.least_u, v.tan_x_max = tangents.most_u;
-  v.tan_y_min = tangents.least_v, v.tan_y_max = tangents.most_v;
   // A strict comparison serves both presets: z >= near is z > the float before near.
   const float near_plane = std::fmax(conventions.near_plane, least_depth);
   v.near_plane = conventions.cull_at_near ? near_plane : std::nextafter(near_plane, 0.0f);

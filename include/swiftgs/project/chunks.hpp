@@ -101,8 +101,8 @@ inline std::vector<ChunkBounds> chunk_bounds(const SceneView& scene) {
 class ChunkCuller {
  public:
   SWIFTGS_HD explicit ChunkCuller(const ViewConstants& view) : view_(&view) {
-    const double of_x = lengths(0, view.tan_x_min, view.tan_x_max) * view.fx;
-    const double of_y = lengths(1, view.tan_y_min, view.tan_y_max) * view.fy;
+    const double of_x = lengths(0, view.limits.least_u, view.limits.most_u) * view.fx;
+    const double of_y = lengths(1, view.limits.least_v, view.limits.most_v) * view.fy;
     // The slack of projection is 2e-4 of both half sizes; the rest is for roundings.
     wide_ = 1.001 * of_x + 3e-4 * of_y, high_ = 1.001 * of_y + 3e-4 * of_x;
     blur_ = 1.002 * std::sqrt(double(view.blur));
