@@ -125,13 +125,14 @@ struct Row {
             pixels * scale.z * Dot(direction, axes.column[2])};
   }
 };
+/// Rows x and y of J W for half a group.
 struct Rows {
   Row x, y;
 };
 
 struct Factor {
   Doubles l0, l1, l2, var_x, var_y;
-  Doubles sharpness;  ///< where it is asked for
+  Doubles sharpness;  ///< if `sharpens`; otherwise only its numerator
   Doubles valid;      ///< 1 or 0
 
   Factor() = default;
@@ -168,7 +169,7 @@ struct Group {
   }
 };
 
-/// Those of a group.
+/// Factors of a group of Gaussians.
 struct Factors {
   HWY_INLINE Factors(const ViewConstants& v, const Group& group, const Rows (&rows)[2]) {
     Vec w, x, y, z;
@@ -192,8 +193,9 @@ struct Factors {
 
 /// Where a view sees the means of a group, and how it linearises there.
 struct Seen {
-  Vec x, y;  ///< of the mean
-  Vec low;   ///< bits, as in `SplatShape`
+  Vec x, y;              ///< of the mean
+  Vec lacks_x, lacks_y;  ///< what these floats lack
+  Vec low;               ///< bits, as in `SplatShape`
   Vec depth;
   Rows rows[2];  ///< of the lower half, and of the upper
   Mask shown;
@@ -203,18 +205,18 @@ struct Seen {
     const F32 d;
     const hn::RebindToSigned<F32> di;
     x = Demote(wide_x), y = Demote(wide_y);
-    const auto low_of = [&](const Wide& wide, Vec mean) HWY_ATTR {
-      const Vec units = hn::Mul(Demote(Minus(wide, Promote(mean))), hn::Set(d, 1 / SplatShape::low_unit));
-      const Vec most = hn::Set(d, float(0x7fff));
+    lacks_x = Demote(Minus(wide_x, Promote(x))), lacks_y = Demote(Minus(wide_y, Promote(y)));
+    const auto low_of = [&](Vec lacks) HWY_ATTR {
+      const Vec units = hn::Mul(lacks, hn::Set(d, 1 / SplatShape::low_unit)),
+                most = hn::Set(d, float(0x7fff));
       return hn::NearestInt(hn::Min(hn::Max(units, hn::Neg(most)), most));
     };
-    const auto of_x = hn::And(low_of(wide_x, x), hn::Set(di, 0xffff));
-    low = hn::BitCast(d, hn::Or(of_x, hn::ShiftLeft<16>(low_of(wide_y, y))));
+    const auto of_x = hn::And(low_of(lacks_x), hn::Set(di, 0xffff));
+    low = hn::BitCast(d, hn::Or(of_x, hn::ShiftLeft<16>(low_of(lacks_y))));
   }
 };
 
 /// Sees the lanes of `visible`; false if none is shown.
-
 HWY_INLINE bool SeeThroughPinhole(const ViewConstants& v, const Group& group, Mask visible, Seen& out) {
   const F32 d;
   // Move to camera space in double, and cull by depth before anything else is read.
@@ -326,7 +328,7 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Clip& clip, const Gro
   const Factors factors(v, group, seen.rows);
   const Vec l0 = factors(&Factor::l0), l1 = factors(&Factor::l1), l2 = factors(&Factor::l2);
   visible = hn::And(visible, hn::Gt(factors(&Factor::valid), hn::Zero(d)));
-  visible = hn::And(visible, hn::And(hn::Le(l0, most), hn::Le(hn::Abs(l1), most)));
+  visible = hn::And(visible, hn::And(hn::Le(l0, most), hn::And(hn::Le(hn::Abs(l1), most), hn::Le(l2, most))));
 
   if (v.antialiased) {
     const Vec ratio = hn::Max(factors(&Factor::sharpness), hn::Set(d, v.min_compensation));
@@ -344,7 +346,13 @@ HWY_INLINE void ProjectGroup(const ViewConstants& v, const Clip& clip, const Gro
                    hn::And(hn::Le(hn::Sub(seen.x, x), hn::Set(d, right - 0.5f)),
                            hn::Le(hn::Sub(seen.y, y), hn::Set(d, bottom - 0.5f))));
   };
-  visible = hn::And(visible, reaches(half_width, half_height, 0, 0, v.width, v.height));
+  const auto spans = [&](Vec mean, Vec lacks, Vec half, float pixels) HWY_ATTR {
+    const Vec to_first = hn::Sub(hn::Sub(hn::Set(d, 0.5f), mean), lacks);
+    const Vec to_last = hn::Sub(hn::Sub(hn::Set(d, pixels - 0.5f), mean), lacks);
+    return hn::And(hn::Le(to_first, half), hn::Le(hn::Neg(to_last), half));
+  };
+  visible = hn::And(visible, hn::And(spans(seen.x, seen.lacks_x, half_width, v.width),
+                                     spans(seen.y, seen.lacks_y, half_height, v.height)));
   const Vec slack =  // `part_slack`
       hn::Add(hn::Set(d, 2e-2f), hn::Mul(hn::Set(d, 2e-4f), hn::Add(half_width, half_height)));
   visible = hn::And(visible, reaches(hn::Add(half_width, slack), hn::Add(half_height, slack), v.left, v.top,

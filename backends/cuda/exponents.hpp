@@ -2,14 +2,14 @@
 #pragma once
 
 /// @file
-/// What kernels compute with instructions that hosts do not have. Hosts compute the same, rounded better.
-/// Exponent representations. Hosts test them.
+/// Arithmetic of kernels: device instructions, exponent representations, and the test of a warp block. Hosts
+/// compute the same, rounded better, and test it.
 ///
-/// `prepare` finds the terms of a splat from where the warp block's first pixel lies from its mean, and from
-/// h = log2(opacity / alpha_max). `evaluate` finds log2(alpha / alpha_max) at the lane's pixels from the
-/// place of the first within the warp block. `evaluate_one` finds the same bits at one pixel, `right` columns
-/// to the right of that place. Terms are a quadruple and a `Rest`, apart because shared memory is read by
-/// words of 16 bytes. Cleared terms show nothing.
+/// `prepare` finds a splat's terms from the vector from its mean to the warp block's first pixel, and from h
+/// = log2(opacity / alpha_max). `evaluate` finds log2(alpha / alpha_max) at the lane's pixels from the place
+/// of the first within the warp block. `evaluate_one` finds the same bits at one pixel, `right` columns to
+/// the right of that place. Terms are a quadruple and a `Rest`, apart because shared memory is read by words
+/// of 16 bytes. Cleared terms show nothing.
 
 #include <cmath>
 
@@ -146,7 +146,7 @@ struct FactorExponent {
   }
 };
 
-/// What a coordinate of a mean in an image lacks as a float, at most. @units{pixels}
+/// Twice what a float of a mean in an image lacks at most. @units{pixels}
 inline constexpr float most_lacking = 0x1p-8f;
 
 /// Whether the ellipse s <= cutoff meets the box of pixel centres that begins at `first` and is `side` - 1

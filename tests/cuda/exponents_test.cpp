@@ -135,7 +135,7 @@ TEST_CASE("cuda arithmetic: alphas of the factor as it is stored are those of do
     const float4 factor = FactorExponent::prepare(shape);
     for (int pixel = 0; pixel < part * part; ++pixel) {
       const float x = first.x + float(pixel % part), y = first.y + float(pixel / part);
-      const float alpha = FactorExponent::alpha(factor, x - shape.mean.x, y - shape.mean.y, rules);
+      const float alpha = FactorExponent::alpha(factor, shape.right_of_mean(x), shape.below_mean(y), rules);
       const ExactSquare exact(shape, double(x), double(y));
       kept += alpha > 0;
       wrong += !alpha_allowed(alpha, std::log2(double(shape.opacity)) - exact.s, exact.error);

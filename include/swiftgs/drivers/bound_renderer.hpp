@@ -80,7 +80,7 @@ class SWIFTGS_API BoundRenderer : public AnyRenderer {
   void set_views(Span<const View> views) override;
   void record(FrameReport* report) override;
   void set_recorded_scenes() override;
-  Span<StoredScene> recorded_scenes() override { return recorded_.stored_scenes(); }
+  Span<StoredScene> recorded_scenes() override;
   std::vector<std::size_t> refused_scenes() const override { return recorded_.refused_scenes(backend()); }
   void wait() override { backend().wait(); }
 
@@ -282,6 +282,13 @@ template <class B>
 void BoundRenderer<B>::record(FrameReport* report) {
   record(report, detail::DoNothing());
 }
+template <class B>
+Span<StoredScene> BoundRenderer<B>::recorded_scenes() {
+  if (records_kept_ && !kept_.records_placed())
+    throw OrderError("recorded_scenes: expected reserve of placed scenes before");
+  return recorded_.stored_scenes();
+}
+
 template <class B>
 void BoundRenderer<B>::set_recorded_scenes() {
   recorded_.set_scenes(backend(), kept_.scenes());

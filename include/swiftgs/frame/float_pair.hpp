@@ -73,7 +73,7 @@ SWIFTGS_HD inline FloatPair operator-(float a, FloatPair b) {
   return fast_two_sum(sum.high, detail::rounded_sum(sum.low, -b.low));
 }
 
-/// As the one above.
+/// a - b, off by 2 u^2 |a - b|.
 SWIFTGS_HD inline FloatPair operator-(FloatPair a, float b) {
   const FloatPair sum = two_sum(a.high, -b);
   return fast_two_sum(sum.high, detail::rounded_sum(sum.low, a.low));

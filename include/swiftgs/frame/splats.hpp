@@ -76,7 +76,7 @@ struct Colours {
 /// dy)^2, and alpha = opacity 2^-s. A pixel keeps the splat where s <= cutoff = log2(opacity / alpha_min).
 ///
 /// `mean` alone would be off by 6e-5 pixels at column 1,500, more than all else that is computed of a splat.
-/// `low` holds what the rounding to float has taken: d is then as exact as a float can be.
+/// `low` holds the remainder that this rounding cuts off, so d is within a unit in its last place.
 struct alignas(32) SplatShape {
   vec2 mean{0};           ///< rounded to float @units{pixels}, the first pixel's centre is (0.5, 0.5)
   float l0 = 0;           ///< > 0 @units{1/pixels}
@@ -86,19 +86,20 @@ struct alignas(32) SplatShape {
   float cutoff = 0;       ///< largest s that is kept, 0 or more for a visible splat
   std::uint32_t low = 0;  ///< what `mean` lacks in x; in the upper 16 bits, in y; signed @units{2^-24 pixels}
 
-  /// `x` - the mean's. @units{pixels}
+  /// x less the mean's x. @units{pixels}
   SWIFTGS_HD float right_of_mean(float x) const { return x - mean.x - low_unit * low_number(low); }
-  /// `y` - the mean's. @units{pixels}
+  /// y less the mean's y. @units{pixels}
   SWIFTGS_HD float below_mean(float y) const { return y - mean.y - low_unit * low_number(low >> 16); }
   SWIFTGS_HD vec2 from_mean(vec2 at) const { return vec2(right_of_mean(at.x), below_mean(at.y)); }
 
-  /// The mean, in images of any size to 2^-25 pixels. Far outside of them it is no more than a float.
+  /// Sets the mean: up to column and row 65,536 to 2^-25 pixels, beyond as a float.
   /// `Real` is double, or `FloatPair`.
   template <class Real>
   SWIFTGS_HD void set_mean(const Real& x, const Real& y) {
     mean = vec2(float(x), float(y));
     low = low_of(float(x - mean.x)) | low_of(float(y - mean.y)) << 16;
   }
+  /// The mean as it is kept. @units{pixels}
   SWIFTGS_HD Vector2<double> exact_mean() const {
     return {mean.x + double(low_unit) * std::int16_t(low),
             mean.y + double(low_unit) * std::int16_t(low >> 16)};

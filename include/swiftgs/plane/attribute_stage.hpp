@@ -58,8 +58,8 @@ struct SplatAttributes {
     const auto seen = scenes.see(view.camera, splats.gaussians[i]);
     Geometry of{.depth = drawn_depth(seen.camera, seen.scene, seen.i, splats.depths[i])};
     if (some_along_ray && asks_for_ray_depth(view))
-      of.along_ray = ray_depth(seen.camera, gaussian(seen.scene, seen.i), splats.shapes[i].mean, of.depth,
-                               most_attribute(view.rules.alpha_max));
+      of.along_ray = ray_depth(seen.camera, gaussian(seen.scene, seen.i), splats.shapes[i].exact_mean(),
+                               of.depth, most_attribute(view.rules.alpha_max));
     // Both are among the first attributes of a frame.
     if (first == 0 && view.request.normal) of.normal = splat_normal(seen.camera, seen.scene, seen.i);
     const float* features = seen.scene.features.at(seen.i);

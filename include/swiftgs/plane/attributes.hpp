@@ -2,11 +2,12 @@
 #pragma once
 
 /// @file
-/// Depth along the ray: a splat's depth at each pixel, by the depth where its Gaussian is densest along the
-/// pixel's ray, linearised as the splat itself is.
 /// Planes that sum attributes of splats by weight, as colour does: depth along the ray, normal, squared depth
 /// and features. Each of their channels is an attribute. Rasterizers sum rows of four attributes, whatever
 /// they mean.
+///
+/// Depth along the ray is a splat's depth at each pixel: where its Gaussian is densest along the pixel's ray,
+/// linearised as the splat itself is.
 
 #include <cmath>
 #include <cstddef>
@@ -68,8 +69,8 @@ SWIFTGS_HD inline bool is_summed(double middle, double x, double y, double width
 /// The depth of a Gaussian that `view` shows at `mean`: the regression of depth on the place in the image, by
 /// the covariance that is drawn. `depth` is its mean's. Where squares would exceed `most_squared`, the depth
 /// does not vary.
-SWIFTGS_HD inline RayDepth ray_depth(const ViewConstants& v, const Gaussian& g, vec2 mean, float depth,
-                                     float most_squared) {
+SWIFTGS_HD inline RayDepth ray_depth(const ViewConstants& v, const Gaussian& g, Vector2<double> mean,
+                                     float depth, float most_squared) {
   const SphereSlopes by = sphere_slopes(v, g);
   const dvec3 &u = by.image.x, &w = by.image.y, across = cross(u, w);
   const double blur = v.blur, uu = dot(u, u), ww = dot(w, w);

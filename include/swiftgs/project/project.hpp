@@ -140,10 +140,10 @@ SWIFTGS_HD SplatFactor factor(const ImageAxes<Real>& m, Real blur) {
   out.l0 = float(l0), out.l1 = float(-l0 * (xy * inv_var_y)), out.l2 = float(Real(to_base_2) * inv_sigma_y);
   out.var_x = float(var_x), out.var_y = float(var_y);
   out.sharpness = float(sharp / var_x_given_y);
-  // In double, l0 and l1 may leave the range of float where the variances do not.
+  // In double, the factor may leave the range of float where the variances do not.
   out.valid = var_x_given_y > 0 && var_y > 0 && var_x <= Real(largest_variance) &&
               var_y <= Real(largest_variance) && var_x_given_y < Real(INFINITY) &&
-              std::fabs(out.l0) < INFINITY && std::fabs(out.l1) < INFINITY;
+              std::fabs(out.l0) < INFINITY && std::fabs(out.l1) < INFINITY && out.l2 < INFINITY;
   return out;
 }
 
@@ -207,9 +207,10 @@ SWIFTGS_HD ProjectedShape visible_shape(const ViewConstants& v, const Real& mean
   const float half_width = extent * std::sqrt(f.var_x), half_height = extent * std::sqrt(f.var_y);
 
   out.depth = depth;
-  const vec2 mean{float(mean_x), float(mean_y)};
-  out.visible = mean.x + half_width >= 0.5f && mean.x - half_width <= v.width - 0.5f &&
-                mean.y + half_height >= 0.5f && mean.y - half_height <= v.height - 0.5f;
+  const vec2 mean = s.mean, to_first = s.from_mean(vec2(0.5f)),
+             to_last = s.from_mean(vec2(v.width - 0.5f, v.height - 0.5f));
+  out.visible = to_first.x <= half_width && -to_last.x <= half_width && to_first.y <= half_height &&
+                -to_last.y <= half_height;
   const float slack = part_slack(half_width, half_height);
   const float x = half_width + slack, y = half_height + slack;
   out.visible = out.visible && mean.x + x >= v.left + 0.5f && mean.x - x <= v.right - 0.5f &&
@@ -255,8 +256,8 @@ SWIFTGS_HD inline ProjectedShape project_through_lens(const ViewConstants& v, co
   return visible_shape(v, x, y, f, opacity, order);
 }
 
-/// The factor of a splat through a pinhole. In float it would be off by three times the rounding that stores
-/// it, and pixels would cross the threshold of alpha.
+/// The factor of a splat through a pinhole. Computed in float, it would err by three times what storing it
+/// rounds, and pixels would cross `alpha_min`.
 SWIFTGS_HD inline SplatFactor pinhole_factor(const ViewConstants& v, double x_over_z, double y_over_z,
                                              double inverse_z, const Gaussian& g) {
   // Linearise within the limits of the conventions.
@@ -265,7 +266,7 @@ SWIFTGS_HD inline SplatFactor pinhole_factor(const ViewConstants& v, double x_ov
   return factor(ImageAxes<double>(v, at, g.scale, g.rotation), double(v.blur));
 }
 
-/// Not inlined: few splats need it where it is called, and it would cost the others registers.
+/// Not inlined: few splats call it, and inlined it would raise the registers of all.
 SWIFTGS_HD SWIFTGS_NOINLINE inline SplatFactor factor_in_double(const ViewConstants& v, double x_over_z,
                                                                 double y_over_z, double inverse_z,
                                                                 const Gaussian& g) {

@@ -116,8 +116,8 @@ struct SharedCamera {
 };
 
 /// Least thread blocks of a multiprocessor, for a lone view and for stored ones. A ninth is worth a few
-/// spilled registers: two views of 1.5 M Gaussians take 0.159 ms instead of 0.166. The few splats that are
-/// projected in double spill more. Lenses need more registers.
+/// spilled registers: two views of 1.5 M Gaussians take 0.159 ms instead of 0.166.
+/// Lenses need more registers.
 constexpr unsigned project_blocks(bool through_lens) { return through_lens ? 8 : 9; }
 
 /// Projects the Gaussians of one block in one view and appends the visible ones to those of the blocks before
