@@ -100,7 +100,7 @@ DEFECTS = [
          "[-opacity >= v.alpha_min && opacity < INFINITY-]{+!(opacity < v.alpha_min || opacity == INFINITY)+}",
          "half the width is not a number then, and the splat not visible"),
         ("an opacity of alpha_min is left out", "opacity >[-=-] v.alpha_min && opacity < INFINITY"),
-        ("visible by its mean alone", "mean.x [-+ half_width -]>= 0.5f"),
+        ("visible by its mean alone", "to_first.x <= [-half_width-]{+0+} &&"),
         ("view_direction without scaling", "[-for (int k = 0; k < 3; ++k) d[k] /= largest;-]"),
         ("far plane left out", "z > v.near_plane[- && z <= v.far_plane-]"),
         ("z on the far plane left out", "z <[-=-] v.far_plane"),
