@@ -54,22 +54,28 @@ struct ConditionedFrame {
   double depth_span = 0;   ///< largest depth
 };
 
-/// Renders placed scenes as `render_reference` does, six more times with every float of them moved by up to a
-/// unit in its last place, and finds where decisions are ambiguous. Clips decide of the means as they are.
-/// What moves is decided by `seed` alone.
+/// What moves in the trials of `render_conditioned`.
+struct StressTrials {
+  std::uint64_t seed = 1;   ///< decides alone which numbers move up, down or not at all
+  bool scene_only = false;  ///< the factor that renderers store of every splat does not move
+};
+
+/// Renders placed scenes as `render_reference` does, six more times with every float of them, and the stored
+/// factor of every splat, moved by up to a unit in its last place, and finds where decisions are ambiguous.
+/// Clips decide of the means as they are.
 /// Throws `InvalidArgument` as `render_reference` does, and where `conventions` are not valid or
 /// measure depth along the ray.
 SWIFTGS_API ConditionedFrame render_conditioned(Span<const ReferenceScene> scenes, const Camera& camera,
                                                 const Conventions& conventions, dvec3 background = dvec3(0),
-                                                std::uint64_t seed = 1, int threads = 0,
+                                                const StressTrials& trials = {}, int threads = 0,
                                                 Span<const float> occluder = {});
 /// The same of a scene alone, where it stands by itself.
 inline ConditionedFrame render_conditioned(const Scene& scene, const Camera& camera,
                                            const Conventions& conventions, dvec3 background = dvec3(0),
-                                           std::uint64_t seed = 1, int threads = 0,
+                                           const StressTrials& trials = {}, int threads = 0,
                                            Span<const float> occluder = {}) {
   const ReferenceScene alone{scene};
-  return render_conditioned({&alone, 1}, camera, conventions, background, seed, threads, occluder);
+  return render_conditioned({&alone, 1}, camera, conventions, background, trials, threads, occluder);
 }
 
 /// How far a frame is from the reference, measured by what float can do.

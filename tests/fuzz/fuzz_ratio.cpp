@@ -91,7 +91,7 @@ void draw_and_judge(const StressCase& drawn, const ConditionedFrame& reference, 
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const StressCase drawn = fuzz::ratio_case(data, size);
-  const ConditionedFrame reference = render_conditioned(drawn, 1, 1);
+  const ConditionedFrame reference = render_conditioned(drawn, {}, 1);
   draw_and_judge<AxisSharedThreshold<FloatCholesky>>(drawn, reference, 0);
   draw_and_judge<AxisShared<FloatSplit>>(drawn, reference, 1);
   draw_and_judge<PerPixel>(drawn, reference, 2);

@@ -30,9 +30,10 @@ struct StressCase {
 };
 
 /// What frames of `drawn` are judged by.
-inline ConditionedFrame render_conditioned(const StressCase& drawn, std::uint64_t seed = 1, int threads = 0) {
+inline ConditionedFrame render_conditioned(const StressCase& drawn, const StressTrials& trials = {},
+                                           int threads = 0) {
   const ReferenceScene placed{drawn.scene, drawn.world_from_scene, 1, drawn.clip};
-  return render_conditioned({&placed, 1}, drawn.camera, drawn.conventions, dvec3(drawn.background), seed,
+  return render_conditioned({&placed, 1}, drawn.camera, drawn.conventions, dvec3(drawn.background), trials,
                             threads, {drawn.occluder.data(), drawn.occluder.size()});
 }
 

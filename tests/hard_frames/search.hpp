@@ -55,15 +55,16 @@ namespace stress {
 class References {
  public:
   static constexpr std::size_t count = 8;
-  explicit References(const StressCase& drawn) : drawn_(drawn) {}
+  References(const StressCase& drawn, bool scene_only) : drawn_(drawn), scene_only_(scene_only) {}
 
   const ConditionedFrame& operator[](std::size_t i) {
-    if (!frames_[i]) frames_[i] = render_conditioned(drawn_, i + 1, 1);
+    if (!frames_[i]) frames_[i] = render_conditioned(drawn_, {i + 1, scene_only_}, 1);
     return *frames_[i];
   }
 
  private:
   const StressCase& drawn_;
+  bool scene_only_;
   std::array<std::optional<ConditionedFrame>, count> frames_;
 };
 
@@ -112,9 +113,12 @@ class StressSearch {
   enum Plane : std::size_t { colour, depth };
   static constexpr std::size_t planes = 2;
 
-  StressSearch(std::vector<StressSubject> subjects, std::vector<StressFamily> families, std::uint64_t seed)
+  /// `scene_only` as of `StressTrials`.
+  StressSearch(std::vector<StressSubject> subjects, std::vector<StressFamily> families, std::uint64_t seed,
+               bool scene_only = false)
       : subjects_(std::move(subjects)),
         families_(std::move(families)),
+        scene_only_(scene_only),
         random_(SplitMix64::scrambled(seed)),
         climb_(subjects_.size() * planes, true),
         worst_(climb_.objectives() * families_.size()) {
@@ -176,7 +180,7 @@ class StressSearch {
     const auto& [drawn, family] = started;
     // Some frames of families, and some neighbours, lie beyond a limit.
     if (!stress::is_valid(drawn)) return;
-    stress::References references(drawn);
+    stress::References references(drawn, scene_only_);
     std::vector<Frame> frames(subjects_.size());
     for (std::size_t i = 0; i < subjects_.size(); ++i) {
       std::string error;
@@ -229,6 +233,7 @@ class StressSearch {
   std::vector<StressSubject> subjects_;
   std::vector<std::size_t> twins_;  ///< the first subject that differs from each in the sort alone
   std::vector<StressFamily> families_;
+  bool scene_only_;
   stress::Random random_;
   stress::Climb<Started, stress::Niche> climb_;
   std::vector<StressFind> worst_;

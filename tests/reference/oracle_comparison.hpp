@@ -110,7 +110,7 @@ inline void check(Case c) {
   if (c.conventions.alpha_min > 0 && c.conventions.depth_at == Conventions::DepthAt::centre) {
     const bool conditioned = true;
     CAPTURE(conditioned);
-    check_values(render_conditioned(scenes, c.camera, c.conventions, c.background, 1, 1, occluder).frame,
+    check_values(render_conditioned(scenes, c.camera, c.conventions, c.background, {}, 1, occluder).frame,
                  expected, c);
   }
   CHECK(expected.visible >= c.visible);

@@ -6,7 +6,7 @@
 namespace swiftgs::test {
 
 CaseJudge::CaseJudge(StressCase drawn)
-    : drawn_(std::move(drawn)), reference_(render_conditioned(drawn_, 1, 1)) {}
+    : drawn_(std::move(drawn)), reference_(render_conditioned(drawn_, {}, 1)) {}
 
 StressVerdict CaseJudge::judge(std::string_view name, const Frame& frame) const {
   return swiftgs::judge(reference_, frame, exponent_representation_named(name));

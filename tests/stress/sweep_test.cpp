@@ -110,7 +110,7 @@ TEST_CASE("stress: rows hold the worst of what judge says of each seed") {
     std::uint64_t flips = 0, worst_seed = 1;
     for (std::uint64_t seed = 1; seed <= 3; ++seed) {
       const StressCase made = family.make(50, seed, size);
-      verdicts.push_back(judge(render_conditioned(made, seed), cli::draw(*renderer, made),
+      verdicts.push_back(judge(render_conditioned(made, {seed}), cli::draw(*renderer, made),
                                exponent_representation_named(table[i].name)));
       flips += verdicts.back().flips;
       if (verdicts.back().strict_normalised_error > verdicts[worst_seed - 1].strict_normalised_error)

@@ -210,7 +210,7 @@ void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pixels, d
 }  // namespace reference
 
 ConditionedFrame render_conditioned(Span<const ReferenceScene> scenes, const Camera& camera,
-                                    const Conventions& given, dvec3 background, std::uint64_t seed,
+                                    const Conventions& given, dvec3 background, const StressTrials& moves,
                                     int threads, Span<const float> occluder) {
   using namespace reference;
   ConditionedFrame out;
@@ -227,7 +227,7 @@ ConditionedFrame render_conditioned(Span<const ReferenceScene> scenes, const Cam
   out.alpha_move.resize(out.frame.alpha.size()), out.depth_move.resize(out.frame.alpha.size());
   for (std::vector<double>& ambiguous : out.ambiguous) ambiguous.resize(out.frame.alpha.size());
 
-  const std::vector<VariedSplat> splats = project_all_varied(views_of(scenes, camera, conventions), seed);
+  const std::vector<VariedSplat> splats = project_all_varied(views_of(scenes, camera, conventions), moves);
   for_each_index(std::size_t(camera.height), threads, [&](std::size_t row) {
     const int y = int(row);
     std::vector<VariedPixel> pixels(std::size_t(camera.width));

@@ -26,9 +26,10 @@ namespace swiftgs::reference {
 
 /// Trials of one frame. In each, every number that a renderer reads or keeps as float moves by a rounding
 /// error:
-/// - every float of the scene, and of every splat the stored factor, moves by up to one unit in its last
-///   place, because every renderer rounds stored numbers, and a long ridge shows it. Means do not move: a
-///   renderer may keep what rounding takes of them;
+/// - every float of the scene moves by up to one unit in its last place;
+/// - so does the stored factor of every splat unless `StressTrials::scene_only`, because every renderer
+///   rounds stored numbers, and a long ridge shows it. Means do not move: a renderer may keep what rounding
+///   takes of them;
 /// - what a pixel holds is rounded to float after every layer.
 inline constexpr std::size_t trials = 6;
 

@@ -49,7 +49,7 @@ inline double depth_error(std::size_t i, const View& view) {
 /// Projects Gaussian `i` of the view's scene, and of the trials `moved`. Nothing where no rounding could draw
 /// it.
 inline std::optional<VariedSplat> project_varied(const std::vector<Scene>& moved, std::size_t i,
-                                                 const View& view, Columns part, std::uint64_t seed) {
+                                                 const View& view, Columns part, const StressTrials& moves) {
   const Scene& scene = view.placed.scene;
   if (!is_shown(view.placed.clip, scene.means[i])) return {};
   const Eigen::Vector3d p = camera_space_mean(scene, i, view);
@@ -65,13 +65,14 @@ inline std::optional<VariedSplat> project_varied(const std::vector<Scene>& moved
   out.drawn = between_planes(float(splat->depth));
   out.least_depth = low, out.largest_depth = high;
 
-  Nudges nudges(seed ^ (splat->index * 0x2545f4914f6cdd1du));
+  Nudges nudges(moves.seed ^ (splat->index * 0x2545f4914f6cdd1du));
   out.numbers.emplace_back(*splat);
   for (const Scene& trial : moved) {
     // A trial in which the splat cannot be drawn at all tells nothing of how far it moves.
     std::optional<Splat> there = project_unculled(trial, i, camera_space_mean(trial, i, view), view, part);
     if (!there || !shade(*there, trial, i, view)) there = splat;
-    nudge_stored(out.numbers.emplace_back(*there), nudges);
+    out.numbers.emplace_back(*there);
+    if (!moves.scene_only) nudge_stored(out.numbers.back(), nudges);
   }
   if (k.footprint == Conventions::Footprint::three_sigma_square) out.cut = FootprintCut(*splat, out.numbers);
   return out;
@@ -109,13 +110,14 @@ inline void mark_ambiguous_orders(std::vector<VariedSplat>& splats) {
 }
 
 /// Appends the splats of a placed scene.
-inline void project_varied(const View& view, std::uint64_t seed, std::vector<VariedSplat>& splats) {
+inline void project_varied(const View& view, const StressTrials& moves, std::vector<VariedSplat>& splats) {
   const Scene& scene = view.placed.scene;
   std::vector<Scene> moved;
-  for (std::size_t t = 0; t < trials; ++t) moved.push_back(nudged(scene, seed + 977 * (t + 1) + view.first));
+  for (std::size_t t = 0; t < trials; ++t)
+    moved.push_back(nudged(scene, moves.seed + 977 * (t + 1) + view.first));
   for (std::size_t i = 0; i < scene.size(); ++i)
     for (const Columns part : view.parts) {
-      std::optional<VariedSplat> splat = project_varied(moved, i, view, part, seed);
+      std::optional<VariedSplat> splat = project_varied(moved, i, view, part, moves);
       if (!splat || !(splat->splat.opacity >= 0.99 * double(view.conventions.alpha_min))) continue;
       bound_varied(*splat, view, part);
       if (splat->splat.x_begin < splat->splat.x_end && splat->splat.y_begin < splat->splat.y_end)
@@ -123,9 +125,10 @@ inline void project_varied(const View& view, std::uint64_t seed, std::vector<Var
     }
 }
 
-inline std::vector<VariedSplat> project_all_varied(const std::vector<View>& views, std::uint64_t seed) {
+inline std::vector<VariedSplat> project_all_varied(const std::vector<View>& views,
+                                                   const StressTrials& moves) {
   std::vector<VariedSplat> splats;
-  for (const View& view : views) project_varied(view, seed, splats);
+  for (const View& view : views) project_varied(view, moves, splats);
   std::stable_sort(splats.begin(), splats.end(), [](const VariedSplat& a, const VariedSplat& b) {
     return float(a.splat.depth) < float(b.splat.depth);
   });

@@ -124,7 +124,8 @@ void search(const StressOptions& options, const std::vector<RendererEntry>& entr
   for (const RendererEntry& entry : entries) subjects.push_back(subject_of(entry));
   const Team& team = Team::here();
   StressSearch found(std::move(subjects), std::move(families),
-                     options.seed * std::uint64_t(team.size()) + std::uint64_t(team.rank()));
+                     options.seed * std::uint64_t(team.size()) + std::uint64_t(team.rank()),
+                     options.scene_only);
   climb(found, seconds);
   std::vector<SearchRow> rows = rows_of_search(found);
   join(rows);

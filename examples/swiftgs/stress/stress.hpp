@@ -17,6 +17,7 @@ struct StressOptions {
   std::string severities = "all", sizes = "64x48";
   int seeds = 8;
   std::optional<std::int64_t> threads;
+  bool scene_only = false;  ///< as of `StressTrials`
   std::string json;
   std::optional<double> search;  ///< for so long, in place of the families' own frames @units{seconds}
   std::uint64_t seed = 1;        ///< of the search

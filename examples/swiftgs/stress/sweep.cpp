@@ -175,7 +175,8 @@ Frame draw(AnyRenderer& renderer, const StressCase& made) {
   return frame;
 }
 
-Sweep::Sweep(std::vector<RendererEntry> entries, int seeds, int threads) : seeds_(seeds), threads_(threads) {
+Sweep::Sweep(std::vector<RendererEntry> entries, int seeds, int threads, bool scene_only)
+    : seeds_(seeds), threads_(threads), scene_only_(scene_only) {
   for (const RendererEntry& entry : entries) subjects_.push_back({entry, nullptr});
 }
 
@@ -189,7 +190,7 @@ std::vector<StressRow> Sweep::run(const StressPoint& point, Progress& progress) 
 void Sweep::draw_seed(const StressPoint& point, std::uint64_t seed, std::vector<StressRow>& rows,
                       Progress& progress) {
   const StressCase made = point.family->make(point.severity, seed, point.size);
-  const ConditionedFrame reference = render_conditioned(made, seed, threads_);
+  const ConditionedFrame reference = render_conditioned(made, {seed, scene_only_}, threads_);
   for (std::size_t i = 0; i < subjects_.size(); ++i) {
     Subject& subject = subjects_[i];
     progress.start(std::string(point.family->name) + " " + severity_text(point.severity) + ": " +

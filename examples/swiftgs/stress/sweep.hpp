@@ -74,8 +74,9 @@ Frame draw(AnyRenderer& renderer, const StressCase& made);
 /// Draws hard frames with several renderers and judges each against float64.
 class Sweep {
  public:
-  /// Seeds are 1 to `seeds`; `threads` are those of the reference, 0 for all.
-  Sweep(std::vector<RendererEntry> entries, int seeds, int threads);
+  /// Seeds are 1 to `seeds`; `threads` are those of the reference, 0 for all; `scene_only` as of
+  /// `StressTrials`.
+  Sweep(std::vector<RendererEntry> entries, int seeds, int threads, bool scene_only = false);
 
   /// One row for each renderer. Throws only where the reference does: a renderer that throws has a row that
   /// says so, and is made anew.
@@ -91,6 +92,7 @@ class Sweep {
 
   std::vector<Subject> subjects_;
   int seeds_, threads_;
+  bool scene_only_;
 };
 
 }  // namespace swiftgs::cli
