@@ -29,8 +29,7 @@ struct Differences {
   void add(const ProjectedShape& in_double, const ProjectedShape& in_pairs) {
     visible += in_double.visible, alone += in_double.visible != in_pairs.visible;
     if (!in_double.visible || !in_pairs.visible) return;
-    means += in_double.shape.mean != in_pairs.shape.mean || in_double.shape.low != in_pairs.shape.low;
-    depths += in_double.depth != in_pairs.depth;
+    means += in_double.shape.mean != in_pairs.shape.mean, depths += in_double.depth != in_pairs.depth;
     for (int k = 0; k < 2; ++k) {
       const double exact = in_double.shape.exact_mean()[k];
       const double off = std::abs(in_pairs.shape.exact_mean()[k] - exact);
