@@ -41,7 +41,7 @@ struct Placement {
   std::size_t count = all;  ///< Gaussians that show; `all` from `first` on
 };
 
-/// A renderer whose policies are known at run time alone: one of `make_renderer`, or any `Renderer`. It keeps
+/// A renderer that is used without naming its policies: one of `make_renderer`, or any `Renderer`. It keeps
 /// scenes by number and draws what is placed of them.
 ///
 /// It keeps the memory of its stages, so a frame no larger than an earlier one allocates nothing. All of it
@@ -57,8 +57,8 @@ class SWIFTGS_API AnyRenderer {
   virtual std::string device_name() const = 0;
 
   /// Uploads `scene` for the frames that follow, in place of all scenes and placements before; host backends
-  /// share it. A graph of frames that were recorded
-  /// before reads the scene of then: destroy the graph first, unless another renderer shares that scene.
+  /// share it. A graph of frames that were recorded before reads the scene of then: destroy the graph first,
+  /// unless another renderer shares that scene.
   virtual void set_scene(std::shared_ptr<const Scene> scene,
                          HarmonicsKept kept = HarmonicsKept::smallest) = 0;
 

@@ -96,8 +96,8 @@ constexpr bool check_policies() {
 
 namespace swiftgs {
 
-/// Renders frames: project, shade, bin, sort, rasterize. Every combination of policies is one type. Those of
-/// `Renderer<Cpu>` are as exact as float allows, and in most scenes the fastest or close to it.
+/// Renders frames: project, shade, bin, sort, rasterize. Every combination of policies is one type. The
+/// default policies are as exact as float allows, and in most scenes the fastest or close to it.
 template <class B, class Sort = EarlySort, class Raster = AxisSharedThreshold<FloatCholesky>,
           class Bounds = Ellipse>
 requires(detail::check_policies<B, Sort, Raster, Bounds>()) class Renderer : public BoundRenderer<B> {

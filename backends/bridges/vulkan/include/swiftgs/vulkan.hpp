@@ -6,7 +6,7 @@
 /// opaque file descriptors (VK_EXTERNAL_MEMORY_HANDLE_TYPE_OPAQUE_FD_BIT, and of semaphores likewise).
 /// A constructor takes ownership of its descriptor, and closes it if it throws.
 ///
-/// Where the stream waits for a semaphore that the same thread signals later, draw by `Renderer::record`:
+/// Where the stream waits for a semaphore that the same thread signals later, draw by `AnyRenderer::record`:
 /// `render_into` waits for the stream, and so for ever.
 
 #include <cstddef>

@@ -40,7 +40,7 @@ struct FrameTotals {
 /// is used. Its functions return when their work is in stream order, unless they say that they wait.
 /// All functions may throw `DeviceError`, and `CapacityError` where the device's memory does not suffice.
 ///
-/// A recorded frame (`Renderer::record`) may be captured into a CUDA graph, as may `for_each`, `clear`,
+/// A recorded frame (`AnyRenderer::record`) may be captured into a CUDA graph, as may `for_each`, `clear`,
 /// `update`, and `sort_pairs` and `sort_positions` of no more pairs than before. What waits, takes the time
 /// or copies from the host's memory throws `DeviceError` while the stream is being captured, before it calls
 /// CUDA, and the capture stays valid. CUDA does not allow to free memory then, so do not destroy or grow a
