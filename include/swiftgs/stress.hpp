@@ -57,12 +57,12 @@ struct ConditionedFrame {
 /// What moves in the trials of `render_conditioned`.
 struct StressTrials {
   std::uint64_t seed = 1;   ///< decides alone which numbers move up, down or not at all
-  bool scene_only = false;  ///< the factor that renderers store of every splat does not move
+  bool scene_only = false;  ///< what renderers store of splats does not move
 };
 
 /// Renders placed scenes as `render_reference` does, six more times with every float of them, and the stored
-/// factor of every splat, moved by up to a unit in its last place, and finds where decisions are ambiguous.
-/// Clips decide of the means as they are.
+/// mean and factor of every splat, moved by up to a unit in its last place, and finds where decisions are
+/// ambiguous. Clips decide of the means as they are.
 /// Throws `InvalidArgument` as `render_reference` does, and where `conventions` are not valid or
 /// measure depth along the ray.
 SWIFTGS_API ConditionedFrame render_conditioned(Span<const ReferenceScene> scenes, const Camera& camera,

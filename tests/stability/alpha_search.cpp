@@ -53,9 +53,11 @@ SplatShape draw_shape(Random& random) {
   const double across = random.scale(0.5478, 60), along = across * random.scale(1, 100);
   const double middle_x = tile_x * raster_block_side + 8, middle_y = tile_y * raster_block_side + 8;
   const double angle = random.in(0, 3.14159265), t = random.in(-2, 2), w = random.in(-2, 2);
-  return make_splat(middle_x + t * along * std::cos(angle) - w * across * std::sin(angle),
-                    middle_y + t * along * std::sin(angle) + w * across * std::cos(angle), along, across,
-                    angle, random.scale(1.0 / 250, 1));
+  SplatShape shape = make_splat(middle_x + t * along * std::cos(angle) - w * across * std::sin(angle),
+                                middle_y + t * along * std::sin(angle) + w * across * std::cos(angle), along,
+                                across, angle, random.scale(1.0 / 250, 1));
+  shape.low = 0;  // the yardstick counts units of a float mean
+  return shape;
 }
 
 void nudge_all(Random& random, SplatShape& s) {

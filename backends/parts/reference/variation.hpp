@@ -27,9 +27,8 @@ namespace swiftgs::reference {
 /// Trials of one frame. In each, every number that a renderer reads or keeps as float moves by a rounding
 /// error:
 /// - every float of the scene moves by up to one unit in its last place;
-/// - so does the stored factor of every splat unless `StressTrials::scene_only`, because every renderer
-///   rounds stored numbers, and a long ridge shows it. Means do not move: a renderer may keep what rounding
-///   takes of them;
+/// - so do the mean and the factor of every splat as floats unless `StressTrials::scene_only`, because
+///   renderers store them, and a long ridge shows it;
 /// - what a pixel holds is rounded to float after every layer.
 inline constexpr std::size_t trials = 6;
 
@@ -119,6 +118,7 @@ struct SplatNumbers {
 /// Moves what a renderer stores of a splat.
 inline void nudge_stored(SplatNumbers& numbers, Nudges& nudges) {
   const auto nudge = [&](double& value) { value += nudges.next() * float_ulp(value); };
+  nudge(numbers.x), nudge(numbers.y);
   Factor factor = numbers.factor();
   nudge(factor.l0), nudge(factor.l1), nudge(factor.l2);
   // A factor below what floats hold is one that no renderer stores.

@@ -36,7 +36,7 @@ warning names the renderers and families in which it may be more than 1/255 of a
 'ambiguity' is the largest share of a pixel's weight that such decisions and the allowed error decide.
 A pixel is not judged if they decide all of it; 'judged' is the share of pixels that are.
 --scene-only excuses less: what rounding the scene's own floats may cost, but not the rounding of
-the factors that renderers store of its splats.
+the means and factors that renderers store of its splats.
 --search SECONDS climbs instead: it changes small frames of all families, and of lone Gaussians that
 point at the camera, and keeps what is drawn worse. Where sorts differ alone, frames must be equal.
 The frames follow from --seed and the renderers; how many there are depends on the time.
@@ -131,7 +131,7 @@ void add_stress(CLI::App& app) {
   command->add_option("--seed", options->seed, "Of the search")->capture_default_str()->needs(search);
   for (CLI::Option* option : of_sweep) search->excludes(option);
   command->add_flag("--scene-only", options->scene_only,
-                    "Excuse what rounding the scene may cost, but not the rounding of stored factors");
+                    "Excuse what rounding the scene may cost, but not that of stored means and factors");
   command->add_option("--threads", options->threads, "Threads of the cpu backend and of the reference [all]");
   add_json(*command, options->json);
   command->callback([options] { stress(*options, renderers_matching(options->renderers)); });
