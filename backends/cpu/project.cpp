@@ -93,12 +93,8 @@ using Triple = TripleOf<Doubles>;
 HWY_INLINE Doubles Dot(const Triple& a, const Triple& b) {
   return mul_add(a.x, b.x, mul_add(a.y, b.y, a.z * b.z));
 }
-HWY_INLINE Doubles DifferenceOfProducts(Doubles a, Doubles b, Doubles c, Doubles d) {
-  return mul_sub(a, b, c * d);
-}
 HWY_INLINE Triple Cross(const Triple& a, const Triple& b) {
-  return {DifferenceOfProducts(a.y, b.z, a.z, b.y), DifferenceOfProducts(a.z, b.x, a.x, b.z),
-          DifferenceOfProducts(a.x, b.y, a.y, b.x)};
+  return {mul_sub(a.y, b.z, a.z * b.y), mul_sub(a.z, b.x, a.x * b.z), mul_sub(a.x, b.y, a.y * b.x)};
 }
 
 struct Axes {
