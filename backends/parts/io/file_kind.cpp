@@ -17,8 +17,8 @@ struct Finding {
 };
 
 /// Of kinds from `cameras_json` on.
-constexpr const char* names[] = {"JSON of cameras (cameras.json)", "JSON of cameras (transforms.json)",
-                                 "JSON of cameras (camera_path.json)", "a list of scenes"};
+constexpr const char* json_names[] = {"JSON of cameras (cameras.json)", "JSON of cameras (transforms.json)",
+                                      "JSON of cameras (camera_path.json)", "a list of scenes"};
 
 /// A file that is no scene may hold numbers that begin as JSON does, so that only its keys tell.
 FileKind kind_of_json(std::string_view text) {
@@ -82,7 +82,7 @@ std::string what_it_is(std::string_view text, std::string_view name) {
   if (text.empty()) return "an empty file";
   const auto [kind, format] = find(text, name);
   if (format) return std::string(format->name);
-  if (kind != FileKind::other) return names[int(kind) - int(FileKind::cameras_json)];
+  if (kind != FileKind::other) return json_names[int(kind) - int(FileKind::cameras_json)];
   if (is_gzip(text)) return gzip_of(text);
   if (const std::string foreign = foreign_file(text, name); foreign != something_else) return foreign;
   if (const std::string_view encoding = other_encoding(text); !encoding.empty())
