@@ -25,6 +25,15 @@ FEATURES = {
     "tools": ["tools/*"],
 }
 
+# The headers of the frame that each of these features includes. Placed scenes are part of the frame: they are what
+# it shows.
+OF_FRAME = {
+    "drivers": "api backend bounds frame_plan frame_renderer harmonics learnt math passes placing raster "
+               "render_input sort span splats stages tiles views",
+    "planes": "backend lens math passes raster splats tiles view_constants views",
+    "lenses": "lens math tiles view_constants views",
+}
+
 
 def included(header):
     text = (ROOT / header).read_text()
@@ -46,6 +55,11 @@ def way(by, header):
     return header if by[header] is None else f"{way(by, by[header])} > {header}"
 
 
+def headers_of(feature):
+    paths = [str(path.relative_to(ROOT)) for path in ROOT.glob("**/*.hpp")]
+    return [path for path in paths if any(fnmatch.fnmatch(path, pattern) for pattern in FEATURES[feature])]
+
+
 def main():
     core, wrong = closure(CORE), []
     for feature, patterns in FEATURES.items():
@@ -54,6 +68,12 @@ def main():
                 wrong.append(f"{feature}: no header is called {pattern}")
         wrong += [f"the frame includes one of its {feature}: {way(core, header)}" for header in core
                   if any(fnmatch.fnmatch(header, pattern) for pattern in patterns)]
+    for feature, expected in OF_FRAME.items():
+        found = {name for header in headers_of(feature) for name in included(header) if name.startswith("frame/")}
+        found = {name.removeprefix("frame/").removesuffix(".hpp") for name in found}
+        for name in sorted(found.symmetric_difference(expected.split())):
+            wrong.append(f"{feature} {'include' if name in found else 'do not include'} frame/{name}.hpp, expected "
+                         f"{expected}")
     lines = sum((ROOT / header).read_text().count("\n") for header in core)
     if len(core) > MOST_FILES or lines > MOST_LINES:
         wrong.append(f"the frame includes {len(core)} headers of {lines} lines, expected at most {MOST_FILES} of {MOST_LINES}")
