@@ -21,12 +21,10 @@
 
 #include "batch-inl.hpp"
 #include "blend-inl.hpp"
+#include "draw-inl.hpp"
 #include "exp2-inl.hpp"
-#include "pick-inl.hpp"
 #include "raster_block-inl.hpp"
-#include "ray-inl.hpp"
 #include "store-inl.hpp"
-#include "sum-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
@@ -164,36 +162,6 @@ HWY_INLINE bool Evaluate(const Exponent& HWY_RESTRICT exponent, const Batch& HWY
   return true;
 }
 
-/// What a raster block holds beside colours and depths; null where that is not wanted.
-struct PlaneStates {
-  PickState* picks;
-  AttributeState* sums;
-  const RayState* rays;  ///< of views that an occluder hides splats of by their depths along the ray
-};
-
-/// What is done with evaluated splats: blending, picking and summing attributes. A function of its own, since
-/// no exponent matters here, and each copy takes long to compile.
-using DrawFunction = void (*)(const RasterJob&, const Batch&, const BlendRules&, Evaluated&,
-                              RasterBlockState&, const PlaneStates&, RasterCounts&);
-
-template <Blending kBlending>
-HWY_NOINLINE void DrawGroup(const RasterJob& job, const Batch& batch, const BlendRules& rules, Evaluated& of,
-                            RasterBlockState& state, const PlaneStates& planes, RasterCounts& counts) {
-  if constexpr (KeepsWeights(kBlending))
-    if (planes.rays) HideGroup(job.attributes, batch, *planes.rays, of);
-  BlendGroup<kBlending>(batch, rules, of, state, counts, planes.sums);
-  if constexpr (KeepsWeights(kBlending)) {
-    if (planes.picks) PickGroup(batch, rules, of, state, *planes.picks);
-    if (planes.sums) SumGroup(job.attributes, of, *planes.sums);
-  }
-}
-
-/// By `Blending`.
-inline constexpr DrawFunction draw_functions[] = {
-    DrawGroup<Blending::colours>,    DrawGroup<Blending::depths>,  DrawGroup<Blending::occluded>,
-    DrawGroup<Blending::row>,        DrawGroup<Blending::weighed>, DrawGroup<Blending::all_weighed>,
-    DrawGroup<Blending::all_counted>};
-
 /// Renders raster blocks [begin, end): traverses each list in batches, and each batch group by group.
 /// `kColours`: all views are of `Blending::colours`.
 template <class Exponent, bool kColours>
@@ -216,14 +184,11 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
     const View& view = place.view;
     Exponent exponent(view.rules);
     const Blending blending = kColours ? Blending::colours : BlendingOf(job, view);
-    [[maybe_unused]] const DrawFunction draw_group = draw_functions[int(blending)];
+    [[maybe_unused]] const DrawFunction draw_group = DrawFunctionOf(blending);
     const PlaneStates planes{!kColours && job.picks(view) ? &picks : nullptr,
                              !kColours && job.attributes.rows != 0 ? &sums : nullptr,
                              !kColours && hides_along_ray(view) ? &rays : nullptr};
-    Clear<Groups>(place, blending, state);
-    if (planes.picks) ClearPicks(picks);
-    if (planes.sums) ClearSums(job.attributes, sums);
-    if (planes.rays) PrepareRays<Groups>(place, rays);
+    Begin<Groups>(job, place, blending, state, planes);
     const TileRange range = place.list(job);
     std::uint32_t live = range.begin < range.end ? Live(state.transmittance) : 0;
     PrefetchSplats(job, range.begin, range.begin + batch_size, range.end);
@@ -263,12 +228,7 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
       live = Live(state.transmittance);
       counts.intersections_visited += splats;
     }
-    if (!job.only_attributes)
-      StoreRasterBlock<Groups>(view, place, state);
-    else
-      Groups::ToRows(state.transmittance);
-    if (planes.picks) StorePicks<Groups>(job, place, picks);
-    if (planes.sums) StoreSums<Groups>(job, place, state.transmittance, sums);
+    End<Groups>(job, place, state, planes);
     if (job.counts) job.counts[block] = counts;
   }
   hwy::FlushStream();
