@@ -58,7 +58,7 @@ void add_cameras(CLI::App& command, ViewOptions& options) {
                      "capture's folder [those of SCENE where it is a folder]");
   command
       .add_option("--conventions", options.conventions,
-                  "Conventions that the scene was trained with: gsplat or inria")
+                  "Conventions that the scene was trained with: gsplat, inria or khronos")
       ->capture_default_str();
   command.add_option("--background", options.background, "Colour behind the scene: R,G,B, each 0 to 1")
       ->capture_default_str();

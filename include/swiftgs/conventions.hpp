@@ -39,8 +39,8 @@ struct RenderingModel {
   bool operator==(const RenderingModel&) const = default;
 };
 
-/// The numbers that define "the same image". `Conventions::gsplat()` and `Conventions::inria()` are
-/// exact presets. What is optional is as the scene was trained unless it is set.
+/// The numbers that define "the same image". `Conventions::gsplat()`, `Conventions::inria()` and
+/// `Conventions::khronos()` are exact presets. What is optional is as the scene was trained unless it is set.
 struct Conventions {
   /// Limits of x/z and y/z where the projection is linearised, in tangents.
   enum class JacobianClamp {
@@ -49,9 +49,10 @@ struct Conventions {
   };
   /// The pixels that a Gaussian can reach in the reference image.
   enum class Footprint {
-    alpha,               ///< every pixel where alpha is at least `alpha_min`
-    three_sigma_square,  ///< only those in 16x16 tiles that the square of half side ceil(3 sqrt(lambda_max))
-                         ///< touches
+    alpha,                ///< every pixel where alpha is at least `alpha_min`
+    three_sigma_square,   ///< only those in 16x16 tiles that the square of half side ceil(3 sqrt(lambda_max))
+                          ///< touches
+    three_sigma_ellipse,  ///< only those at most three standard deviations from the mean, with the blur
   };
 
   /// What is compared with the planes and with occluders, and is drawn as depth. Orders splats, unless
@@ -105,6 +106,18 @@ struct Conventions {
     return c;
   }
 
+  /// The text of KHR_gaussian_splatting. What it leaves open is as in `gsplat`.
+  static constexpr Conventions khronos() {
+    Conventions c;
+    c.order = SplatOrder::distance;
+    c.alpha_min = 0x1p-24f;  // the text has no limit; a transmittance of 1 as a float does not show less
+    c.alpha_max = 1;
+    c.stop = 0;
+    c.stop_at_equal = false;
+    c.footprint = Footprint::three_sigma_ellipse;
+    return c;
+  }
+
   bool operator==(const Conventions&) const = default;
 };
 
@@ -150,7 +163,8 @@ inline void validate(const Conventions& c) {
 inline Conventions conventions_named(std::string_view name) {
   if (name == "gsplat") return Conventions::gsplat();
   if (name == "inria") return Conventions::inria();
-  detail::refuse("conventions '", name, "' are not known; expected gsplat or inria");
+  if (name == "khronos") return Conventions::khronos();
+  detail::refuse("conventions '", name, "' are not known; expected gsplat, inria or khronos");
 }
 
 }  // namespace swiftgs

@@ -18,6 +18,7 @@
 
 #include <swiftgs/frame.hpp>
 #include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/srgb.hpp>
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/reference.hpp>
 
@@ -49,9 +50,17 @@ struct ConditionedFrame {
   /// the representation may err. 0 in pixels that are not ambiguous.
   std::array<std::vector<double>, exponent_representations> ambiguous;
 
-  double colour_span = 0;  ///< largest difference of two colours, background included
-  double peak = 0;         ///< largest magnitude in `frame.colour`
-  double depth_span = 0;   ///< largest depth
+  ColourSpace colours = ColourSpace::srgb;  ///< in which colours are blended
+  double colour_span = 0;                   ///< largest difference of two colours in it, background included
+  double peak = 0;                          ///< largest magnitude in `frame.colour`
+  double depth_span = 0;                    ///< largest depth
+
+  /// How far a value of `frame.colour` may be off where `weight` is ambiguous. The sRGB curve is steepest at
+  /// black, so light changes the encoded value most there.
+  double colour_change(double weight) const {
+    const double change = weight * colour_span;
+    return colours == ColourSpace::linear ? double(to_srgb(float(change))) : change;
+  }
 };
 
 /// What moves in the trials of `render_conditioned`.
@@ -101,14 +110,14 @@ namespace detail {
 
 /// Normalised errors of one plane.
 struct PlaneJudge {
-  double peak, span;  ///< largest magnitude of its values, largest difference of two colours in it
+  double peak;  ///< largest magnitude of its values
 
-  /// Normalised error of a value that should be `expected`, of which the part `ambiguous` may change hands.
-  double normalised(double value, double expected, double move, double ambiguous) const {
+  /// Normalised error of a value that should be `expected`, which ambiguous decisions may move by `change`.
+  double normalised(double value, double expected, double move, double change) const {
     const double error = std::abs(value - expected);
     if (!(error <= std::numeric_limits<double>::max())) return std::numeric_limits<double>::infinity();
     const double rounding = 0x1p-23 * std::max(std::abs(expected), peak / 16);
-    const double beyond = error - ambiguous * span;
+    const double beyond = error - change;
     return beyond > 0 ? beyond / (move + rounding) : 0;
   }
 };
@@ -119,7 +128,7 @@ struct PlaneJudge {
 /// exponents in `representation`.
 inline StressVerdict judge(const ConditionedFrame& reference, const Frame& frame,
                            ExponentRepresentation representation) {
-  const detail::PlaneJudge colour{reference.peak, reference.colour_span}, transmittance{1, 1};
+  const detail::PlaneJudge colour{reference.peak}, transmittance{1};
   const std::vector<double>& decisions = reference.ambiguous[std::size_t(ExponentRepresentation::factor)];
   const std::vector<double>& allowed = reference.ambiguous[std::size_t(representation)];
   StressVerdict out;
@@ -133,8 +142,9 @@ inline StressVerdict judge(const ConditionedFrame& reference, const Frame& frame
     const auto error = [&](double ambiguous) {
       double worst = 0;
       for (std::size_t v = 3 * i; v < 3 * i + 3; ++v)
-        worst = std::max(worst, colour.normalised(double(frame.colour[v]), reference.frame.colour[v],
-                                                  reference.colour_move[v], ambiguous));
+        worst =
+            std::max(worst, colour.normalised(double(frame.colour[v]), reference.frame.colour[v],
+                                              reference.colour_move[v], reference.colour_change(ambiguous)));
       // Alpha is 1 - transmittance, and transmittance is what floats hold.
       if (!frame.alpha.empty())
         worst = std::max(worst, transmittance.normalised(1 - double(frame.alpha[i]), 1 - covered,
@@ -151,10 +161,10 @@ inline StressVerdict judge(const ConditionedFrame& reference, const Frame& frame
     if (frame.depth.empty() || covered == 0) continue;
     // Depth is divided by alpha: where little is covered, the rounding of transmittance is much of both.
     const double z = reference.frame.depth[i], ambiguous = allowed[i] / std::max(covered - allowed[i], 1e-9);
-    const detail::PlaneJudge depth{16 * z / covered, reference.depth_span};
-    out.normalised_depth_error =
-        std::max(out.normalised_depth_error,
-                 depth.normalised(double(frame.depth[i]), z, reference.depth_move[i], ambiguous));
+    const detail::PlaneJudge depth{16 * z / covered};
+    out.normalised_depth_error = std::max(out.normalised_depth_error,
+                                          depth.normalised(double(frame.depth[i]), z, reference.depth_move[i],
+                                                           ambiguous * reference.depth_span));
   }
   out.psnr_db = psnr(frame.colour, reference.frame.colour, std::max(1.0, reference.peak));
   out.max_abs = max_abs_difference(frame.colour, reference.frame.colour);

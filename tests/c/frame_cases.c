@@ -35,14 +35,18 @@ void test_older_frames(void) {
 }
 
 void test_conventions(void) {
-  swiftgs_conventions gsplat = {.size = sizeof(gsplat)}, inria = {.size = sizeof(inria)};
+  swiftgs_conventions gsplat = {.size = sizeof(gsplat)}, inria = {.size = sizeof(inria)},
+                      khronos = {.size = sizeof(khronos)};
   CHECK_OK(swiftgs_conventions_named("gsplat", &gsplat));
   CHECK_OK(swiftgs_conventions_named("inria", &inria));
+  CHECK_OK(swiftgs_conventions_named("khronos", &khronos));
   CHECK(gsplat.blur == SWIFTGS_OF_SCENE && gsplat.antialiased == SWIFTGS_OF_SCENE);
   CHECK(gsplat.order == SWIFTGS_OF_SCENE && gsplat.colours == SWIFTGS_OF_SCENE);
   CHECK(gsplat.depth == SWIFTGS_DEPTH_OF_LENS && gsplat.depth_at == SWIFTGS_DEPTH_AT_CENTRE);
   CHECK(gsplat.footprint == SWIFTGS_FOOTPRINT_ALPHA &&
-        inria.footprint == SWIFTGS_FOOTPRINT_THREE_SIGMA_SQUARE);
+        inria.footprint == SWIFTGS_FOOTPRINT_THREE_SIGMA_SQUARE &&
+        khronos.footprint == SWIFTGS_FOOTPRINT_THREE_SIGMA_ELLIPSE);
+  CHECK(khronos.order == SWIFTGS_ORDER_DISTANCE && khronos.alpha_max == 1 && khronos.stop == 0);
   CHECK(gsplat.min_compensation == 2.5e-5f && inria.cull_at_near == 1 && isinf(inria.far_plane));
 
   struct drawing d;
@@ -60,7 +64,7 @@ void test_conventions(void) {
   REFUSE(size = 1, "swiftgs_conventions: size is 1");
 #undef REFUSE
   CHECK_INVALID(swiftgs_conventions_named("gsplat", &gsplat), "size is 1");
-  CHECK_INVALID(swiftgs_conventions_named("other", &inria), "expected gsplat or inria");
+  CHECK_INVALID(swiftgs_conventions_named("other", &inria), "expected gsplat, inria or khronos");
   CHECK_NULLS(swiftgs_conventions_named, "inria", "name", &inria, "swiftgs_conventions");
   swiftgs_renderer_free(d.renderer);
 }

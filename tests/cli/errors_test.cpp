@@ -56,7 +56,7 @@ TEST_CASE("cli errors: options that make no sense say what was expected") {
   for (const std::string size :
        {"builtin:", "builtin:0", "builtin:-5", "builtin:1e9", "builtin:999999999999"})
     fails(place, "info " + size, {size, "builtin:N"});
-  fails(place, "render builtin:10 --conventions other", {"other", "gsplat or inria"});
+  fails(place, "render builtin:10 --conventions other", {"other", "gsplat, inria or khronos"});
   fails(place, "render builtin:10 --format bmp", {"bmp", "png, pfm or exr"});
   fails(place, "info builtin:10 --spz-frame up", {"up", "specified, rub, rdf, luf or raw"});
   fails(place, "render builtin:10 --scale 0", {"--scale 0: expected a finite scale above 0"});

@@ -115,6 +115,9 @@ def test_conventions_are_those_of_the_library():
         assert found == (pytest.approx(default, rel=1e-7) if isinstance(default, float) else default), field.name
     inria = swiftgs.Conventions.named("inria")
     assert inria.near_plane == pytest.approx(0.2) and inria.clamp == "around-centre" and inria.cull_at_near
+    khronos = swiftgs.Conventions.named("khronos")
+    assert (khronos.order, khronos.alpha_max, khronos.stop, khronos.stop_at_equal) == ("distance", 1, 0, False)
+    assert khronos.blur is None and khronos.colours is None
     with pytest.raises(swiftgs.InvalidArgument, match="nobody"):
         swiftgs.Conventions.named("nobody")
 

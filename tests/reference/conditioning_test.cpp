@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -24,7 +26,7 @@ std::vector<bool> ambiguous_of(const std::vector<Range>& ranges) {
   for (const Range& range : ranges) {
     VariedSplat splat{};
     splat.splat.index = splats.size();
-    splat.least_depth = range.least, splat.largest_depth = range.largest;
+    splat.least_order = range.least, splat.largest_order = range.largest;
     splats.push_back(splat);
   }
   reference::mark_ambiguous_orders(splats);
@@ -79,6 +81,36 @@ TEST_CASE("conditioning: trials of the scene alone turn no line as the rounding 
   };
   CHECK(largest_move(true) > 0);
   CHECK(largest_move(true) < 0.25 * largest_move(false));
+}
+
+TEST_CASE("conditioning: frames of linear light are the reference's") {
+  Scene scene = scene_of(Gaussian{.mean = {0.01f, 0, 4}, .opacity = 0.4f},
+                         Gaussian{.mean = {0.02f, 0.01f, 5}, .scale = vec3(0.5f), .opacity = 0.8f});
+  scene.model.colours = ColourSpace::linear;
+  const Camera camera = small_camera(32, 32, 32);
+  const dvec3 background(0.2, 0.5, 0.9);
+  const ConditionedFrame found = render_conditioned(scene, camera, Conventions::gsplat(), background);
+  const ReferenceFrame expected = render_reference(scene, camera, Conventions::gsplat(), background);
+  CHECK(max_abs_difference(found.frame.colour, expected.colour) < 1e-15);
+  // Near black a little light is much of an encoded value.
+  CHECK(found.colour_change(1e-4) == doctest::Approx(12.92e-4 * found.colour_span));
+}
+
+TEST_CASE("conditioning: an edge at three standard deviations is ambiguous and the inside is not") {
+  // Variances of 9 without blur, centred on a pixel: pixel 9 to the right is on the edge.
+  const Scene scene = scene_of(Gaussian{.mean = {0, 0, 4}, .scale = vec3(3), .opacity = 0.5f});
+  Camera camera = small_camera(33, 33, 4);
+  camera.cx = camera.cy = 16.5;
+  Conventions conventions = Conventions::khronos();
+  conventions.blur = 0;
+  const ConditionedFrame frame = render_conditioned(scene, camera, conventions);
+  const std::size_t centre = 16 * 33 + 16;
+  const std::vector<double>& ambiguous = frame.ambiguous[0];
+  CHECK(ambiguous[centre + 9] == doctest::Approx(0.5 * std::exp(-4.5)));
+  CHECK(ambiguous[centre + 8] == 0);
+  CHECK(ambiguous[centre + 10] == 0);
+  CHECK(frame.frame.alpha[centre + 8] > 0);
+  CHECK(frame.frame.alpha[centre + 10] == 0);
 }
 
 /// What the judge says of two pixels, the second of which is off by `error`. Of it `ambiguous` may change

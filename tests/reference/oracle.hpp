@@ -40,11 +40,10 @@ struct OracleFrame {
   std::uint64_t visible = 0, contributing_pairs = 0, pixels_stopped = 0;
 };
 
-/// What a splat's alpha is at a pixel.
-inline Bounded alpha_at(const OracleSplat& s, int column, int row) {
+/// Squared Mahalanobis distance of a pixel from a splat's mean.
+inline Bounded squared_distance_at(const OracleSplat& s, int column, int row) {
   const Real dx = Real(column) + 0.5L - s.x, dy = Real(row) + 0.5L - s.y;
   const Real u = dx / s.l00, v = (dy - s.l10 * u) / s.l11;
-  const Real alpha = s.opacity * std::exp(-(u * u + v * v) / 2);
 
   // The reference adds x_weight (dx - shear dy)^2 and y_weight dy^2.
   const SplatDoubt& e = s.doubt;
@@ -55,7 +54,13 @@ inline Bounded alpha_at(const OracleSplat& s, int column, int row) {
   const Real twice =
       s.x_weight * (x_error * (2 * along + x_error) + (e.x_weight + 4 * unit) * along * along) +
       s.y_weight * (y_error * (2 * up + y_error) + (e.y_weight + 4 * unit) * up * up);
-  const Real relative = twice / 2 + e.opacity + 4 * unit;
+  return {u * u + v * v, twice};
+}
+
+/// What a splat's alpha is at a pixel.
+inline Bounded alpha_at(const OracleSplat& s, const Bounded& squared_distance) {
+  const Real alpha = s.opacity * std::exp(-squared_distance.value / 2);
+  const Real relative = squared_distance.error / 2 + s.doubt.opacity + 4 * unit;
   return {alpha, alpha * (relative < 1e-4L ? 1.001L * relative : std::expm1(std::min(relative, Real(1e3))))};
 }
 
@@ -68,17 +73,21 @@ class OraclePixel {
   /// Offers the next splat; true when it contributed.
   bool offer(const OracleSplat& s, int x, int y) {
     if ((stopped && follows(s)) || !s.footprint.holds(x, y)) return false;
-    Bounded alpha = test::alpha_at(s, x, y);
-    if (alpha.value + alpha.error < k_.alpha_min) return false;
+    const Bounded distance = squared_distance_at(s, x, y);
+    Bounded alpha = test::alpha_at(s, distance);
+    const bool ellipse = k_.footprint == Conventions::Footprint::three_sigma_ellipse;
+    const Real beyond = ellipse ? distance.value - 9 : -INFINITY;
+    if (alpha.value + alpha.error < k_.alpha_min || beyond > distance.error) return false;
     const Bounded here = depth_at(s, x, y);
     const bool along_ray = k_.depth_at == Conventions::DepthAt::ray;
     const float nearest = along_ray ? float(here.value - here.error) : s.doubt.nearest;
     const float furthest = along_ray ? float(here.value + here.error) : s.doubt.furthest;
     // From here on the splat might show, so every doubt about it counts.
     surely = surely && std::abs(alpha.value - k_.alpha_min) > alpha.error && !s.doubt.drawn &&
-             s.doubt.surely.holds(x, y) && follows(s) && (nearest >= occluder_) == (furthest >= occluder_);
+             beyond < -distance.error && s.doubt.surely.holds(x, y) && follows(s) &&
+             (nearest >= occluder_) == (furthest >= occluder_);
     remember(s);
-    if (stopped || !s.drawn || alpha.value < k_.alpha_min) return false;
+    if (stopped || !s.drawn || alpha.value < k_.alpha_min || beyond > 0) return false;
     const bool hidden = float(here.value) >= occluder_;
     if (hidden && along_ray) return false;
     alpha.value = std::min(alpha.value, Real(k_.alpha_max));
@@ -197,7 +206,7 @@ inline OracleFrame render_oracle(Span<const ReferenceScene> scenes, const Camera
       if (const auto splat = project_gaussian({placed, i}, number, camera, conventions))
         splats.push_back(*splat);
   std::sort(splats.begin(), splats.end(), [](const OracleSplat& a, const OracleSplat& b) {
-    return a.depth != b.depth ? a.depth < b.depth : a.index < b.index;
+    return a.order != b.order ? a.order < b.order : a.index < b.index;
   });
 
   OracleFrame frame;

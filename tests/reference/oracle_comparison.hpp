@@ -123,11 +123,13 @@ inline void check(Case c) {
 
 /// Checks the case under each preset, with and without antialiasing.
 inline void check_presets(Case c) {
-  for (const Conventions& preset : {Conventions::gsplat(), Conventions::inria()})
+  for (const Conventions& preset : {Conventions::gsplat(), Conventions::inria(), Conventions::khronos()})
     for (const bool antialiased : {false, true}) {
       CAPTURE(preset.cull_at_near);
+      CAPTURE(preset.alpha_max);
       CAPTURE(antialiased);
       c.conventions = preset, c.conventions.antialiased = antialiased;
+      if (!c.occluder.empty()) c.conventions.order = SplatOrder::depth;
       check(c);
     }
 }

@@ -253,12 +253,18 @@ inline std::optional<OracleSplat> project_gaussian(const WorldGaussian& g, std::
     s.z = std::hypot(p[0], p[1], p[2]);
     s.doubt.z = std::hypot(p_error[0], p_error[1], p_error[2]) + 8 * unit * s.z;
   }
-  s.depth = float(s.z);
+  s.depth = s.order = float(s.z);
   s.doubt.nearest = float(s.z - s.doubt.z), s.doubt.furthest = float(s.z + s.doubt.z);
   s.drawn = between_planes(s.depth, k);
   s.doubt.drawn =
       s.drawn != between_planes(s.doubt.nearest, k) || s.drawn != between_planes(s.doubt.furthest, k);
   if (!s.drawn && !s.doubt.drawn) return {};
+  if (k.order == SplatOrder::distance) {
+    const Real distance = std::hypot(p[0], p[1], p[2]);
+    const Real error = std::hypot(p_error[0], p_error[1], p_error[2]) + 8 * unit * distance;
+    s.order = float(distance);
+    s.doubt.nearest = float(distance - error), s.doubt.furthest = float(distance + error);
+  }
   const std::optional<ImageFactor> found = camera.lens.is_pinhole()
                                                ? through_pinhole(s, g, p, p_error, camera, k)
                                                : through_lens(s, g, p, p_error, camera, k);

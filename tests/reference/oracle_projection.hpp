@@ -38,7 +38,7 @@ struct SplatDoubt {
   Real z = 0;                           ///< absolute
   Real3 colour{};                       ///< absolute
   Real normal = 0;                      ///< absolute; 2 where rounding may turn it to the other side
-  float nearest = 0, furthest = 0;      ///< z as a float
+  float nearest = 0, furthest = 0;      ///< what orders the splat, z or distance, as a float
   Real slope = 0;                       ///< length of the error, absolute
   PixelRect surely;                     ///< part of `footprint` in any case
   bool drawn = false;                   ///< whether the Gaussian is drawn at all is in doubt
@@ -50,7 +50,7 @@ struct OracleSplat {
   Real3 colour{}, normal{};
   Real slope_x = 0, slope_y = 0;  ///< of depth along the ray
   Span<const float> features{};
-  float depth = 0;
+  float depth = 0, order = 0;
   std::size_t index = 0;
   bool drawn = true;    ///< false where only a doubt keeps the splat in the list
   PixelRect footprint;  ///< what the convention's footprint leaves; in doubt, the larger of two

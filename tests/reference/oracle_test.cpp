@@ -31,7 +31,7 @@ std::vector<Camera> cameras_through(const Lens& lens) {
 constexpr LensModel models[] = {LensModel::perspective, LensModel::fisheye, LensModel::orthographic,
                                 LensModel::equirectangular};
 
-TEST_CASE("reference: mixtures of Gaussians agree with the oracle under both presets") {
+TEST_CASE("reference: mixtures of Gaussians agree with the oracle under each preset") {
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     Random random(seed);
     Case c{.scene = mixture(random, 300)};

@@ -49,8 +49,9 @@ TEST_CASE("reference: presets have their planes and footprints") {
   CHECK(inria.cull_at_near);
   CHECK(gsplat.footprint == Conventions::Footprint::alpha);
   CHECK(inria.footprint == Conventions::Footprint::three_sigma_square);
-  CHECK(gsplat.depth_at == Conventions::DepthAt::centre);
-  CHECK(inria.depth_at == Conventions::DepthAt::centre);
+  CHECK(Conventions::khronos().footprint == Conventions::Footprint::three_sigma_ellipse);
+  for (const Conventions& preset : {gsplat, inria, Conventions::khronos()})
+    CHECK(preset.depth_at == Conventions::DepthAt::centre);
 }
 
 }  // namespace

@@ -31,6 +31,7 @@ static_assert(int(Conventions::JacobianClamp::around_image) == SWIFTGS_CLAMP_ARO
               int(Conventions::JacobianClamp::around_centre) == SWIFTGS_CLAMP_AROUND_CENTRE &&
               int(Conventions::Footprint::alpha) == SWIFTGS_FOOTPRINT_ALPHA &&
               int(Conventions::Footprint::three_sigma_square) == SWIFTGS_FOOTPRINT_THREE_SIGMA_SQUARE &&
+              int(Conventions::Footprint::three_sigma_ellipse) == SWIFTGS_FOOTPRINT_THREE_SIGMA_ELLIPSE &&
               int(Conventions::Depth::of_lens) == SWIFTGS_DEPTH_OF_LENS &&
               int(Conventions::Depth::z) == SWIFTGS_DEPTH_Z &&
               int(Conventions::Depth::distance) == SWIFTGS_DEPTH_DISTANCE &&
@@ -62,7 +63,7 @@ Conventions to_conventions(const swiftgs_conventions* given) {
   const swiftgs_conventions from =
       read_struct(given, "swiftgs_conventions", to_struct(Conventions::gsplat()));
   require_choice(from.clamp, 2, "swiftgs_conventions: clamp");
-  require_choice(from.footprint, 2, "swiftgs_conventions: footprint");
+  require_choice(from.footprint, 3, "swiftgs_conventions: footprint");
   require_choice(from.depth, 3, "swiftgs_conventions: depth");
   require_choice(from.depth_at, 2, "swiftgs_conventions: depth_at");
   if (from.order != of_scene) require_choice(from.order, 2, "swiftgs_conventions: order");

@@ -100,6 +100,20 @@ void cut(PixelDecision& decision, FootprintCut::At at) {
   if (at != At::ambiguously_kept) decision.kept = false;
 }
 
+/// Where the ellipse of three standard deviations has a point.
+FootprintCut::At at_ellipse(const VariedSplat& splat, double x, double y) {
+  const double squared = 2 * splat.numbers[0].sigma(x, y);
+  double spread = 0;
+  for (const SplatNumbers& n : splat.numbers)
+    spread = std::max(spread, std::abs(2 * n.sigma(x, y) - squared));
+  const double off = threshold_moves * spread + std::ldexp(three_sigmas_squared, -22);
+  if (squared <= three_sigmas_squared)
+    return squared + off <= three_sigmas_squared ? FootprintCut::At::kept
+                                                 : FootprintCut::At::ambiguously_kept;
+  return squared - off > three_sigmas_squared ? FootprintCut::At::dropped
+                                              : FootprintCut::At::ambiguously_dropped;
+}
+
 /// Finds alphas of `splat` at a point, whether it is kept there, and how sure that is.
 PixelDecision decide(const VariedSplat& splat, double x, double y, const Conventions& k) {
   PixelDecision out;
@@ -126,7 +140,8 @@ PixelDecision decide(const VariedSplat& splat, double x, double y, const Convent
   for (std::size_t representation = 0; representation < exponent_representations; ++representation)
     out.ambiguous[representation] = ambiguous_alpha(ExponentRepresentation(representation), splat, x, y,
                                                     first, out.kept ? out.alphas[0] : 0, tolerance, k);
-  cut(out, splat.cut.at(int(x), int(y)));
+  cut(out, k.footprint == Conventions::Footprint::three_sigma_ellipse ? at_ellipse(splat, x, y)
+                                                                      : splat.cut.at(int(x), int(y)));
   return out;
 }
 
@@ -141,7 +156,7 @@ bool ends(VariedPixel& pixel, const VariedSplat& splat, const PixelDecision& dec
   // Transmittance is rounded once a layer, and a splat that is nearly opaque leaves little of much.
   const double rounding = std::ldexp((double(pixel.layers) + 2) * next, -23) + std::ldexp(before, -21);
   const bool order_of_occluder =
-      (splat.least_depth >= pixel.occluder) != (splat.largest_depth >= pixel.occluder);
+      (splat.least_order >= pixel.occluder) != (splat.largest_order >= pixel.occluder);
   for (Ambiguity& representation : pixel.representations) {
     const double tolerance = threshold_moves * spread + rounding + representation.drift * next;
     if ((stop > 0 && std::abs(next - stop) <= tolerance) || order_of_occluder)
@@ -180,14 +195,18 @@ void blend_row_varied(VariedPixel* pixels, int y, const VariedSplat& splat, cons
     if (!pixels[x].stopped) blend_varied(pixels[x], splat, decide(splat, x + 0.5, y + 0.5, k), k);
 }
 
-/// Writes image row `y`, with the largest moves and the ambiguous weights of its pixels.
+/// Writes image row `y`, blended in `out.colours`, with the largest moves and the ambiguous weights of its
+/// pixels.
 void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pixels, dvec3 background) {
   const std::size_t width = std::size_t(out.frame.width);
+  const bool linear = out.colours == ColourSpace::linear;
   for (std::size_t x = 0; x < width; ++x) {
     const std::size_t i = std::size_t(y) * width + x;
     const VariedPixel& pixel = pixels[x];
     const auto shown = [&](const auto& state, std::size_t c) {
-      return double(state.colour[c]) + double(state.transmittance) * background[int(c)];
+      const double below = linear ? decoded(background[int(c)]) : background[int(c)];
+      const double sum = double(state.colour[c]) + double(state.transmittance) * below;
+      return linear ? encoded(sum) : sum;
     };
     for (std::size_t c = 0; c < 3; ++c) out.frame.colour[3 * i + c] = shown(pixel.exact, c);
     out.frame.alpha[i] = 1 - pixel.exact.transmittance;
@@ -216,13 +235,12 @@ ConditionedFrame render_conditioned(Span<const ReferenceScene> scenes, const Cam
   ConditionedFrame out;
   check_reference_arguments(scenes, camera, background, occluder);
   const Conventions conventions = of_frame(given, scenes, occluder.size != 0);
-  if (*conventions.order != SplatOrder::depth || *conventions.colours != ColourSpace::srgb)
-    throw InvalidArgument("render_conditioned: expected an order by depth and sRGB-encoded colours");
   if (conventions.depth_at != Conventions::DepthAt::centre)
     throw InvalidArgument("render_conditioned: expected depths of centres");
   validate(conventions);
   threads = thread_count(threads);
   prepare(out.frame, camera);
+  out.colours = *conventions.colours;
   out.colour_move.resize(out.frame.colour.size());
   out.alpha_move.resize(out.frame.alpha.size()), out.depth_move.resize(out.frame.alpha.size());
   for (std::vector<double>& ambiguous : out.ambiguous) ambiguous.resize(out.frame.alpha.size());
@@ -239,8 +257,11 @@ ConditionedFrame render_conditioned(Span<const ReferenceScene> scenes, const Cam
     write_row_varied(out, y, pixels.data(), background);
   });
 
-  double lowest = std::min({0.0, background.x, background.y, background.z});
-  double highest = std::max({0.0, background.x, background.y, background.z});
+  double lowest = 0, highest = 0;
+  for (int c = 0; c < 3; ++c) {
+    const double below = out.colours == ColourSpace::linear ? decoded(background[c]) : background[c];
+    lowest = std::min(lowest, below), highest = std::max(highest, below);
+  }
   for (const VariedSplat& splat : splats) {
     highest = std::max(highest, splat.splat.colour.maxCoeff());
     out.depth_span = std::max(out.depth_span, splat.splat.depth);

@@ -171,6 +171,9 @@ inline void bound_by_alpha(Splat& splat, const View& view, Columns part) {
   set_range(splat.y - 0.5 - half_y, splat.y - 0.5 + half_y, view.camera.height, splat.y_begin, splat.y_end);
 }
 
+/// Squared Mahalanobis distance at which `Conventions::Footprint::three_sigma_ellipse` cuts a splat.
+inline constexpr double three_sigmas_squared = 9;
+
 /// Three standard deviations along the larger axis, as INRIA's square has them.
 inline double three_sigmas(const Covariance& cov) {
   const double mid = 0.5 * (cov.xx + cov.yy), difference = 0.5 * (cov.xx - cov.yy);

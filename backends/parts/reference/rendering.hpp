@@ -152,6 +152,8 @@ struct Pixel {
 /// Offers `splat`, whose exponent and depth at this pixel are `sigma` and `depth`, to `pixel`; true when it
 /// contributed.
 inline bool blend(Pixel& pixel, const Splat& splat, double sigma, double depth, const Conventions& k) {
+  if (k.footprint == Conventions::Footprint::three_sigma_ellipse && 2 * sigma > three_sigmas_squared)
+    return false;
   const double alpha = std::min(double(k.alpha_max), splat.opacity * std::exp(-sigma));
   if (!(alpha >= double(k.alpha_min))) return false;
   const double next = pixel.transmittance * (1 - alpha), stop = k.stop;

@@ -26,16 +26,17 @@ struct VariedSplat {
   std::vector<SplatNumbers> numbers;  ///< as it is, then `trials` times
   FootprintCut cut{};
   bool drawn = false;                        ///< its depth lies between the planes
-  bool order_is_ambiguous = false;           ///< its depth may round to that of a neighbour
-  float least_depth = 0, largest_depth = 0;  ///< floats that its depth may round to
+  bool order_is_ambiguous = false;           ///< what orders it may round to that of a neighbour
+  float least_order = 0, largest_order = 0;  ///< floats that this may round to: of its depth, or distance
 };
 
-/// How far double arithmetic may move the depth of Gaussian `i`: no more than its position in camera space.
-inline double depth_error(std::size_t i, const View& view) {
+/// How far double arithmetic may move the depth of Gaussian `i`, or its distance: no more than its position
+/// in camera space.
+inline double depth_error(std::size_t i, const View& view, bool by_distance) {
   const vec3& m = view.placed.scene.means[i];
   const dvec3 &scene_at = view.placed.world_from_scene.translation, &camera_at = view.camera.translation;
   double sum = 0;
-  for (int row = view.lens.by_distance() ? 0 : 2; row < 3; ++row) {
+  for (int row = by_distance ? 0 : 2; row < 3; ++row) {
     sum += std::abs(camera_at[row]);
     for (int k = 0; k < 3; ++k) {
       const double in_scene = std::abs(double(m[k])) + std::abs(view.centre[k]);
@@ -54,7 +55,7 @@ inline std::optional<VariedSplat> project_varied(const std::vector<Scene>& moved
   if (!is_shown(view.placed.clip, scene.means[i])) return {};
   const Eigen::Vector3d p = camera_space_mean(scene, i, view);
   const Conventions& k = view.conventions;
-  const double slack = depth_error(i, view);
+  const double slack = depth_error(i, view, view.lens.by_distance());
   const double depth = view.lens.depth(p);
   const float low = float(depth - slack), high = float(depth + slack);
   const auto between_planes = [&](float z) { return is_between_planes(z, k); };
@@ -63,7 +64,8 @@ inline std::optional<VariedSplat> project_varied(const std::vector<Scene>& moved
   if (!splat || !shade(*splat, scene, i, view)) return {};
   VariedSplat out{.splat = *splat, .numbers = {}};
   out.drawn = between_planes(float(splat->depth));
-  out.least_depth = low, out.largest_depth = high;
+  const double order_slack = *k.order == SplatOrder::distance ? depth_error(i, view, true) : slack;
+  out.least_order = float(splat->order - order_slack), out.largest_order = float(splat->order + order_slack);
 
   Nudges nudges(moves.seed ^ (splat->index * 0x2545f4914f6cdd1du));
   out.numbers.emplace_back(*splat);
@@ -89,19 +91,19 @@ inline void bound_varied(VariedSplat& splat, const View& view, Columns part) {
   s.x_begin = std::max(part.begin, wide.x_begin - 16), s.x_end = std::min(part.end, wide.x_end + 16);
 }
 
-/// Finds splats whose depths may round to those of others. Depths of one float each are in order, or equal
+/// Finds splats whose order rounding may turn. Depths or distances of one float each are in order, or equal
 /// and ordered by index.
 inline void mark_ambiguous_orders(std::vector<VariedSplat>& splats) {
   std::vector<VariedSplat*> by_least;
   for (VariedSplat& splat : splats) by_least.push_back(&splat);
   std::sort(by_least.begin(), by_least.end(),
-            [](const VariedSplat* a, const VariedSplat* b) { return a->least_depth < b->least_depth; });
-  const auto is_one_float = [](const VariedSplat& s) { return s.least_depth == s.largest_depth; };
+            [](const VariedSplat* a, const VariedSplat* b) { return a->least_order < b->least_order; });
+  const auto is_one_float = [](const VariedSplat& s) { return s.least_order == s.largest_order; };
   for (std::size_t i = 0; i < by_least.size(); ++i) {
     VariedSplat& first = *by_least[i];
     for (std::size_t j = i + 1; j < by_least.size(); ++j) {
       VariedSplat& other = *by_least[j];
-      if (other.least_depth > first.largest_depth) break;
+      if (other.least_order > first.largest_order) break;
       if (other.splat.index == first.splat.index) continue;  // copies in a panorama
       if (!is_one_float(first) || !is_one_float(other))
         first.order_is_ambiguous = other.order_is_ambiguous = true;
@@ -130,7 +132,7 @@ inline std::vector<VariedSplat> project_all_varied(const std::vector<View>& view
   std::vector<VariedSplat> splats;
   for (const View& view : views) project_varied(view, moves, splats);
   std::stable_sort(splats.begin(), splats.end(), [](const VariedSplat& a, const VariedSplat& b) {
-    return float(a.splat.depth) < float(b.splat.depth);
+    return float(a.splat.order) < float(b.splat.order);
   });
   mark_ambiguous_orders(splats);
   return splats;

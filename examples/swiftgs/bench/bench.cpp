@@ -334,7 +334,8 @@ void add_bench(CLI::App& app) {
       ->capture_default_str();
   add_model(*command, options->model);
   command->add_option("--threads", options->threads, "Numbers of threads of the cpu backend [all]");
-  command->add_option("--conventions", options->conventions, "gsplat, inria or both")->capture_default_str();
+  command->add_option("--conventions", options->conventions, "gsplat, inria and khronos, with commas between")
+      ->capture_default_str();
   command
       ->add_option("--errors", options->errors, "Views that are compared with float64: all, none or how many")
       ->capture_default_str();

@@ -15,7 +15,7 @@ extern "C" {
 #endif
 
 /// The numbers that define "the same image". `swiftgs_conventions_named` fills them in. A zero is a zero
-/// here, not a default; members that a smaller `size` leaves out are those of gsplat. Presets leave four
+/// here, not a default; members that a smaller `size` leaves out are those of gsplat. Presets leave some
 /// members to the scene, `SWIFTGS_OF_SCENE`: they are as it was trained.
 typedef struct swiftgs_conventions {
   uint32_t size;           ///< `sizeof(swiftgs_conventions)`
@@ -44,8 +44,9 @@ enum {
   SWIFTGS_CLAMP_AROUND_CENTRE = 1  ///< 1.3 tan(fov/2) to each side of the axis
 };
 enum {
-  SWIFTGS_FOOTPRINT_ALPHA = 0,              ///< every pixel where alpha is at least `alpha_min`
-  SWIFTGS_FOOTPRINT_THREE_SIGMA_SQUARE = 1  ///< only those in tiles that the square of 3 sigma touches
+  SWIFTGS_FOOTPRINT_ALPHA = 0,               ///< every pixel where alpha is at least `alpha_min`
+  SWIFTGS_FOOTPRINT_THREE_SIGMA_SQUARE = 1,  ///< only those in tiles that the square of 3 sigma touches
+  SWIFTGS_FOOTPRINT_THREE_SIGMA_ELLIPSE = 2  ///< only those at most 3 sigma from the mean
 };
 /// In place of a number of `swiftgs_conventions`: as the scene was trained.
 enum { SWIFTGS_OF_SCENE = -1 };
@@ -72,8 +73,8 @@ enum {
   SWIFTGS_DEPTH_AT_RAY = 1      ///< where the Gaussian is densest along the pixel's ray
 };
 
-/// Fills `conventions`, whose size is set, with the preset `gsplat` or `inria`. `SWIFTGS_INVALID_ARGUMENT`
-/// for any other name.
+/// Fills `conventions`, whose size is set, with the preset `gsplat`, `inria` or `khronos`.
+/// `SWIFTGS_INVALID_ARGUMENT` for any other name.
 SWIFTGS_C_API swiftgs_status swiftgs_conventions_named(const char* name, swiftgs_conventions* conventions);
 
 /// Format of colours in memory, interleaved. The last channel of RGBA is alpha, and colours are premultiplied

@@ -328,7 +328,7 @@ def load_cameras(path: Union[str, "os.PathLike[str]"]) -> Cameras:
 class Conventions:
     """The numbers that define "the same image". The defaults are those of gsplat.
 
-    `Conventions.named("inria")` is the other preset, and `dataclasses.replace` changes single numbers.
+    `Conventions.named("inria")` and `Conventions.named("khronos")` are the other presets, and `dataclasses.replace` changes single numbers.
     """
 
     near_plane: float = 0.01  #: a Gaussian nearer than this is culled
@@ -358,14 +358,16 @@ class Conventions:
 
     @classmethod
     def named(cls, name: str) -> "Conventions":
-        """The preset "gsplat" or "inria"."""
+        """The preset "gsplat", "inria" or "khronos"."""
         struct = _c.Conventions()
         lib.conventions_named(_checks.text(name, "conventions"), ctypes.byref(struct))
         values = {field.name: getattr(struct, field.name) for field in dataclasses.fields(cls)}
-        values.update({name: words[values[name]] for name, words in _WORDS.items()})
-        # What presets leave to the scene stays as it is by default, None.
+        # What presets leave to the scene is None by default.
+        values = {name: value for name, value in values.items() if value != _c.OF_SCENE}
+        values.update({name: words[values[name]] for name, words in {**_WORDS, **_WORDS_OR_OF_SCENE}.items()
+                       if name in values})
         return cls(**{name: bool(value) if isinstance(getattr(cls, name), bool) else value
-                      for name, value in values.items() if getattr(cls, name) is not None})
+                      for name, value in values.items()})
 
     def _to_struct(self) -> _c.Conventions:
         values = dict(vars(self))
@@ -396,7 +398,7 @@ def _struct_of(given: Union[str, Conventions]) -> _c.Conventions:
 
 def conventions_of(given: Union[str, Conventions]) -> _c.Conventions:
     if not isinstance(given, (str, Conventions)):
-        raise InvalidType(f"conventions are of type {type(given).__name__}, expected 'gsplat', 'inria' or Conventions")
+        raise InvalidType(f"conventions are of type {type(given).__name__}, expected the name of a preset or Conventions")
     try:
         return _struct_of(given)
     except TypeError:  # no number, such as a list, which the cache does not take
