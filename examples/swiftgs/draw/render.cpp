@@ -15,6 +15,7 @@
 #include "commands.hpp"
 #include "draw/choice.hpp"
 #include "draw/lenses.hpp"
+#include "draw/reference_frame.hpp"
 #include "draw/team.hpp"
 #include "draw/video.hpp"
 #include "json.hpp"
@@ -51,7 +52,51 @@ Writer writer_of(const std::string& format) {
   if (format == "png") return write_png;
   if (format == "pfm") return write_pfm;
   if (format == "exr") return write_exr;
-  throw std::invalid_argument("--format '" + format + "': expected png, pfm or exr");
+  throw std::invalid_argument("--format '" + format + "': expected png, pfm or exr" +
+                              (format == "npy" ? ", or npy with --renderer reference" : ""));
+}
+
+/// Throws `InvalidArgument` that names the first option that the reference cannot follow.
+void require_reference(const RenderOptions& options) {
+  const RenderOptions usual;
+  const auto refuse_if = [](bool given, const char* option, const char* why) {
+    if (given)
+      throw std::invalid_argument(std::string(option) + ": expected another renderer than reference, which " +
+                                  why);
+  };
+  if (options.format != "npy") writer_of(options.format);
+  const bool alpha_of_png = options.view.planes == "alpha" && options.format == "png";
+  refuse_if(!options.view.planes.empty() && !alpha_of_png, "--planes", "has no planes but alpha in a PNG");
+  refuse_if(options.lens.depth_at != usual.lens.depth_at, "--depth-at", "has no planes of depth");
+  refuse_if(!options.video.empty(), "--video", "writes images");
+  refuse_if(options.batch != usual.batch, "--batch", "draws one view at a time");
+  refuse_if(options.harmonics != usual.harmonics, "--harmonics", "takes them as they are");
+  refuse_if(!options.json.empty(), "--json", "has no times");
+  refuse_if(options.stats, "--stats", "has no counts");
+}
+
+/// Draws all views by the float64 reference.
+void render_by_reference(const RenderOptions& options, const DrawnScenes& drawn,
+                         const std::vector<View>& views, const RenderSettings& settings) {
+  ReferenceScenes scenes;
+  for (const Placement& placement : drawn.placements)
+    scenes.add(*drawn.gaussians[placement.scene], placement);
+  std::filesystem::create_directories(options.out);
+  const auto file_of = [&](const View& view) {
+    return std::filesystem::path(options.out) / (view.name + "." + options.format);
+  };
+  const Team& team = Team::here();
+  Progress progress(views.size());
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    if (!team.takes(i)) continue;
+    progress.start(views[i].name);
+    draw_reference(file_of(views[i]), scenes, views[i].camera, settings);
+    progress.step();
+  }
+  progress.await_others();
+  progress.clear();
+  for (const View& view : views)
+    std::printf("%s  %dx%d\n", file_of(view).c_str(), view.camera.width, view.camera.height);
 }
 
 /// What the scenes are called in results, and their files.
@@ -70,7 +115,9 @@ struct SceneNames {
 };
 
 void render(RenderOptions options) {
-  const Writer write = writer_of(options.format);
+  const bool by_reference = options.renderer == reference_name;
+  if (by_reference) require_reference(options);
+  const Writer write = by_reference ? nullptr : writer_of(options.format);
   const std::string& planes = options.view.planes;
   if (!planes.empty() && options.format != "exr" && !(planes == "alpha" && options.format == "png"))
     throw std::invalid_argument(
@@ -83,8 +130,9 @@ void render(RenderOptions options) {
   SceneNames names(listed, options.scene);
   names.files.push_back({"--cameras", cameras_of(options.scene, options.view.cameras)});
   require_distinct({{"--video", options.video}, {"--json", options.json}}, names.files);
-  const std::unique_ptr<AnyRenderer> renderer =
-      make_renderer(options.renderer.empty() ? default_renderer() : options.renderer);
+  std::unique_ptr<AnyRenderer> renderer;
+  if (!by_reference)
+    renderer = make_renderer(options.renderer.empty() ? default_renderer() : options.renderer);
   std::vector<std::string> notes;
   const Cameras known = read_cameras_of(options.scene, options.view.cameras, notes);
   std::vector<View> views = views_of(known, options.view, "all");
@@ -98,6 +146,7 @@ void render(RenderOptions options) {
   if (options.format == "png" && settings.outputs.alpha && settings.background != vec3(0))
     throw std::invalid_argument("--background " + options.view.background +
                                 ": expected 0,0,0 in a PNG with alpha, whose colours are straight");
+  if (by_reference) return render_by_reference(options, drawn, views, settings);
   ResultFile json(options.json);
   ResultHead head = json.is_wanted() ? head_of("swiftgs-render") : ResultHead();
   head.notes = std::move(notes);
@@ -201,6 +250,9 @@ show, and "clip" with what of them shows, in
 numbers of the file: "box": [x, y, z, x, y, z], "sphere": [x, y, z, radius], and "half_spaces":
 [[x, y, z, offset]]. A scene with an origin stands at its origin.
 --video has as many frames a second as a camera_path.json says, and 24 of other cameras.
+--renderer reference draws in float64, slowly. NAME.npy has RGBA as doubles, premultiplied, and
+NAME.ambiguous.npy how far decisions on the edge may move each pixel; an EXR has that as channel
+features.0.
 With --batch N a frame has N views, the last frame what is left. The time of an image is then
 that of its frame, divided by the views of the frame.
 
@@ -212,6 +264,7 @@ Examples:
   swiftgs render garden/ --views 0 --panorama --scale 2
   swiftgs render garden.spz --cameras camera_path.json --video garden.mp4
   swiftgs render room.spz chair.ply lamp.ply --place
+  swiftgs render garden/ --views 0 --renderer reference --format npy
   swiftgs render scenes.json)";
 
 }  // namespace
@@ -233,9 +286,10 @@ void add_render(CLI::App& app) {
   add_planes(*command, options->view.planes);
   add_lens(*command, options->lens);
   command->add_option("--renderer", options->renderer,
-                      "A name from 'swiftgs list' [the quickest on the CPU]");
+                      "A name from 'swiftgs list', or reference [the quickest on the CPU]");
   command->add_option("--out", options->out, "Folder for the images")->capture_default_str();
-  command->add_option("--format", options->format, "Format of the images: png, pfm or exr")
+  command
+      ->add_option("--format", options->format, "Format of the images: png, pfm or exr; npy of the reference")
       ->capture_default_str();
   command->add_option("--video", options->video,
                       "Video of all views in place of images, such as flight.mp4, by the program ffmpeg");

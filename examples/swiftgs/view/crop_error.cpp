@@ -3,13 +3,11 @@
 
 #include <algorithm>
 #include <chrono>
-#include <cstddef>
-#include <cstdint>
-#include <numeric>
 
-#include <swiftgs/edit/select.hpp>
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/reference.hpp>
+
+#include "draw/reference_frame.hpp"
 
 namespace swiftgs::cli {
 namespace {
@@ -17,23 +15,9 @@ namespace {
 /// The reference's colours of the placed scenes.
 std::vector<double> colours_of(const std::vector<PlacedGaussians>& shown, const Camera& camera,
                                const RenderSettings& settings) {
-  std::vector<Scene> parts;  // of scenes that show in part
-  parts.reserve(shown.size());
-  std::vector<ReferenceScene> scenes;
-  for (const PlacedGaussians& each : shown) {
-    const Placement& p = each.placement;
-    const Scene* scene = each.gaussians.get();
-    if (const std::size_t count = std::min(p.count, scene->size() - p.first); count != scene->size()) {
-      std::vector<std::uint32_t> kept(count);
-      std::iota(kept.begin(), kept.end(), std::uint32_t(p.first));
-      parts.push_back(subset(*scene, kept));
-      scene = &parts.back();
-    }
-    scenes.push_back({*scene, p.world_from_scene, p.opacity, p.clip, p.tint});
-  }
-  return render_reference({scenes.data(), scenes.size()}, camera, settings.conventions,
-                          dvec3(settings.background))
-      .colour;
+  ReferenceScenes scenes;
+  for (const PlacedGaussians& each : shown) scenes.add(*each.gaussians, each.placement);
+  return render_reference(scenes.all(), camera, settings.conventions, dvec3(settings.background)).colour;
 }
 
 }  // namespace
