@@ -12,6 +12,7 @@ namespace swiftgs::cli {
 void add_bench(CLI::App& app);
 void add_check(CLI::App& app);
 void add_compare(CLI::App& app);
+void add_conform(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_info(CLI::App& app);
 void add_list(CLI::App& app);

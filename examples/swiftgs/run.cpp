@@ -138,6 +138,7 @@ int run_command(int argc, char** argv) {
   add_render(app);
   add_compare(app);
   add_check(app);
+  add_conform(app);
   add_convert(app);
   add_prune(app);
   add_bench(app);
