@@ -167,26 +167,26 @@ struct ClauseResult {
   bool explained = false;  ///< with them every pixel is right
 };
 
-/// Names the conventions that the canvas is nearest to, changing one after another.
+/// Names the conventions that the canvas is nearest to, changing one after another. What makes every pixel
+/// right is nearer than any PSNR.
 void find_nearest(ClauseResult& result, const Comparison& comparison, const std::vector<Variant>& variants,
                   Conventions conventions,
                   const std::function<std::vector<double>(const Conventions&)>& draw) {
   result.nearest_db = result.db;
   while (result.nearest.size() < most_changes && !result.explained) {
     const Variant* nearest = nullptr;
-    double best = result.nearest_db + least_gain;
-    std::vector<double> image;
+    std::pair best(false, result.nearest_db + least_gain);
     for (const Variant& variant : variants) {
       Conventions changed = conventions;
       variant.change(changed);
-      std::vector<double> drawn = draw(changed);
-      const double db = comparison.decibels(drawn);
-      if (db > best) best = db, nearest = &variant, image = std::move(drawn);
+      const std::vector<double> image = draw(changed);
+      const std::pair found(comparison.wrong(image) == 0, comparison.decibels(image));
+      if (found > best) best = found, nearest = &variant;
     }
     if (!nearest) return;
     nearest->change(conventions);
-    result.nearest.push_back(nearest->name), result.nearest_db = best;
-    result.explained = comparison.wrong(image) == 0;
+    result.nearest.push_back(nearest->name);
+    result.explained = best.first, result.nearest_db = best.second;
   }
 }
 
