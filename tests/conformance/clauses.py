@@ -141,8 +141,9 @@ def clauses(side):
         ("needle", "Needles, a thousand times as long as wide, in seven directions.",
          [gaussian((math.cos(a) * 0.6, math.sin(a) * 0.6, 4), (0.8, 0.0008, 0.0008), (WHITE, ORANGE)[k % 2], 0.9,
                    turn((0, 0, 1), math.degrees(a))) for k in range(14) for a in [math.pi * (k + 0.25) / 7]], {}),
-        ("early-stop", "A pixel ends at transmittance 1e-4: what is behind is so bright that eight bits would see it.",
-         layers(6, 4, 0.05, 0.5, lambda k: (0.1, 0.1, 0.1) if k < 4 else (100, 60, 20), 0.85), {"silent": [KHRONOS]}),
+        ("early-stop", "A pixel ends before the splat that would bring its transmittance below 1e-4: a bright one here.",
+         [gaussian((0.1, 0.1, 4), 1.2, (0.1, 0.1, 0.1), 0.93), gaussian((0.1, 0.1, 5), 1.5, (0.1, 0.1, 0.1), 0.93),
+          gaussian((0.1, 0.1, 6), 1.8, (4, 2, 1), 0.9999)], {"silent": [KHRONOS]}),
         ("order-z", "Pairs of which one Gaussian is nearer in z and the other in distance.",
          [gaussian((x, y, z), 0.3, colour) for x, y, z, colour in (
              (-1.7, -0.4, 4, RED), (-1.3, -0.4, 4.08, ORANGE), (1.7, 0.6, 4, BLUE), (1.3, 0.6, 4.08, GREEN))], {}),

@@ -19,7 +19,7 @@ import numpy as np
 
 import reference
 
-MOST_CHANGES, LEAST_GAIN = 3, 1.0  # conventions that are named together, and decibels that each must be worth
+MOST_CHANGES, LEAST_GAIN = 3, 3.0  # conventions that are named together, and decibels that each must be worth
 
 
 def read_png(path):

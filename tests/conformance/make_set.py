@@ -42,12 +42,13 @@ VARIANTS = [
     ("ends at 3 sigmas", {"footprint": "three_sigma_ellipse"})]
 # What no conventions of the library express; reference.py does.
 DEPARTURES = [
-    ("ends at 2.83 sigmas", {"footprint": "root_eight_ellipse"}), ("no clamp", {"clamp": "none"}),
+    ("ends at 2.83 sigmas", {"footprint": "root_eight_ellipse"}), ("falls to 0 at 2.83 sigmas", {"falls_to_0": True}),
+    ("no clamp", {"clamp": "none"}),
     ("order of the file", {"order": "file"}), ("colours cut at 1", {"most_colour": 1.0}),
     ("blended in decoded colours", {"colours": "decoded"}),
     *[(f"means left out beyond {most:g} images", {"most_off_screen": most}) for most in (1.0, 1.2, 1.3, 1.4)],
     *[(f"splats below {least:g} pixels left out", {"least_pixels": least}) for least in (2.0, 4.0)],
-    ("splats along the axes left out", {"least_covariance": 1e-9})]
+    ("level splats left out", {"leaves_out_level": True})]
 
 
 def ply_of(gaussians, antialiased):
@@ -143,11 +144,11 @@ def draw(swiftgs, out, row, preset):
     with tempfile.TemporaryDirectory() as folder:
         command = [swiftgs, "render", out / row["scene"], "--cameras", out / row["cameras"], "--renderer", "reference",
                    "--conventions", preset, "--background", ",".join(map(str, row.get("background", (0, 0, 0)))),
-                   "-o", f"{folder}/image.npy"]
+                   "--format", "npy", "--out", folder]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-        rgba, ambiguous = np.load(f"{folder}/image.npy"), np.load(f"{folder}/image.ambiguous.npy")
-    # Bits beyond 2^-30 cost half of the files' bytes, and tell nothing of a renderer.
-    return {"rgba": np.round(rgba * 2**30) / 2**30, "ambiguous": np.ceil(ambiguous.reshape(rgba.shape[:2]) * 2**24) / 2**24}
+        rgba, ambiguous = np.load(f"{folder}/view.npy"), np.load(f"{folder}/view.ambiguous.npy")
+    # Bits beyond 2^-30 cost a third of the files' bytes, and tell nothing of a renderer.
+    return {"rgba": np.round(rgba * 2**30) / 2**30, "ambiguous": np.ceil(ambiguous * 2**30) / 2**30}
 
 
 def draw_all(swiftgs, out, rows):

@@ -17,9 +17,9 @@ PRESETS = {
               "stop_at_equal": False, "footprint": "three_sigma_square"},
     "khronos": {**GSPLAT, "order": "distance", "alpha_min": 2**-24, "alpha_max": 1.0, "stop": 0.0,
                 "stop_at_equal": False, "footprint": "three_sigma_ellipse"}}
-# Not conventions but departures that renderers show: colours cut above, means left out beyond so many half images,
-# splats of fewer pixels than that across left out.
-DEPARTURES = {"most_colour": np.inf, "most_off_screen": np.inf, "least_pixels": 0.0, "least_covariance": 0.0}
+# Not conventions but departures that renderers show, and `is_left_out` and `falloff` describe.
+DEPARTURES = {"most_colour": np.inf, "most_off_screen": np.inf, "least_pixels": 0.0, "leaves_out_level": False,
+              "falls_to_0": False}
 SIGMAS = {"three_sigma_ellipse": 3.0, "root_eight_ellipse": 8**0.5}
 
 
@@ -28,39 +28,36 @@ def render(scene, camera, conventions, background=(0, 0, 0)):
     c = {**DEPARTURES, "blur": 0.3, "antialiased": False, "order": "depth", "colours": "srgb", **scene["model"],
          **conventions}
     c = {name: float(np.float32(value)) if isinstance(value, float) else value for name, value in c.items()}
-    width, height, f, centre = camera["size"][0], camera["size"][1], camera["focal"], camera["centre"]
-    rotation = camera["rotation"]  # rows are the camera's axes in the world
-    p = (scene["means"] - camera["position"]) @ rotation.T
+    size, f, centre, rotation = (camera[name] for name in ("size", "focal", "centre", "rotation"))
+    directions = scene["means"] - camera["position"]
+    p = directions @ rotation.T  # rows are the camera's axes in the world
     depth = p[:, 2].astype(np.float32)
     drawn = (depth > c["near_plane"] if c["cull_at_near"] else depth >= c["near_plane"]) & (depth <= c["far_plane"])
     order = {"depth": depth, "distance": np.linalg.norm(p, axis=1).astype(np.float32), "file": -np.arange(len(p))}
-    directions = scene["means"] - camera["position"]
     colours = np.einsum("nk,nkc->nc", harmonics(directions, scene["sh"].shape[1]), scene["sh"]) + 0.5
     colours = np.clip(colours, 0, c["most_colour"])
     colours = decoded(colours) if c["colours"] == "decoded" else colours
-    y, x = np.mgrid[0:height, 0:width] + 0.5
-    rgb, left, stopped, layers = np.zeros((height, width, 3)), np.ones_like(x), x < 0, np.zeros_like(x, int)
-    half = 0.5 * np.array(camera["size"]) / f  # tangents
+    half = 0.5 * size / f  # tangents
+    least, most = {"around_image": (-centre / f - 0.3 * half, (size - centre) / f + 0.3 * half),
+                   "around_centre": (-1.3 * half, 1.3 * half), "none": (-np.inf, np.inf)}[c["clamp"]]
+    y, x = np.mgrid[0:size[1], 0:size[0]] + 0.5
+    rgb, left, stopped, layers = np.zeros((*x.shape, 3)), np.ones_like(x), x < 0, np.zeros_like(x, int)
     for i in np.argsort(order[c["order"]], kind="stable"):
+        if not drawn[i]:
+            continue
         tangent = p[i, :2] / p[i, 2]
         mean = f * tangent + centre
-        if not drawn[i] or np.any(np.abs(2 * mean / camera["size"] - 1) > c["most_off_screen"]):
-            continue
-        limits = {"around_image": (-centre / f - 0.3 * half, (camera["size"] - centre) / f + 0.3 * half),
-                  "around_centre": (-1.3 * half, 1.3 * half), "none": (-np.inf, np.inf)}[c["clamp"]]
-        jacobian = np.column_stack([np.diag(f), -f * np.clip(tangent, *limits)]) / p[i, 2]
+        jacobian = np.column_stack([np.diag(f), -f * np.clip(tangent, least, most)]) / p[i, 2]
         axes = jacobian @ rotation @ rotation_of(scene["rotations"][i]) * scene["scales"][i]
         sharp = axes @ axes.T
         cov = sharp + c["blur"] * np.eye(2)
-        det = np.linalg.det(cov)
-        if 6 * np.sqrt(cov[0, 0]) < c["least_pixels"] or abs(cov[0, 1]) < c["least_covariance"]:
+        if is_left_out(c, 2 * mean / size - 1, cov):
             continue
-        opacity = scene["opacities"][i]
+        det, opacity, dx, dy = np.linalg.det(cov), scene["opacities"][i], x - mean[0], y - mean[1]
         if c["antialiased"]:
             opacity *= np.sqrt(max(c["min_compensation"], np.linalg.det(sharp) / det))
-        dx, dy = x - mean[0], y - mean[1]
         square = (cov[1, 1] * dx * dx - 2 * cov[0, 1] * dx * dy + cov[0, 0] * dy * dy) / det
-        alpha = np.minimum(c["alpha_max"], opacity * np.exp(-square / 2))
+        alpha = np.minimum(c["alpha_max"], opacity * falloff(c, square))
         kept = (alpha >= c["alpha_min"]) & ~stopped & (square <= SIGMAS.get(c["footprint"], np.inf) ** 2)
         if c["footprint"] == "three_sigma_square":
             kept &= in_inria_square(x - 0.5, mean[0] - 0.5, cov) & in_inria_square(y - 0.5, mean[1] - 0.5, cov)
@@ -72,6 +69,19 @@ def render(scene, camera, conventions, background=(0, 0, 0)):
     linear = c["colours"] != "srgb"
     rgb += left[..., None] * (decoded(np.array(background)) if linear else np.array(background))
     return np.dstack([encoded(rgb) if linear else rgb, 1 - left]), int(layers.max())
+
+
+def is_left_out(c, mean, cov):
+    """Whether departures leave out a splat: its mean is more half images off the middle, its three standard deviations
+    are fewer pixels across, or it lies level in the image."""
+    return (np.any(np.abs(mean) > c["most_off_screen"]) or 6 * np.sqrt(cov.max()) < c["least_pixels"]
+            or c["leaves_out_level"] and abs(cov[0, 1]) < 1e-9 and cov[0, 0] >= cov[1, 1])
+
+
+def falloff(c, square):
+    """The Gaussian, or one that reaches 0 at the root of 8 standard deviations."""
+    edge = np.exp(-4) if c["falls_to_0"] else 0
+    return (np.exp(-square / 2) - edge) / (1 - edge)
 
 
 def in_inria_square(pixel, mean, cov):
@@ -117,7 +127,7 @@ def read_camera(path):
     """The only camera of INRIA's cameras.json."""
     with open(path, encoding="utf-8") as file:
         (camera,) = json.load(file)
-    return {"size": (camera["width"], camera["height"]), "focal": np.array([camera["fx"], camera["fy"]]),
+    return {"size": np.array([camera["width"], camera["height"]]), "focal": np.array([camera["fx"], camera["fy"]]),
             "centre": np.array([camera["cx"], camera["cy"]]), "position": np.array(camera["position"], float),
             "rotation": np.array(camera["rotation"], float).T}
 

@@ -107,7 +107,7 @@ class Judge(unittest.TestCase):
                 ("blur", {"blur": 0.075}, ["blur 0.075"]), ("order-z", {"order": "distance"}, ["order by distance"]),
                 ("opacity-1", {"alpha_max": 1.0}, ["alphas to 1"]), ("linear", {"colours": "srgb"}, ["sRGB colours"]),
                 ("clamp-image", {"clamp": "around_centre"}, ["clamp around the centre"]),
-                ("covariance-0", {"least_covariance": 1e-9}, ["splats along the axes left out"]),
+                ("covariance-0", {"leaves_out_level": True}, ["level splats left out"]),
                 ("colour-above-1", {"most_colour": 1.0}, ["colours cut at 1"]),
                 ("three-sigma", {"footprint": "root_eight_ellipse"}, ["ends at 2.83 sigmas"]),
                 ("needle", {"blur": 0.1, "antialiased": True}, ["blur 0.1", "compensation"])):
