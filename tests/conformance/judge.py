@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Judges the canvases of a renderer by the conformance set: judge.py SET FOLDER [--preset gsplat]
 
-FOLDER has one file a clause: NAME.png (8 bits), NAME.rgba (raw bytes), NAME.npy or NAME.exr (floats), rows from the top,
-colours premultiplied by alpha over black, with the clause's background where it has one. A pixel is right if every
-channel is within half a step of its format and what ambiguous decisions may change; a clause, if every pixel is. Where
-one is not, conventions are changed one at a time, up to three of them, and those that come nearest are named. Exit code
-0 if all clauses are right, else 1. Needs reference.py beside it, Python and NumPy.
+FOLDER has one file a clause: NAME.png (8 bits), NAME.rgba (raw bytes), NAME.npy or NAME.exr (floats), rows from the
+top, colours premultiplied by alpha over black, with the clause's background where it has one. A pixel is right if every
+channel is within half a step of its format and what ambiguous decisions may change; a clause, if every pixel is. Of one
+that is not, conventions are changed one after another, and those that come nearest are named. Exit code 0 if all
+clauses are right, else 1. Needs reference.py beside it, Python and NumPy.
 """
 import argparse
 import json
@@ -113,24 +113,28 @@ def judge(root, manifest, clause, canvas, preset, blends_in_bytes):
     def wrong(image):
         half_steps = 1 + (clause["layers"] if blends_in_bytes else 0)
         tolerance = 2e-6 + epsilon * np.abs(shown(image)) if epsilon else half_steps / 510 + 1e-9
-        return np.any(np.abs(values - shown(image)) > tolerance + expected["ambiguous"][..., None], axis=2)
-    found = wrong(expected["rgba"])
-    row = {"clause": clause["name"], "verdict": "differs" if found.any() else "right",
-           "wrong": float(found.mean()), "db": decibels(values, shown(expected["rgba"]))}
-    if not found.any():
+        found = np.abs(values - shown(image)) > tolerance + expected["ambiguous"][..., None]
+        return np.any(found[..., :3], axis=2), np.any(found[..., 3:], axis=2)
+    found, of_alpha = wrong(expected["rgba"])
+    row = {"clause": clause["name"], "verdict": "differs" if np.any(found | of_alpha) else "right",
+           "wrong": float(np.mean(found | of_alpha)), "db": decibels(values, shown(expected["rgba"]))}
+    if row["verdict"] == "right":
         return row
     scene, camera = reference.read_scene(root / clause["scene"]), reference.read_camera(root / clause["cameras"])
     variants = [*((v["name"], v["conventions"]) for v in manifest["variants"] + manifest["departures"]),
                 *((f"preset {name}", reference.PRESETS[name]) for name in reference.PRESETS if name != preset)]
     changed, named, best = {**reference.PRESETS[preset], **clause.get("conventions", {})}, [], row["db"]
     while len(named) < MOST_CHANGES and found.any():
-        images = {name: reference.render(scene, camera, {**changed, **conventions}, clause.get("background", (0, 0, 0)))[0]
-                  for name, conventions in variants}
-        name = max(images, key=lambda name: decibels(values, shown(images[name])))
-        if decibels(values, shown(images[name])) < best + LEAST_GAIN:
+        images = {name: reference.render(scene, camera, {**changed, **given}, clause.get("background", (0, 0, 0)))[0]
+                  for name, given in variants}
+        # What makes every pixel right is nearer than any PSNR.
+        scores = {name: (not wrong(image)[0].any(), decibels(values, shown(image))) for name, image in images.items()}
+        name = max(scores, key=scores.get)
+        if scores[name] < (False, best + LEAST_GAIN):
             break
         changed |= dict(variants)[name]
-        named, best, found = [*named, name], decibels(values, shown(images[name])), wrong(images[name])
+        named, best, (found, of_alpha) = [*named, name], scores[name][1], wrong(images[name])
+    named += ["alpha of the canvas"] if of_alpha.any() and not found.any() else []
     return {**row, "nearest": named, "nearest_db": best, "explained": not found.any()}
 
 
@@ -138,7 +142,7 @@ def main(arguments=None):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("set", type=pathlib.Path, help="the folder of manifest.json")
     parser.add_argument("folder", type=pathlib.Path, help="the canvases, one a clause")
-    parser.add_argument("--preset", default="gsplat", choices=reference.PRESETS, help="conventions to judge by (gsplat)")
+    parser.add_argument("--preset", default="gsplat", choices=reference.PRESETS, help="by which to judge (gsplat)")
     parser.add_argument("--straight", action="store_true", help="colours are not premultiplied, as in PNG files")
     parser.add_argument("--blends-in-bytes", action="store_true", help="allow half a step for each layer too")
     parser.add_argument("--json", type=pathlib.Path, metavar="FILE", help="write the rows")

@@ -19,7 +19,7 @@ PRESETS = {
                 "stop_at_equal": False, "footprint": "three_sigma_ellipse"}}
 # Not conventions but departures that renderers show, and `is_left_out` and `falloff` describe.
 DEPARTURES = {"most_colour": np.inf, "most_off_screen": np.inf, "least_pixels": 0.0, "leaves_out_level": False,
-              "falls_to_0": False}
+              "falls_to_0": False, "most_degree": 3}
 SIGMAS = {"three_sigma_ellipse": 3.0, "root_eight_ellipse": 8**0.5}
 
 
@@ -33,8 +33,9 @@ def render(scene, camera, conventions, background=(0, 0, 0)):
     p = directions @ rotation.T  # rows are the camera's axes in the world
     depth = p[:, 2].astype(np.float32)
     drawn = (depth > c["near_plane"] if c["cull_at_near"] else depth >= c["near_plane"]) & (depth <= c["far_plane"])
-    order = {"depth": depth, "distance": np.linalg.norm(p, axis=1).astype(np.float32), "file": -np.arange(len(p))}
-    colours = np.einsum("nk,nkc->nc", harmonics(directions, scene["sh"].shape[1]), scene["sh"]) + 0.5
+    order = {"depth": depth, "distance": np.linalg.norm(p, axis=1).astype(np.float32), "first": np.arange(len(p)), "last": -np.arange(len(p))}
+    sh = scene["sh"][:, :(c["most_degree"] + 1) ** 2]
+    colours = np.einsum("nk,nkc->nc", harmonics(directions, sh.shape[1]), sh) + 0.5
     colours = np.clip(colours, 0, c["most_colour"])
     colours = decoded(colours) if c["colours"] == "decoded" else colours
     half = 0.5 * size / f  # tangents

@@ -109,6 +109,7 @@ class Judge(unittest.TestCase):
                 ("clamp-image", {"clamp": "around_centre"}, ["clamp around the centre"]),
                 ("covariance-0", {"leaves_out_level": True}, ["level splats left out"]),
                 ("colour-above-1", {"most_colour": 1.0}, ["colours cut at 1"]),
+                ("harmonics-posed", {"most_degree": 1}, ["harmonics to degree 1"]),
                 ("three-sigma", {"footprint": "root_eight_ellipse"}, ["ends at 2.83 sigmas"]),
                 ("needle", {"blur": 0.1, "antialiased": True}, ["blur 0.1", "compensation"])):
             with self.subTest(clause=name, conventions=conventions):
@@ -116,6 +117,12 @@ class Judge(unittest.TestCase):
                 row = rows[name]
                 self.assertEqual((row["verdict"], row["explained"], sorted(row["nearest"])), ("differs", True, expected))
                 self.assertGreater(row["nearest_db"], row["db"] + 10)
+
+    def test_an_alpha_that_is_wrong_alone_is_named(self):
+        image = in_bytes(self.perfect["rotated"])
+        image[..., 3] //= 2
+        row = judged({"rotated.rgba": image.tobytes()})[1]["rotated"]
+        self.assertEqual((row["verdict"], row["nearest"], row["explained"]), ("differs", ["alpha of the canvas"], True))
 
     def test_straight_colours_and_layers_are_options(self):
         image = self.perfect["rotated"]
