@@ -14,11 +14,11 @@ import sys
 
 sys.dont_write_bytecode = True
 
-from tables import blocks, ceilings, files, growth, listings, matrix, paper, rivals, stability  # noqa: E402
+from tables import blocks, ceilings, conformance, files, growth, listings, matrix, paper, rivals, stability  # noqa: E402
 from tables.blocks import RESULTS, Source  # noqa: E402
 from tables.results import InputError  # noqa: E402
 
-MODULES = (ceilings, files, growth, listings, matrix, paper, rivals, stability)
+MODULES = (ceilings, conformance, files, growth, listings, matrix, paper, rivals, stability)
 TABLES = {name: function for module in MODULES for name, function in module.TABLES.items()}
 
 
