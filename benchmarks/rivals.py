@@ -248,6 +248,15 @@ def errors(case, index, calls):
     return found
 
 
+def write_canvases(folder, case, calls):
+    """Writes the image of each call, for the judge of the conformance set where the scene is a clause of it."""
+    import numpy as np  # pylint: disable=import-outside-toplevel
+    for name, call in calls.items():
+        path = folder / name / f"{case.name}.npy"
+        path.parent.mkdir(parents=True, exist_ok=True)
+        np.save(path, call().cpu().numpy())
+
+
 def rows_of_frames(name, arguments):
     case = Case(name, arguments.scale)
     tensors = case.tensors(case.cameras)
@@ -256,6 +265,8 @@ def rows_of_frames(name, arguments):
     renderers = [RENDERERS[name](case, tensors) for name in arguments.renderers or built()]
     for index, view in enumerate(views):
         calls = {name: call for frame_of in renderers for name, call in frame_of(view).items()}
+        if arguments.canvases and index == 0:
+            write_canvases(arguments.canvases, case, calls)
         total, wall = in_a_row(calls, arguments.rounds), alone(calls, arguments.rounds)
         judged = errors(case, index, calls) if index < arguments.judged else {}
         for call in calls:
@@ -316,6 +327,7 @@ def main():
     parser.add_argument("--scale", type=float, default=1, help="factor of the images' sides")
     parser.add_argument("--rounds", type=int, default=30, help="times that a median is of")
     parser.add_argument("--judged", type=int, default=3, help="views of a scene that are drawn in float64 too")
+    parser.add_argument("--canvases", type=pathlib.Path, help="folder for the first view of each scene, of frames")
     parser.add_argument("--json", type=pathlib.Path, required=True)
     arguments = parser.parse_args()
     import gsplat  # pylint: disable=import-outside-toplevel

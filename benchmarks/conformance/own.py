@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Draws the conformance set with renderers of this library, and judges what they draw as any other renderer's images:
+
+    python3 benchmarks/conformance/own.py SWIFTGS OUT [RENDERER...]
+
+SWIFTGS is the command-line tool, RENDERER a name of `swiftgs list`. OUT/RENDERER gets an EXR of each clause, and
+OUT/swiftgs.json what the judge says. Needs NumPy.
+"""
+import json
+import pathlib
+import subprocess
+import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SET = ROOT / "tests/conformance/set"
+RENDERERS = [f"{backend}/early/{raster}/ellipse" for backend in ("serial", "cpu") for raster in (
+    "per-pixel", "axis-shared-threshold-float-cholesky", "axis-shared-float-split", "axis-shared-half-split")]
+
+
+def draw(swiftgs, renderer, clause, folder):
+    background = ",".join(map(str, clause.get("background", (0, 0, 0))))
+    subprocess.run([swiftgs, "render", SET / clause["scene"], "--cameras", SET / clause["cameras"], "--renderer", renderer,
+                    "--background", background, "--planes", "alpha", "--format", "exr", "--out", folder],
+                   check=True, stdout=subprocess.DEVNULL)
+    (folder / "view.exr").rename(folder / f"{clause['name']}.exr")
+
+
+def main(swiftgs, out, *renderers):
+    clauses, rows = json.loads((SET / "manifest.json").read_bytes())["clauses"], []
+    for renderer in renderers or RENDERERS:
+        folder = pathlib.Path(out) / renderer.replace("/", "-")
+        folder.mkdir(parents=True, exist_ok=True)
+        for clause in clauses:
+            draw(swiftgs, renderer, clause, folder)
+        print(f"\n{renderer}", flush=True)
+        subprocess.run([sys.executable, "-B", ROOT / "tests/conformance/judge.py", SET, folder, "--json",
+                        folder / "rows.json"], check=False)
+        rows += [{"renderer": renderer, "settings": "as shipped", **row}
+                 for row in json.loads((folder / "rows.json").read_bytes())]
+    subprocess.run([swiftgs, "list", "--json", f"{out}/list.json"], check=True, stdout=subprocess.DEVNULL)
+    head = {"format": "swiftgs-conformance", "version": 1, "set": "1.0", "preset": "gsplat",
+            "command": "python3 benchmarks/conformance/own.py SWIFTGS OUT " + " ".join(renderers),
+            "machine": json.loads(pathlib.Path(out, "list.json").read_bytes())["machine"]}
+    lines = ",\n".join(f"  {json.dumps(row)}" for row in rows)
+    pathlib.Path(out, "swiftgs.json").write_text(f'{json.dumps(head, indent=1)[:-2]},\n "rows": [\n{lines}\n ]\n}}\n')
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
