@@ -11,17 +11,19 @@ import pathlib
 import subprocess
 import sys
 
+from results import packed
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 SET = ROOT / "tests/conformance/set"
-RENDERERS = [f"{backend}/early/{raster}/ellipse" for backend in ("serial", "cpu") for raster in (
-    "per-pixel", "axis-shared-threshold-float-cholesky", "axis-shared-float-split", "axis-shared-half-split")]
+RENDERERS = ["serial/early/per-pixel/ellipse", *(f"cpu/early/{raster}/ellipse" for raster in (
+    "per-pixel", "axis-shared-threshold-float-cholesky", "axis-shared-float-split", "axis-shared-half-split"))]
 
 
 def draw(swiftgs, renderer, clause, folder):
     background = ",".join(map(str, clause.get("background", (0, 0, 0))))
-    subprocess.run([swiftgs, "render", SET / clause["scene"], "--cameras", SET / clause["cameras"], "--renderer", renderer,
-                    "--background", background, "--planes", "alpha", "--format", "exr", "--out", folder],
-                   check=True, stdout=subprocess.DEVNULL)
+    subprocess.run([swiftgs, "render", SET / clause["scene"], "--cameras", SET / clause["cameras"],
+                    "--renderer", renderer, "--background", background, "--planes", "alpha", "--format", "exr",
+                    "--out", folder], check=True, stdout=subprocess.DEVNULL)
     (folder / "view.exr").rename(folder / f"{clause['name']}.exr")
 
 
@@ -38,11 +40,10 @@ def main(swiftgs, out, *renderers):
         rows += [{"renderer": renderer, "settings": "as shipped", **row}
                  for row in json.loads((folder / "rows.json").read_bytes())]
     subprocess.run([swiftgs, "list", "--json", f"{out}/list.json"], check=True, stdout=subprocess.DEVNULL)
-    head = {"format": "swiftgs-conformance", "version": 1, "set": "1.0", "preset": "gsplat",
-            "command": "python3 benchmarks/conformance/own.py SWIFTGS OUT " + " ".join(renderers),
-            "machine": json.loads(pathlib.Path(out, "list.json").read_bytes())["machine"]}
-    lines = ",\n".join(f"  {json.dumps(row)}" for row in rows)
-    pathlib.Path(out, "swiftgs.json").write_text(f'{json.dumps(head, indent=1)[:-2]},\n "rows": [\n{lines}\n ]\n}}\n')
+    document = {"format": "swiftgs-conformance", "version": 1, "set": "1.0", "preset": "gsplat",
+                "command": " ".join(["own.py SWIFTGS OUT", *renderers]),
+                "machine": json.loads(pathlib.Path(out, "list.json").read_bytes())["machine"], "rows": rows}
+    pathlib.Path(out, "swiftgs.json").write_text(packed(document), encoding="utf-8")
 
 
 if __name__ == "__main__":

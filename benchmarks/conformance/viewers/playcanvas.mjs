@@ -27,7 +27,8 @@ export async function open(canvas, view) {
   const camera = new pc.Entity();
   camera.addComponent('camera', {
     clearColor: view.background ? new pc.Color(...view.background, 1) : new pc.Color(0, 0, 0, 0),
-    nearClip: view.near, farClip: view.far, fov: view.verticalFov, toneMapping: pc.TONEMAP_NONE, gammaCorrection: pc.GAMMA_SRGB,
+    nearClip: view.near, farClip: view.far, fov: view.verticalFov, toneMapping: pc.TONEMAP_NONE,
+    gammaCorrection: pc.GAMMA_SRGB,
   });
   const world = new pc.Mat4();
   world.data.set(view.world);
@@ -36,6 +37,7 @@ export async function open(canvas, view) {
   camera.camera.calculateProjection = matrix => matrix.data.set(view.projection);
   camera.camera.calculateTransform = matrix => matrix.copy(world);
   app.root.addChild(camera);
-  if (view.best) Object.assign(app.scene.gsplat, { minPixelSize: 0, minContribution: 0, alphaClipForward: 1 / 255, dataFormat: pc.GSPLATDATA_LARGE });
+  const best = { minPixelSize: 0, minContribution: 0, alphaClipForward: 1 / 255, dataFormat: pc.GSPLATDATA_LARGE };
+  if (view.best) Object.assign(app.scene.gsplat, best);
   return () => new Promise(drawn => app.once('frameend', drawn));
 }
