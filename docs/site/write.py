@@ -20,7 +20,7 @@ CODE = re.compile(r"(^```.*?^```$)", re.M | re.S)
 PAGES = [str(path.relative_to(ROOT)) for pattern in ("*.md", "docs/*.md", "backends/README.md", "benchmarks/README.md")
          for path in sorted(ROOT.glob(pattern))]
 INCLUDES = ("include", "backends/cpu/include", "backends/cuda/include", "backends/bridges/gl/include",
-            "backends/bridges/vulkan/include", "backends/bridges/mpi/include", "backends/bridges/mpi/cuda/include")
+            "backends/bridges/cuda_vulkan/include", "backends/bridges/mpi/include", "backends/bridges/mpi/cuda/include")
 
 
 def name_of(page):

@@ -21,8 +21,8 @@
 #if defined(CONSUMER_USES_GL)
 #include <swiftgs/gl.hpp>
 #endif
-#if defined(CONSUMER_USES_VULKAN)
-#include <swiftgs/vulkan.hpp>
+#if defined(CONSUMER_USES_CUDA_VULKAN)
+#include <swiftgs/cuda_vulkan.hpp>
 #endif
 #if defined(CONSUMER_USES_TABLE)
 #include <swiftgs/any_renderer.hpp>
@@ -97,9 +97,9 @@ int main() {
 #if defined(CONSUMER_USES_GL)
   good = reports_the_lack_of_a_device([] { swiftgs::gl::device(); }) && good;  // without a context
 #endif
-#if defined(CONSUMER_USES_VULKAN)
-  good =
-      reports_the_lack_of_a_device([] { swiftgs::vulkan::Device(std::array<std::uint8_t, 16>{}); }) && good;
+#if defined(CONSUMER_USES_CUDA_VULKAN)
+  good = reports_the_lack_of_a_device([] { swiftgs::cuda_vulkan::Device(std::array<std::uint8_t, 16>{}); }) &&
+         good;
 #endif
 #if defined(CONSUMER_USES_TABLE)
   std::cout << swiftgs::renderers().size() << " renderers\n";

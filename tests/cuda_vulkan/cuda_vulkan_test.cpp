@@ -21,10 +21,10 @@
 
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/check.hpp>
-#include <swiftgs/vulkan.hpp>
+#include <swiftgs/cuda_vulkan.hpp>
 
+#include "cuda_vulkan/gpu.hpp"
 #include "support/skip.hpp"
-#include "vulkan/gpu.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;
@@ -34,7 +34,7 @@ namespace {
 /// CUDA's number of a Vulkan device; -1 where it has none.
 int number_of(const vk::raii::PhysicalDevice& physical) {
   try {
-    return vulkan::Device(uuid_of(physical)).number();
+    return cuda_vulkan::Device(uuid_of(physical)).number();
   } catch (const DeviceError&) {
     return -1;
   }
@@ -79,8 +79,8 @@ class Timeline {
   vk::raii::Semaphore semaphore_{nullptr};
 };
 
-vulkan::ExportedMemory exported(const Gpu& gpu, const vk::raii::DeviceMemory& memory, const auto& resource,
-                                bool dedicated = true) {
+cuda_vulkan::ExportedMemory exported(const Gpu& gpu, const vk::raii::DeviceMemory& memory,
+                                     const auto& resource, bool dedicated = true) {
   return {gpu.device.getMemoryFdKHR({*memory, opaque_fd}), resource.getMemoryRequirements().size, dedicated};
 }
 
@@ -152,9 +152,9 @@ class Together {
   const Gpu* gpu_;
   Canvas canvas_;
   Timeline timeline_;
-  vulkan::Device device_;
-  vulkan::Buffer planes_;
-  vulkan::Semaphore reached_;
+  cuda_vulkan::Device device_;
+  cuda_vulkan::Buffer planes_;
+  cuda_vulkan::Semaphore reached_;
   Renderer<Cuda> renderer_;
   Cuda::SceneOn scene_;
   DeviceBuffer<FrameReport> report_;
@@ -172,17 +172,18 @@ std::vector<float> floats_of(const Bytes& bytes) {
 
 }  // namespace
 
-TEST_CASE("vulkan: a UUID that no device of CUDA has is refused with those that there are") {
+TEST_CASE("cuda_vulkan: a UUID that no device of CUDA has is refused with those that there are") {
   std::array<std::uint8_t, 16> uuid;
   uuid.fill(0x7a);
   const char* const expected =
       Cuda::usable()
-          ? "vulkan::Device: no device of CUDA has the UUID 7a7a7a7a7a7a7a7a7a7a7a7a7a7a7a7a, expected "
-          : "vulkan::Device: cudaGetDeviceCount: ";
-  CHECK_THROWS_WITH_AS(vulkan::Device{uuid}, doctest::Contains(expected), DeviceError);
+          ? "cuda_vulkan::Device: no device of CUDA has the UUID 7a7a7a7a7a7a7a7a7a7a7a7a7a7a7a7a, expected "
+          : "cuda_vulkan::Device: cudaGetDeviceCount: ";
+  CHECK_THROWS_WITH_AS(cuda_vulkan::Device{uuid}, doctest::Contains(expected), DeviceError);
 }
 
-TEST_CASE("vulkan: splats are drawn before and behind a box that Vulkan submits later on the same thread") {
+TEST_CASE(
+    "cuda_vulkan: splats are drawn before and behind a box that Vulkan submits later on the same thread") {
   const Shared shared;
   if (!shared.gpu) return;
   Together together(*shared.gpu);
@@ -199,12 +200,12 @@ TEST_CASE("vulkan: splats are drawn before and behind a box that Vulkan submits 
   }
 }
 
-TEST_CASE("vulkan: a frame is sorted before its occluder is there") {
+TEST_CASE("cuda_vulkan: a frame is sorted before its occluder is there") {
   const Shared shared;
   if (!shared.gpu) return;
   const Timeline timeline(*shared.gpu);
-  const vulkan::Device device(uuid_of(shared.gpu->physical));
-  const vulkan::Semaphore reached(device, timeline.export_fd());
+  const cuda_vulkan::Device device(uuid_of(shared.gpu->physical));
+  const cuda_vulkan::Semaphore reached(device, timeline.export_fd());
   Renderer<Cuda> renderer;
   const cudaStream_t stream = renderer.backend().stream();
   const auto scene = renderer.backend().upload(make_builtin_scene());
@@ -230,11 +231,11 @@ TEST_CASE("vulkan: a frame is sorted before its occluder is there") {
   CHECK(report->overflowed == 0);
 }
 
-TEST_CASE("vulkan: an optimal image has the bytes of the frame that was written to it in each format") {
+TEST_CASE("cuda_vulkan: an optimal image has the bytes of the frame that was written to it in each format") {
   const Shared shared;
   if (!shared.gpu) return;
   const Gpu& gpu = *shared.gpu;
-  const vulkan::Device device(uuid_of(gpu.physical));
+  const cuda_vulkan::Device device(uuid_of(gpu.physical));
   Renderer<Cuda> renderer;
   const cudaStream_t stream = renderer.backend().stream();
   const auto scene = renderer.backend().upload(make_builtin_scene());
@@ -258,9 +259,9 @@ TEST_CASE("vulkan: an optimal image has the bytes of the frame that was written 
       const vk::raii::Image image(gpu.device, info.setUsage(use).setPNext(&exporting));
       const auto memory =
           gpu.allocate(image, vk::MemoryPropertyFlagBits::eDeviceLocal, Gpu::Export::dedicated);
-      const vulkan::Image target(device, exported(gpu, memory, image), {333, 217, format, attachment});
+      const cuda_vulkan::Image target(device, exported(gpu, memory, image), {333, 217, format, attachment});
       const Timeline timeline(gpu);
-      const vulkan::Semaphore reached(device, timeline.export_fd());
+      const cuda_vulkan::Semaphore reached(device, timeline.export_fd());
 
       const auto pass = [&](vk::ImageLayout from, bool to_others) {
         const auto any = vk::AccessFlagBits::eMemoryRead | vk::AccessFlagBits::eMemoryWrite;
@@ -300,7 +301,8 @@ TEST_CASE("vulkan: an optimal image has the bytes of the frame that was written 
       CHECK((found.content(0, bytes) == expected));
       frame.height = 216;
       CHECK_THROWS_WITH_AS(target.write(frame, stream),
-                           doctest::Contains("vulkan::Image: 333 x 217 pixels of "), std::invalid_argument);
+                           doctest::Contains("cuda_vulkan::Image: 333 x 217 pixels of "),
+                           std::invalid_argument);
       frame.height = 217;
       frame.format = format == PixelFormat::rgba_8 ? PixelFormat::bgra_8 : PixelFormat::rgba_8;
       CHECK_THROWS_WITH_AS(target.write(frame, stream),
@@ -309,45 +311,46 @@ TEST_CASE("vulkan: an optimal image has the bytes of the frame that was written 
     }
 }
 
-TEST_CASE("vulkan: what cannot be imported is refused by the name of the call and closed") {
+TEST_CASE("cuda_vulkan: what cannot be imported is refused by the name of the call and closed") {
   const Shared shared;
   if (!shared.gpu) return;
-  const vulkan::Device device(uuid_of(shared.gpu->physical));
+  const cuda_vulkan::Device device(uuid_of(shared.gpu->physical));
   const auto check = [&](const char* expected, const auto& take) {
     const int fd = open("/dev/null", O_RDWR);
     REQUIRE(fd >= 0);
     CHECK_THROWS_WITH_AS(take(fd), doctest::Contains(expected), DeviceError);
     CHECK(fcntl(fd, F_GETFD) == -1);
   };
-  check("vulkan::Buffer: cudaImportExternalMemory: ", [&](int fd) {
-    vulkan::Buffer buffer(device, {fd, 4096});
+  check("cuda_vulkan::Buffer: cudaImportExternalMemory: ", [&](int fd) {
+    cuda_vulkan::Buffer buffer(device, {fd, 4096});
   });
-  check("vulkan::Image: cudaImportExternalMemory: ", [&](int fd) {
-    vulkan::Image image(device, {fd, 4096}, {16, 16});
+  check("cuda_vulkan::Image: cudaImportExternalMemory: ", [&](int fd) {
+    cuda_vulkan::Image image(device, {fd, 4096}, {16, 16});
   });
-  check("vulkan::Semaphore: cudaImportExternalSemaphore: ",
-        [&](int fd) { vulkan::Semaphore semaphore(device, fd); });
+  check("cuda_vulkan::Semaphore: cudaImportExternalSemaphore: ",
+        [&](int fd) { cuda_vulkan::Semaphore semaphore(device, fd); });
   CHECK(cudaGetLastError() == cudaSuccess);
 
   const Canvas canvas(*shared.gpu);
-  const vulkan::ExportedMemory memory = exported(*shared.gpu, canvas.memory, canvas.planes);
-  CHECK_THROWS_WITH_AS(vulkan::Image(device, memory, {16, 16, PixelFormat::rgb_float}),
-                       "vulkan::Image: the format has three channels, expected four", std::invalid_argument);
+  const cuda_vulkan::ExportedMemory memory = exported(*shared.gpu, canvas.memory, canvas.planes);
+  CHECK_THROWS_WITH_AS(cuda_vulkan::Image(device, memory, {16, 16, PixelFormat::rgb_float}),
+                       "cuda_vulkan::Image: the format has three channels, expected four",
+                       std::invalid_argument);
 
   int devices = 0;
   check_cuda(cudaGetDeviceCount(&devices), "cudaGetDeviceCount");
   if (devices < 2) return;  // the next test says so
   check_cuda(cudaSetDevice(1), "cudaSetDevice");
-  check("vulkan::Buffer: the current CUDA device is 1, expected 0, the GPU of the Vulkan device",
+  check("cuda_vulkan::Buffer: the current CUDA device is 1, expected 0, the GPU of the Vulkan device",
         [&](int fd) {
-          vulkan::Buffer buffer(device, {fd, 4096});
+          cuda_vulkan::Buffer buffer(device, {fd, 4096});
         });
-  check("vulkan::Semaphore: the current CUDA device is 1, expected 0, the GPU of the Vulkan device",
-        [&](int fd) { vulkan::Semaphore semaphore(device, fd); });
+  check("cuda_vulkan::Semaphore: the current CUDA device is 1, expected 0, the GPU of the Vulkan device",
+        [&](int fd) { cuda_vulkan::Semaphore semaphore(device, fd); });
   check_cuda(cudaSetDevice(0), "cudaSetDevice");
 }
 
-TEST_CASE("vulkan: each of two GPUs is found by its UUID") {
+TEST_CASE("cuda_vulkan: each of two GPUs is found by its UUID") {
   const Shared shared;
   if (!shared.gpu) return;
   int devices = 0;
@@ -362,7 +365,7 @@ TEST_CASE("vulkan: each of two GPUs is found by its UUID") {
   CHECK(numbers == expected);
 }
 
-TEST_CASE("vulkan: frames in a loop take no memory") {
+TEST_CASE("cuda_vulkan: frames in a loop take no memory") {
   const Shared shared;
   if (!shared.gpu) return;
   Together together(*shared.gpu);
@@ -382,22 +385,22 @@ TEST_CASE("vulkan: frames in a loop take no memory") {
   CHECK(open_files() == files);
 }
 
-TEST_CASE("vulkan: what was imported is given back") {
+TEST_CASE("cuda_vulkan: what was imported is given back") {
   const Shared shared;
   if (!shared.gpu) return;
   const Gpu& gpu = *shared.gpu;
-  const vulkan::Device device(uuid_of(gpu.physical));
+  const cuda_vulkan::Device device(uuid_of(gpu.physical));
   const auto one = [&] {
     const Canvas canvas(gpu);
     const Timeline timeline(gpu);
-    const vulkan::Buffer dedicated(device, exported(gpu, canvas.memory, canvas.planes));
+    const cuda_vulkan::Buffer dedicated(device, exported(gpu, canvas.memory, canvas.planes));
     const vk::ExternalMemoryBufferCreateInfo exporting(opaque_fd);
     const vk::raii::Buffer bytes(
         gpu.device,
         vk::BufferCreateInfo({}, 1 << 20, vk::BufferUsageFlagBits::eTransferDst).setPNext(&exporting));
     const auto memory = gpu.allocate(bytes, vk::MemoryPropertyFlagBits::eDeviceLocal, Gpu::Export::yes);
-    const vulkan::Buffer other(device, exported(gpu, memory, bytes, false));
-    const vulkan::Semaphore semaphore(device, timeline.export_fd());
+    const cuda_vulkan::Buffer other(device, exported(gpu, memory, bytes, false));
+    const cuda_vulkan::Semaphore semaphore(device, timeline.export_fd());
   };
   for (int i = 0; i < 20; ++i) one();
   const std::size_t memory = Cuda::memory_use().in_use;

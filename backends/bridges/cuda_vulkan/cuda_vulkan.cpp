@@ -8,12 +8,12 @@
 #include <unistd.h>
 
 #include <swiftgs/cuda/check.hpp>
+#include <swiftgs/cuda_vulkan.hpp>
 #include <swiftgs/error.hpp>
-#include <swiftgs/vulkan.hpp>
 
 #include "copy_to_array.hpp"
 
-namespace swiftgs::vulkan {
+namespace swiftgs::cuda_vulkan {
 
 namespace {
 
@@ -75,14 +75,14 @@ cudaChannelFormatDesc channels_of(PixelFormat format) {
     case PixelFormat::rgb_float:
       break;
   }
-  throw InvalidArgument("vulkan::Image: the format has three channels, expected four");
+  throw InvalidArgument("cuda_vulkan::Image: the format has three channels, expected four");
 }
 
 }  // namespace
 
 Device::Device(std::span<const std::uint8_t, 16> uuid) {
   int count = 0;
-  check_cuda(cudaGetDeviceCount(&count), "vulkan::Device: cudaGetDeviceCount");
+  check_cuda(cudaGetDeviceCount(&count), "cuda_vulkan::Device: cudaGetDeviceCount");
   std::string known;
   for (; number_ < count; ++number_) {
     cudaDeviceProp device{};
@@ -91,7 +91,7 @@ Device::Device(std::span<const std::uint8_t, 16> uuid) {
       return;
     known += (number_ == 0 ? "" : ", ") + text_of(device.uuid.bytes) + " (" + device.name + ")";
   }
-  throw DeviceError("vulkan::Device",
+  throw DeviceError("cuda_vulkan::Device",
                     "no device of CUDA has the UUID " + text_of(uuid.data()) + ", expected " + known);
 }
 
@@ -103,17 +103,17 @@ void detail::Release::operator()(cudaMipmappedArray* image) const { cudaFreeMipm
 void detail::Release::operator()(void* buffer) const { cudaFree(buffer); }
 
 Buffer::Buffer(const Device& device, const ExportedMemory& memory)
-    : memory_(import_memory(device, memory, "vulkan::Buffer")) {
+    : memory_(import_memory(device, memory, "cuda_vulkan::Buffer")) {
   cudaExternalMemoryBufferDesc whole{};
   whole.size = memory.bytes;
   void* mapped = nullptr;
   check_cuda(cudaExternalMemoryGetMappedBuffer(&mapped, memory_.get(), &whole),
-             "vulkan::Buffer: cudaExternalMemoryGetMappedBuffer");
+             "cuda_vulkan::Buffer: cudaExternalMemoryGetMappedBuffer");
   data_.reset(mapped);
 }
 
 Image::Image(const Device& device, const ExportedMemory& memory, const ImageShape& shape)
-    : memory_(import_memory(device, memory, "vulkan::Image")), format_(shape.format) {
+    : memory_(import_memory(device, memory, "cuda_vulkan::Image")), format_(shape.format) {
   cudaExternalMemoryMipmappedArrayDesc levels{};
   levels.formatDesc = channels_of(shape.format);
   levels.extent = {std::size_t(shape.width), std::size_t(shape.height), 0};
@@ -121,24 +121,25 @@ Image::Image(const Device& device, const ExportedMemory& memory, const ImageShap
   levels.numLevels = 1;
   cudaMipmappedArray_t mapped = nullptr;
   check_cuda(cudaExternalMemoryGetMappedMipmappedArray(&mapped, memory_.get(), &levels),
-             "vulkan::Image: cudaExternalMemoryGetMappedMipmappedArray");
+             "cuda_vulkan::Image: cudaExternalMemoryGetMappedMipmappedArray");
   image_.reset(mapped);
 }
 
 void Image::write(const FrameView& frame, cudaStream_t stream) const {
   cudaArray_t level = nullptr;
   check_cuda(cudaGetMipmappedArrayLevel(&level, image_.get(), 0), "cudaGetMipmappedArrayLevel");
-  copy_to_array(frame, level, format_, stream, "vulkan::Image");
+  copy_to_array(frame, level, format_, stream, "cuda_vulkan::Image");
 }
 
 Semaphore::Semaphore(const Device& device, int fd) {
   Descriptor descriptor(fd);
-  require_current(device, "vulkan::Semaphore");
+  require_current(device, "cuda_vulkan::Semaphore");
   cudaExternalSemaphoreHandleDesc from{};
   from.type = cudaExternalSemaphoreHandleTypeTimelineSemaphoreFd;
   from.handle.fd = fd;
   cudaExternalSemaphore_t imported = nullptr;
-  check_cuda(cudaImportExternalSemaphore(&imported, &from), "vulkan::Semaphore: cudaImportExternalSemaphore");
+  check_cuda(cudaImportExternalSemaphore(&imported, &from),
+             "cuda_vulkan::Semaphore: cudaImportExternalSemaphore");
   descriptor.fd = -1;
   semaphore_.reset(imported);
 }
@@ -159,4 +160,4 @@ void Semaphore::signal(std::uint64_t value, cudaStream_t stream) const {
              "cudaSignalExternalSemaphoresAsync");
 }
 
-}  // namespace swiftgs::vulkan
+}  // namespace swiftgs::cuda_vulkan

@@ -22,7 +22,7 @@ struct CUexternalMemory_st;
 struct CUexternalSemaphore_st;
 struct cudaMipmappedArray;
 
-namespace swiftgs::vulkan {
+namespace swiftgs::cuda_vulkan {
 
 /// The GPU of a Vulkan device, in CUDA.
 class Device {
@@ -111,4 +111,4 @@ class Semaphore {
   detail::Owned<CUexternalSemaphore_st> semaphore_;
 };
 
-}  // namespace swiftgs::vulkan
+}  // namespace swiftgs::cuda_vulkan
