@@ -7,7 +7,7 @@ install(FILES LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT licence)  
 
 # One export a component, so that find_package(swiftgs COMPONENTS core) asks for GLM alone.
 set(swiftgs_components)
-foreach(component IN ITEMS core builtin reference cpu cuda gl cuda_vulkan io mpi swiftgs c)
+foreach(component IN ITEMS core builtin reference cpu cuda gl cuda_vulkan vulkan io mpi swiftgs c)
   set(target swiftgs_${component})
   if(component STREQUAL swiftgs)
     set(target swiftgs)
@@ -42,6 +42,7 @@ foreach(component IN ITEMS core builtin reference cpu cuda gl cuda_vulkan io mpi
   set(dependencies_of_cuda "CUDAToolkit ${swiftgs_cuda_version}")
   set(dependencies_of_gl)
   set(dependencies_of_cuda_vulkan)
+  set(dependencies_of_vulkan)
   set(dependencies_of_io)
   set(dependencies_of_mpi MPI)
   set(dependencies_of_c)

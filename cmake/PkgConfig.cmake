@@ -50,6 +50,11 @@ if(TARGET swiftgs_io)
   swiftgs_pkg_config(swiftgs-io swiftgs_io "Readers and writers of SwiftGS" REQUIRES ${needs})
   list(APPEND all swiftgs-io)
 endif()
+if(TARGET swiftgs_vulkan)
+  swiftgs_pkg_config(swiftgs-vulkan swiftgs_vulkan "The backend of SwiftGS for GPUs by Vulkan" REQUIRES swiftgs-core
+    LIBS -ldl)
+  list(APPEND all swiftgs-vulkan)
+endif()
 if(TARGET swiftgs_cuda)
   # The toolkit has no files for pkg-config that are always there: name the place of the one that was built with. Where it
   # is another, `pkg-config --define-variable=cuda_headers=...` says so.

@@ -2,7 +2,7 @@
 
 # Prints what this build has. Included last.
 set(backends serial)
-foreach(backend IN ITEMS cpu cuda)
+foreach(backend IN ITEMS cpu vulkan cuda)
   if(TARGET swiftgs_${backend})
     list(APPEND backends ${backend})
   endif()

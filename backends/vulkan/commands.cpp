@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "commands.hpp"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+
+namespace swiftgs::vulkan {
+namespace {
+
+constexpr std::uint32_t scan_part = 8 * usual_threads;
+/// Devices take so many workgroups in each direction at least.
+constexpr std::uint32_t most_workgroups = 65535;
+
+CommandSlot& next_slot(Vulkan::State& b) {
+  CommandSlot& slot = b.slots[b.next_slot++ % b.slots.size()];
+  b.device.state().wait(slot.done_at);
+  return slot;
+}
+
+void barrier(const VulkanDevice::State& device, VkCommandBuffer commands, VkPipelineStageFlags to_stages,
+             VkAccessFlags to) {
+  VkMemoryBarrier memory{};
+  memory.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
+  memory.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT, memory.dstAccessMask = to;
+  device.vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, to_stages, 0, 1, &memory, 0,
+                                 nullptr, 0, nullptr);
+}
+
+}  // namespace
+
+Commands::Commands(const Vulkan& b) : b_(b.state()), device_(b_.device.state()), slot_(next_slot(b_)) {
+  VkCommandBufferBeginInfo begin{};
+  begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
+  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  check(device_.vk.vkBeginCommandBuffer(slot_.commands, &begin), "vkBeginCommandBuffer");
+  // Behind the commands of other recordings, whose accesses are not known here.
+  barrier(device_, slot_.commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+          VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
+}
+
+const void* Commands::copy(const void* from, std::size_t bytes) {
+  constexpr std::size_t least = 1 << 16, alignment = 64;
+  while (block_ < slot_.blocks.size() && slot_.blocks[block_].bytes - used_ < bytes) ++block_, used_ = 0;
+  if (block_ == slot_.blocks.size()) slot_.blocks.push_back(device_.allocate_block(std::max(bytes, least)));
+  const HostBlock& block = slot_.blocks[block_];
+  std::memcpy(block.host + used_, from, bytes);
+  const void* const to = block.device + used_;
+  used_ = std::min((used_ + bytes + alignment - 1) / alignment * alignment, block.bytes);
+  return to;
+}
+
+Commands::Shape Commands::Shape::of(std::size_t elements, std::size_t each, std::uint32_t threads) {
+  const std::size_t groups = (elements + each - 1) / each;
+  const std::size_t rows = std::max<std::size_t>((groups + most_workgroups - 1) / most_workgroups, 1);
+  return {std::uint32_t((groups + rows - 1) / rows), std::uint32_t(rows), threads};
+}
+
+void Commands::run(Kernel kernel, const std::vector<std::uint32_t>& constants, const Push& push,
+                   const Shape& shape, std::initializer_list<Access> accesses) {
+  if (shape.columns == 0) return;
+  const VkPipeline pipeline = device_.pipeline(kernel, shape.threads, constants);
+  if (hazards_.next(accesses))
+    barrier(device_, slot_.commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+            VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
+  const Functions& vk = device_.vk;
+  vk.vkCmdBindPipeline(slot_.commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+  vk.vkCmdPushConstants(slot_.commands, device_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, push.size(),
+                        push.data());
+  vk.vkCmdDispatch(slot_.commands, shape.columns, shape.rows, 1);
+}
+
+void Commands::fill(void* to, std::size_t words, std::uint32_t value) {
+  run(Kernel::fill, {}, Push(to, std::uint32_t(words), value), Shape::of(words), {writes(to, 4 * words)});
+}
+
+void Commands::reserve_scan(std::size_t values) { b_.sums.reset((values + scan_part - 1) / scan_part + 1); }
+
+void Commands::scan(std::uint32_t* values, Count count) {
+  if (count.most == 0) return;
+  std::uint32_t* const sums = b_.sums.data();
+  const std::size_t bytes = 4 * count.most, parts = (count.most + scan_part - 1) / scan_part;
+  const Access number = reads(count.exact, count.exact ? 4 : 0);
+  const Push push(values, sums, count);
+  const Shape by_part = Shape::of(count.most, scan_part);
+  run(Kernel::scan_sums, {}, push, by_part, {reads(values, bytes), number, writes(sums, 4 * parts)});
+  run(Kernel::scan_spine, {}, push, {1}, {writes(sums, 4 * (parts + 1))});
+  run(Kernel::scan_apply, {}, push, by_part, {writes(values, bytes), number, reads(sums, 4 * parts)});
+}
+
+void Commands::timestamp(std::uint32_t query) {
+  device_.vk.vkCmdResetQueryPool(slot_.commands, b_.times, query, 1);
+  device_.vk.vkCmdWriteTimestamp(slot_.commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, b_.times, query);
+}
+
+void Commands::release_to_host() {
+  barrier(device_, slot_.commands, VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
+}
+
+std::uint64_t Commands::submit() {
+  check(device_.vk.vkEndCommandBuffer(slot_.commands), "vkEndCommandBuffer");
+  return b_.last = slot_.done_at = device_.submit(slot_.commands);
+}
+
+}  // namespace swiftgs::vulkan

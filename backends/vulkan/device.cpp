@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <dlfcn.h>
+
+#include <swiftgs/error.hpp>
+#include <swiftgs/vulkan/device.hpp>
+
+#include "device_state.hpp"
+
+namespace swiftgs {
+namespace {
+
+/// A feature that the shaders need: its name, and whether a chain of features has it.
+struct Feature {
+  const char* name;
+  VkBool32 enabled = VK_FALSE;
+};
+using Features = std::array<Feature, 5>;
+
+/// The needed features that a chain enables, in the structs of 1.2 and 1.3 or in those of each.
+Features needed_features(const VkPhysicalDeviceFeatures2& chain) {
+  VkBool32 address = VK_FALSE, timeline = VK_FALSE, scalar = VK_FALSE, size = VK_FALSE, full = VK_FALSE;
+  for (const auto* link = reinterpret_cast<const VkBaseInStructure*>(&chain); link; link = link->pNext) {
+    switch (link->sType) {
+      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES: {
+        const auto& of = *reinterpret_cast<const VkPhysicalDeviceVulkan12Features*>(link);
+        address = of.bufferDeviceAddress, timeline = of.timelineSemaphore, scalar = of.scalarBlockLayout;
+        break;
+      }
+      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES: {
+        const auto& of = *reinterpret_cast<const VkPhysicalDeviceVulkan13Features*>(link);
+        size = of.subgroupSizeControl, full = of.computeFullSubgroups;
+        break;
+      }
+      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_BUFFER_DEVICE_ADDRESS_FEATURES:
+        address =
+            reinterpret_cast<const VkPhysicalDeviceBufferDeviceAddressFeatures*>(link)->bufferDeviceAddress;
+        break;
+      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_TIMELINE_SEMAPHORE_FEATURES:
+        timeline =
+            reinterpret_cast<const VkPhysicalDeviceTimelineSemaphoreFeatures*>(link)->timelineSemaphore;
+        break;
+      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SCALAR_BLOCK_LAYOUT_FEATURES:
+        scalar = reinterpret_cast<const VkPhysicalDeviceScalarBlockLayoutFeatures*>(link)->scalarBlockLayout;
+        break;
+      case VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_SUBGROUP_SIZE_CONTROL_FEATURES: {
+        const auto& of = *reinterpret_cast<const VkPhysicalDeviceSubgroupSizeControlFeatures*>(link);
+        size = of.subgroupSizeControl, full = of.computeFullSubgroups;
+        break;
+      }
+      default:
+        break;
+    }
+  }
+  return {{{"bufferDeviceAddress", address},
+           {"timelineSemaphore", timeline},
+           {"scalarBlockLayout", scalar},
+           {"subgroupSizeControl", size},
+           {"computeFullSubgroups", full}}};
+}
+
+/// What `device` lacks of what the shaders need beside features; empty: nothing.
+std::string lacks(const vulkan::Functions& vk, VkPhysicalDevice device) {
+  VkPhysicalDeviceVulkan13Properties of_1_3{};
+  of_1_3.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES;
+  VkPhysicalDeviceVulkan12Properties of_1_2{};
+  of_1_2.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES, of_1_2.pNext = &of_1_3;
+  VkPhysicalDeviceVulkan11Properties of_1_1{};
+  of_1_1.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES, of_1_1.pNext = &of_1_2;
+  VkPhysicalDeviceProperties2 all{};
+  all.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
+  vk.vkGetPhysicalDeviceProperties2(device, &all);
+  const std::string begin = "vulkan device '" + std::string(all.properties.deviceName) + "': expected ";
+  if (all.properties.apiVersion < VK_API_VERSION_1_3) return begin + "Vulkan 1.3";
+  all.pNext = &of_1_1;
+  vk.vkGetPhysicalDeviceProperties2(device, &all);
+  if (!of_1_2.shaderRoundingModeRTEFloat32) return begin + "shaderRoundingModeRTEFloat32";
+  const VkSubgroupFeatureFlags operations = VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_VOTE_BIT |
+                                            VK_SUBGROUP_FEATURE_ARITHMETIC_BIT |
+                                            VK_SUBGROUP_FEATURE_BALLOT_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
+  if ((of_1_1.subgroupSupportedOperations & operations) != operations ||
+      !(of_1_1.subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT))
+    return begin + "basic, vote, arithmetic, ballot and shuffle operations of subgroups in compute shaders";
+  if (of_1_1.subgroupSize < 4 || of_1_1.subgroupSize > 64) return begin + "subgroups of 4 to 64 lanes";
+  if (!(of_1_3.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT))
+    return begin + "compute shaders that require a size of subgroups";
+  return {};
+}
+
+/// `VulkanDevice::own()` before it is checked.
+class OwnDevice {
+ public:
+  OwnDevice() {
+    void* const library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
+    if (!library) throw Unavailable("vulkan: expected libvulkan.so.1, the loader of Vulkan");
+    get_ = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library, "vkGetInstanceProcAddr"));
+    if (!get_) throw Unavailable("vulkan: expected vkGetInstanceProcAddr in libvulkan.so.1");
+    VkApplicationInfo application{};
+    application.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, application.apiVersion = VK_API_VERSION_1_3;
+    VkInstanceCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO, info.pApplicationInfo = &application;
+    const auto create = reinterpret_cast<PFN_vkCreateInstance>(get_(nullptr, "vkCreateInstance"));
+    if (!create || create(&info, nullptr, &instance_) != VK_SUCCESS)
+      throw Unavailable("vulkan: expected an instance of Vulkan 1.3");
+#define SWIFTGS_VULKAN_GET(name) vk_.name = reinterpret_cast<PFN_##name>(get_(instance_, #name));
+    SWIFTGS_VULKAN_OF_INSTANCE(SWIFTGS_VULKAN_GET)
+#undef SWIFTGS_VULKAN_GET
+    try {
+      choose_and_make();
+    } catch (...) {
+      vk_.vkDestroyInstance(instance_, nullptr);
+      throw;
+    }
+  }
+
+  VulkanHandles handles() const {
+    const auto get_queue =
+        reinterpret_cast<PFN_vkGetDeviceQueue>(vk_.vkGetDeviceProcAddr(device_, "vkGetDeviceQueue"));
+    VkQueue queue = VK_NULL_HANDLE;
+    get_queue(device_, family_, 0, &queue);
+    return {instance_, physical_, device_, queue, family_, &enabled_, get_};
+  }
+
+ private:
+  void choose_and_make() {
+    std::uint32_t count = 0;
+    vk_.vkEnumeratePhysicalDevices(instance_, &count, nullptr);
+    std::vector<VkPhysicalDevice> devices(count);
+    vk_.vkEnumeratePhysicalDevices(instance_, &count, devices.data());
+    const auto rank = [&](VkPhysicalDevice device) {
+      VkPhysicalDeviceProperties2 of{};
+      of.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;
+      vk_.vkGetPhysicalDeviceProperties2(device, &of);
+      const VkPhysicalDeviceType type = of.properties.deviceType;
+      return type == VK_PHYSICAL_DEVICE_TYPE_DISCRETE_GPU ? 0 : type == VK_PHYSICAL_DEVICE_TYPE_CPU ? 2 : 1;
+    };
+    std::stable_sort(devices.begin(), devices.end(), [&](auto a, auto b) { return rank(a) < rank(b); });
+    std::string why = "vulkan: expected a device";
+    for (const VkPhysicalDevice device : devices) {
+      const std::string lacking = why_not(device);
+      if (lacking.empty()) return make(device);
+      why = lacking;
+    }
+    throw Unavailable(why);
+  }
+
+  std::string why_not(VkPhysicalDevice device) const {
+    if (std::string lacking = lacks(vk_, device); !lacking.empty()) return lacking;
+    VkPhysicalDeviceVulkan13Features of_1_3{};
+    of_1_3.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
+    VkPhysicalDeviceVulkan12Features of_1_2{};
+    of_1_2.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, of_1_2.pNext = &of_1_3;
+    VkPhysicalDeviceFeatures2 all{};
+    all.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, all.pNext = &of_1_2;
+    vk_.vkGetPhysicalDeviceFeatures2(device, &all);
+    for (const Feature& feature : needed_features(all))
+      if (!feature.enabled) return std::string("vulkan: expected a device with ") + feature.name;
+    return {};
+  }
+
+  void make(VkPhysicalDevice device) {
+    physical_ = device;
+    std::uint32_t count = 0;
+    vk_.vkGetPhysicalDeviceQueueFamilyProperties(device, &count, nullptr);
+    std::vector<VkQueueFamilyProperties> families(count);
+    vk_.vkGetPhysicalDeviceQueueFamilyProperties(device, &count, families.data());
+    const auto computes = [](const auto& of) { return (of.queueFlags & VK_QUEUE_COMPUTE_BIT) != 0; };
+    family_ = std::uint32_t(std::find_if(families.begin(), families.end(), computes) - families.begin());
+    if (family_ == count) throw Unavailable("vulkan: expected a queue that computes");
+    of_1_3_.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
+    of_1_3_.subgroupSizeControl = of_1_3_.computeFullSubgroups = VK_TRUE;
+    of_1_2_.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, of_1_2_.pNext = &of_1_3_;
+    of_1_2_.bufferDeviceAddress = of_1_2_.timelineSemaphore = of_1_2_.scalarBlockLayout = VK_TRUE;
+    enabled_.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, enabled_.pNext = &of_1_2_;
+    const float priority = 1;
+    VkDeviceQueueCreateInfo queue{};
+    queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, queue.queueFamilyIndex = family_;
+    queue.queueCount = 1, queue.pQueuePriorities = &priority;
+    VkDeviceCreateInfo info{};
+    info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, info.pNext = &enabled_;
+    info.queueCreateInfoCount = 1, info.pQueueCreateInfos = &queue;
+    vulkan::check(vk_.vkCreateDevice(device, &info, nullptr, &device_), "vkCreateDevice");
+  }
+
+  PFN_vkGetInstanceProcAddr get_ = nullptr;
+  vulkan::Functions vk_;
+  VkInstance instance_ = VK_NULL_HANDLE;
+  VkPhysicalDevice physical_ = VK_NULL_HANDLE;
+  VkDevice device_ = VK_NULL_HANDLE;
+  std::uint32_t family_ = 0;
+  VkPhysicalDeviceVulkan13Features of_1_3_{};
+  VkPhysicalDeviceVulkan12Features of_1_2_{};
+  VkPhysicalDeviceFeatures2 enabled_{};
+};
+
+}  // namespace
+
+VulkanDevice::VulkanDevice(const VulkanHandles& handles) {
+  if (!handles.instance || !handles.physical_device || !handles.device || !handles.queue ||
+      !handles.enabled_features || !handles.get_instance_proc_addr)
+    throw InvalidArgument(
+        "vulkan: a handle is missing, expected instance, physical_device, device, queue, enabled_features "
+        "and "
+        "get_instance_proc_addr");
+  for (const Feature& feature : needed_features(*handles.enabled_features))
+    if (!feature.enabled)
+      throw Unavailable(std::string("vulkan: the device was made without ") + feature.name +
+                        ", expected it among enabled_features");
+  auto state = std::make_shared<State>(handles);
+  if (const std::string lacking = lacks(state->vk, handles.physical_device); !lacking.empty())
+    throw Unavailable(lacking);
+  state_ = std::move(state);
+}
+
+const VulkanDevice& VulkanDevice::own() {
+  // Never destroyed: objects of the program that end after `main` may still have memory of it.
+  static const VulkanDevice* const device = [] {
+    const OwnDevice own;
+    return new VulkanDevice(own.handles());
+  }();
+  return *device;
+}
+
+const MemoryHook& VulkanDevice::memory_hook() const { return state_->hook; }
+
+void* VulkanMemory::allocate(std::size_t bytes) { return VulkanDevice::own().state().allocate(bytes); }
+void VulkanMemory::release(void* memory) { VulkanDevice::own().state().release(memory); }
+
+}  // namespace swiftgs

@@ -1,0 +1,255 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "device_state.hpp"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <swiftgs/error.hpp>
+
+namespace swiftgs {
+
+namespace vulkan {
+void check(VkResult result, const char* call) {
+  if (result == VK_SUCCESS) return;
+  const auto text = [&]() -> std::string {
+    switch (result) {
+      case VK_ERROR_OUT_OF_HOST_MEMORY:
+        return "out of host memory";
+      case VK_ERROR_OUT_OF_DEVICE_MEMORY:
+        return "out of device memory";
+      case VK_ERROR_DEVICE_LOST:
+        return "the device is lost";
+      default:
+        return "VkResult " + std::to_string(int(result));
+    }
+  };
+  throw DeviceError(call, text());
+}
+}  // namespace vulkan
+
+namespace {
+void* allocate_by_hook(void* context, std::size_t bytes) {
+  return static_cast<VulkanDevice::State*>(context)->allocate(bytes);
+}
+void release_by_hook(void* context, void* memory, std::size_t) {
+  static_cast<VulkanDevice::State*>(context)->release(memory);
+}
+}  // namespace
+
+VulkanDevice::State::State(const VulkanHandles& handles)
+    : instance(handles.instance),
+      physical_device(handles.physical_device),
+      device(handles.device),
+      queue_family(handles.queue_family),
+      hook{allocate_by_hook, release_by_hook, this},
+      queue_(handles.queue) {
+  const auto get = reinterpret_cast<PFN_vkGetInstanceProcAddr>(handles.get_instance_proc_addr);
+#define SWIFTGS_VULKAN_GET(name) vk.name = reinterpret_cast<PFN_##name>(get(instance, #name));
+  SWIFTGS_VULKAN_OF_INSTANCE(SWIFTGS_VULKAN_GET)
+#undef SWIFTGS_VULKAN_GET
+#define SWIFTGS_VULKAN_GET(name) \
+  vk.name = reinterpret_cast<PFN_##name>(vk.vkGetDeviceProcAddr(device, #name));
+  SWIFTGS_VULKAN_OF_DEVICE(SWIFTGS_VULKAN_GET)
+#undef SWIFTGS_VULKAN_GET
+
+  VkPhysicalDeviceVulkan11Properties of_1_1{};
+  of_1_1.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES;
+  VkPhysicalDeviceProperties2 properties{};
+  properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, properties.pNext = &of_1_1;
+  vk.vkGetPhysicalDeviceProperties2(physical_device, &properties);
+  name = properties.properties.deviceName, subgroup = of_1_1.subgroupSize;
+  std::uint32_t families = 0;
+  vk.vkGetPhysicalDeviceQueueFamilyProperties(physical_device, &families, nullptr);
+  std::vector<VkQueueFamilyProperties> family(families);
+  vk.vkGetPhysicalDeviceQueueFamilyProperties(physical_device, &families, family.data());
+  if (const std::uint32_t bits = family.at(queue_family).timestampValidBits; bits != 0) {
+    nanoseconds = properties.properties.limits.timestampPeriod;
+    tick_mask = bits >= 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << bits) - 1;
+  }
+
+  vk.vkGetPhysicalDeviceMemoryProperties(physical_device, &memory_);
+  device_type_ = memory_type(0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
+  host_type_ = memory_type(VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
+                           VK_MEMORY_PROPERTY_HOST_CACHED_BIT);
+
+  VkSemaphoreTypeCreateInfo timeline{};
+  timeline.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO;
+  timeline.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
+  VkSemaphoreCreateInfo semaphore{};
+  semaphore.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, semaphore.pNext = &timeline;
+  vulkan::check(vk.vkCreateSemaphore(device, &semaphore, nullptr, &timeline_), "vkCreateSemaphore");
+
+  const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, 128};
+  VkPipelineLayoutCreateInfo of_layout{};
+  of_layout.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
+  of_layout.pushConstantRangeCount = 1, of_layout.pPushConstantRanges = &push;
+  vulkan::check(vk.vkCreatePipelineLayout(device, &of_layout, nullptr, &layout), "vkCreatePipelineLayout");
+}
+
+VulkanDevice::State::~State() {
+  for (const auto& [key, pipeline] : pipelines_) vk.vkDestroyPipeline(device, pipeline, nullptr);
+  for (const auto& [value, allocation] : released_) free(allocation);
+  for (const auto& [address, allocation] : memories_) free(allocation);
+  vk.vkDestroyPipelineLayout(device, layout, nullptr);
+  vk.vkDestroySemaphore(device, timeline_, nullptr);
+}
+
+std::uint32_t VulkanDevice::State::memory_type(VkMemoryPropertyFlags required,
+                                               VkMemoryPropertyFlags preferred) const {
+  for (const VkMemoryPropertyFlags wanted : {required | preferred, required})
+    for (std::uint32_t i = 0; i < memory_.memoryTypeCount; ++i)
+      if ((memory_.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
+  throw Unavailable("vulkan device '" + name + "': expected memory that the host reaches");
+}
+
+std::pair<vulkan::Allocation, void*> VulkanDevice::State::allocate_buffer(std::size_t bytes,
+                                                                          std::uint32_t type) {
+  vulkan::Allocation made;
+  VkBufferCreateInfo buffer{};
+  buffer.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, buffer.size = bytes;
+  buffer.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+  const auto refuse = [&](VkResult result, const char* call) {
+    free(made);
+    if (result != VK_ERROR_OUT_OF_DEVICE_MEMORY && result != VK_ERROR_OUT_OF_HOST_MEMORY)
+      vulkan::check(result, call);
+    throw CapacityError("bytes of device memory", bytes,
+                        memory_.memoryHeaps[memory_.memoryTypes[type].heapIndex].size);
+  };
+  if (const VkResult r = vk.vkCreateBuffer(device, &buffer, nullptr, &made.buffer); r != VK_SUCCESS)
+    refuse(r, "vkCreateBuffer");
+  VkMemoryRequirements needs{};
+  vk.vkGetBufferMemoryRequirements(device, made.buffer, &needs);
+  VkMemoryAllocateFlagsInfo flags{};
+  flags.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO;
+  flags.flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT;
+  VkMemoryAllocateInfo memory{};
+  memory.sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO, memory.pNext = &flags;
+  memory.allocationSize = needs.size, memory.memoryTypeIndex = type;
+  if (const VkResult r = vk.vkAllocateMemory(device, &memory, nullptr, &made.memory); r != VK_SUCCESS)
+    refuse(r, "vkAllocateMemory");
+  if (const VkResult r = vk.vkBindBufferMemory(device, made.buffer, made.memory, 0); r != VK_SUCCESS)
+    refuse(r, "vkBindBufferMemory");
+  VkBufferDeviceAddressInfo address{};
+  address.sType = VK_STRUCTURE_TYPE_BUFFER_DEVICE_ADDRESS_INFO, address.buffer = made.buffer;
+  return {made, reinterpret_cast<void*>(vk.vkGetBufferDeviceAddress(device, &address))};
+}
+
+void VulkanDevice::State::free(const vulkan::Allocation& allocation) {
+  vk.vkDestroyBuffer(device, allocation.buffer, nullptr);
+  vk.vkFreeMemory(device, allocation.memory, nullptr);
+}
+
+void* VulkanDevice::State::allocate(std::size_t bytes) {
+  const std::lock_guard lock(mutex_);
+  collect();
+  const auto [allocation, address] = allocate_buffer(bytes, device_type_);
+  memories_.emplace(address, allocation);
+  return address;
+}
+
+void VulkanDevice::State::release(void* memory) {
+  const std::lock_guard lock(mutex_);
+  const auto found = memories_.find(memory);
+  released_.emplace_back(submitted_, found->second);
+  memories_.erase(found);
+  collect();
+}
+
+vulkan::HostBlock VulkanDevice::State::allocate_block(std::size_t bytes) {
+  const std::lock_guard lock(mutex_);
+  const auto [allocation, address] = allocate_buffer(bytes, host_type_);
+  void* host = nullptr;
+  if (const VkResult r = vk.vkMapMemory(device, allocation.memory, 0, VK_WHOLE_SIZE, 0, &host);
+      r != VK_SUCCESS) {
+    free(allocation);
+    vulkan::check(r, "vkMapMemory");
+  }
+  return {allocation, static_cast<std::byte*>(host), static_cast<std::byte*>(address), bytes};
+}
+
+void VulkanDevice::State::release(vulkan::HostBlock& block) {
+  if (!block.host) return;
+  const std::lock_guard lock(mutex_);
+  released_.emplace_back(submitted_, std::exchange(block, {}).allocation);
+  collect();
+}
+
+/// Frees what the queue no longer uses. `mutex_` is held.
+void VulkanDevice::State::collect() {
+  if (released_.empty()) return;
+  if (vk.vkGetSemaphoreCounterValue(device, timeline_, &done_) != VK_SUCCESS) return;
+  std::erase_if(released_, [&](const auto& released) {
+    if (released.first > done_) return false;
+    free(released.second);
+    return true;
+  });
+}
+
+std::uint64_t VulkanDevice::State::submit(VkCommandBuffer commands) {
+  const std::lock_guard lock(mutex_);
+  const std::uint64_t value = submitted_ + 1;
+  VkTimelineSemaphoreSubmitInfo timeline{};
+  timeline.sType = VK_STRUCTURE_TYPE_TIMELINE_SEMAPHORE_SUBMIT_INFO;
+  timeline.signalSemaphoreValueCount = 1, timeline.pSignalSemaphoreValues = &value;
+  VkSubmitInfo submit{};
+  submit.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, submit.pNext = &timeline;
+  submit.commandBufferCount = 1, submit.pCommandBuffers = &commands;
+  submit.signalSemaphoreCount = 1, submit.pSignalSemaphores = &timeline_;
+  vulkan::check(vk.vkQueueSubmit(queue_, 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit");
+  return submitted_ = value;
+}
+
+bool VulkanDevice::State::is_done(std::uint64_t value) {
+  std::uint64_t reached = 0;
+  vulkan::check(vk.vkGetSemaphoreCounterValue(device, timeline_, &reached), "vkGetSemaphoreCounterValue");
+  return reached >= value;
+}
+
+void VulkanDevice::State::wait(std::uint64_t value) {
+  VkSemaphoreWaitInfo wait{};
+  wait.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO;
+  wait.semaphoreCount = 1, wait.pSemaphores = &timeline_, wait.pValues = &value;
+  vulkan::check(vk.vkWaitSemaphores(device, &wait, ~std::uint64_t(0)), "vkWaitSemaphores");
+}
+
+VkPipeline VulkanDevice::State::pipeline(vulkan::Kernel kernel, std::uint32_t threads,
+                                         const std::vector<std::uint32_t>& constants) {
+  std::vector<std::uint32_t> key{std::uint32_t(kernel), subgroup, threads};
+  key.insert(key.end(), constants.begin(), constants.end());
+  const std::lock_guard lock(mutex_);
+  VkPipeline& made = pipelines_[key];
+  if (made) return made;
+
+  const Span<const std::uint32_t> code = vulkan::code_of(kernel);
+  VkShaderModuleCreateInfo of_module{};
+  of_module.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
+  of_module.codeSize = code.size * sizeof(std::uint32_t), of_module.pCode = code.data;
+  VkShaderModule module = VK_NULL_HANDLE;
+  vulkan::check(vk.vkCreateShaderModule(device, &of_module, nullptr, &module), "vkCreateShaderModule");
+  // The constants of `common.glsl` first.
+  std::vector<VkSpecializationMapEntry> entries;
+  for (std::uint32_t i = 1; i < key.size(); ++i)
+    entries.push_back({i - 1, std::uint32_t((i - 1) * sizeof(std::uint32_t)), sizeof(std::uint32_t)});
+  const VkSpecializationInfo specialization{std::uint32_t(entries.size()), entries.data(),
+                                            (key.size() - 1) * sizeof(std::uint32_t), key.data() + 1};
+  VkPipelineShaderStageRequiredSubgroupSizeCreateInfo required{};
+  required.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO;
+  required.requiredSubgroupSize = subgroup;
+  VkComputePipelineCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO, info.layout = layout;
+  info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, info.stage.pNext = &required;
+  info.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
+  info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT, info.stage.module = module, info.stage.pName = "main";
+  info.stage.pSpecializationInfo = &specialization;
+  const VkResult result = vk.vkCreateComputePipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &made);
+  vk.vkDestroyShaderModule(device, module, nullptr);
+  vulkan::check(result, "vkCreateComputePipelines");
+  return made;
+}
+
+}  // namespace swiftgs

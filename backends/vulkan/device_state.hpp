@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <swiftgs/vulkan/device.hpp>
+
+#include "functions.hpp"
+#include "kernels.hpp"
+
+namespace swiftgs {
+
+namespace vulkan {
+/// Throws `DeviceError` unless `result` is VK_SUCCESS.
+void check(VkResult result, const char* call);
+
+/// A buffer with memory of its own.
+struct Allocation {
+  VkBuffer buffer = VK_NULL_HANDLE;
+  VkDeviceMemory memory = VK_NULL_HANDLE;
+};
+
+/// Memory that both the host and the device reach.
+struct HostBlock {
+  Allocation allocation;
+  std::byte* host = nullptr;
+  std::byte* device = nullptr;  ///< its address there
+  std::size_t bytes = 0;
+};
+}  // namespace vulkan
+
+/// All members but the constants may be used by several threads: `mutex` guards them.
+struct VulkanDevice::State {
+  explicit State(const VulkanHandles& handles);
+  State(const State&) = delete;
+  State& operator=(const State&) = delete;
+  ~State();
+
+  /// Memory of the device by its address.
+  void* allocate(std::size_t bytes);
+  /// Frees it when the queue has done what was submitted so far.
+  void release(void* memory);
+  vulkan::HostBlock allocate_block(std::size_t bytes);
+  void release(vulkan::HostBlock& block);
+
+  /// Submits commands, and returns the value that the timeline reaches when they are done.
+  std::uint64_t submit(VkCommandBuffer commands);
+  bool is_done(std::uint64_t value);
+  void wait(std::uint64_t value);
+
+  /// Made when it is first used. `threads` a workgroup.
+  VkPipeline pipeline(vulkan::Kernel kernel, std::uint32_t threads,
+                      const std::vector<std::uint32_t>& constants);
+
+  // Constants.
+  vulkan::Functions vk;
+  VkInstance instance;
+  VkPhysicalDevice physical_device;
+  VkDevice device;
+  std::uint32_t queue_family;
+  std::string name;
+  std::uint32_t subgroup = 0;
+  float nanoseconds = 0;  ///< of a tick of timestamps; 0: there are none
+  std::uint64_t tick_mask = 0;
+  VkPipelineLayout layout = VK_NULL_HANDLE;
+  MemoryHook hook;
+
+ private:
+  std::pair<vulkan::Allocation, void*> allocate_buffer(std::size_t bytes, std::uint32_t type);
+  void free(const vulkan::Allocation& allocation);
+  void collect();
+  std::uint32_t memory_type(VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) const;
+
+  std::mutex mutex_;
+  VkQueue queue_;
+  VkSemaphore timeline_ = VK_NULL_HANDLE;
+  std::uint64_t submitted_ = 0, done_ = 0;
+  std::map<void*, vulkan::Allocation> memories_;
+  std::vector<std::pair<std::uint64_t, vulkan::Allocation>> released_;
+  std::map<std::vector<std::uint32_t>, VkPipeline> pipelines_;
+  VkPhysicalDeviceMemoryProperties memory_{};
+  std::uint32_t device_type_ = 0, host_type_ = 0;
+};
+
+}  // namespace swiftgs

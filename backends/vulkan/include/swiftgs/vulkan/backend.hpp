@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/backend.hpp>
+#include <swiftgs/memory/growing_buffer.hpp>
+#include <swiftgs/scene.hpp>
+#include <swiftgs/vulkan/device.hpp>
+
+namespace swiftgs {
+
+/// Memory of a Vulkan device that grows: `data()` is its device address.
+template <class T>
+using VulkanBuffer = GrowingBuffer<T, VulkanMemory>;
+
+/// A scene in the memory of a Vulkan device. Copies share it.
+class VulkanScene {
+ public:
+  struct Arrays;
+  VulkanScene(std::shared_ptr<Arrays> arrays, const SceneView& view)
+      : arrays_(std::move(arrays)), view_(view) {}
+
+  /// Arrays of the caller by their device addresses. They outlive all frames, and may change between them.
+  static VulkanScene borrow(const SceneView& view) { return {nullptr, view}; }
+
+  SceneView view() const { return view_; }
+
+ private:
+  std::shared_ptr<Arrays> arrays_;
+  SceneView view_;
+};
+
+/// A GPU by Vulkan's compute shaders. Its stages run no functors of C++, and pointers that they take are
+/// device addresses. Frames have the same bits from run to run.
+///
+/// Functions return when their work is submitted to the device's queue, unless they say that they wait. They
+/// may throw `DeviceError`, and `CapacityError` where the device's memory does not suffice.
+class SWIFTGS_API Vulkan {
+ public:
+  struct State;
+
+  static constexpr std::string_view name = "vulkan";
+  template <class T>
+  using Buffer = VulkanBuffer<T>;
+  using SceneOn = VulkanScene;
+  static constexpr bool reaches_host_memory = false;
+
+  /// A point in stream order. It can be read until 255 later points have been taken.
+  struct TimePoint {
+    std::uint64_t serial = 0;
+  };
+
+  /// Whether `VulkanDevice::own()` can be had. Asks once.
+  static bool usable();
+  std::string device_name() const;
+
+  /// Works on `device`, with memory of `memory` where that is given: device addresses, aligned to 256 bytes,
+  /// of buffers with the usage VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT. It must not hand memory out again
+  /// before the queue has done what was submitted before its release.
+  explicit Vulkan(const VulkanDevice& device = VulkanDevice::own(),
+                  const std::optional<MemoryHook>& memory = {});
+  ~Vulkan();
+  /// A moved-from backend may only be assigned or destroyed.
+  Vulkan(Vulkan&&) noexcept;
+  Vulkan& operator=(Vulkan&&) noexcept;
+
+  const MemoryHook& memory_hook() const;
+
+  /// Copies `scene` to the device, by default with harmonics in the fewest bytes that hold them exactly.
+  /// Waits. Throws `InvalidArgument` as `validate`, `validate_numbers` and `HarmonicPacking`.
+  SceneOn upload(const Scene& scene, HarmonicsKept kept = HarmonicsKept::smallest) const;
+  SceneOn upload(std::shared_ptr<const Scene> scene, HarmonicsKept kept = HarmonicsKept::smallest) const;
+
+  /// Copies from the host or to it after all work submitted before, and waits. Addresses on the device are
+  /// multiples of 4.
+  void write(const void* from, void* to, std::size_t bytes) const;
+  void read(const void* from, void* to, std::size_t bytes) const;
+  template <class T>
+  void download(Span<const T> from, T* to) const {
+    read(from.data, to, from.size * sizeof(T));
+  }
+
+  /// Returns when all work submitted before is done.
+  void wait() const;
+
+  /// Sorts the first `n` pairs by the low `bits` bits of their keys, ascending and stably, into `keys` and
+  /// `values`, using the spare arrays.
+  void sort_pairs(Pairs<Vulkan, std::uint32_t>& pairs, Count n, int bits);
+  void sort_pairs(Pairs<Vulkan, std::uint64_t>& pairs, Count n, int bits);
+
+  /// Gives back the memory that scans and sorts keep.
+  void trim();
+
+  TimePoint now();
+  /// @units{milliseconds}
+  std::optional<double> milliseconds(TimePoint from, TimePoint to) const;
+
+  State& state() const { return *state_; }
+
+ private:
+  std::unique_ptr<State> state_;
+};
+
+inline Vulkan make_backend(std::type_identity<Vulkan>, const BackendOptions& options) {
+  return Vulkan(VulkanDevice::own(), options.memory);
+}
+
+static_assert(BackendPolicy<Vulkan> && !FunctorBackend<Vulkan>);
+
+}  // namespace swiftgs

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/backend.hpp>
+
+// As <vulkan/vulkan_core.h> declares them: this header needs nothing of Vulkan.
+struct VkInstance_T;
+struct VkPhysicalDevice_T;
+struct VkDevice_T;
+struct VkQueue_T;
+struct VkPhysicalDeviceFeatures2;
+
+namespace swiftgs {
+
+/// What a program has made of Vulkan 1.3 or newer. All of it outlives the `VulkanDevice`.
+struct VulkanHandles {
+  VkInstance_T* instance = nullptr;
+  VkPhysicalDevice_T* physical_device = nullptr;
+  VkDevice_T* device = nullptr;
+  VkQueue_T* queue = nullptr;  ///< runs compute; backends use it from the threads that call them
+  std::uint32_t queue_family = 0;
+  /// As `device` was made with: the chain has bufferDeviceAddress, timelineSemaphore, scalarBlockLayout,
+  /// subgroupSizeControl and computeFullSubgroups.
+  const VkPhysicalDeviceFeatures2* enabled_features = nullptr;
+  /// `vkGetInstanceProcAddr`: the library links nothing of Vulkan.
+  void (*(*get_instance_proc_addr)(VkInstance_T*, const char*))() = nullptr;
+};
+
+/// A device of Vulkan on which any number of backends work, also from several threads. Copies are one
+/// device. It outlives its backends, their renderers, and the scenes that they uploaded.
+class SWIFTGS_API VulkanDevice {
+ public:
+  struct State;
+
+  /// Throws `InvalidArgument` for handles that are missing, and `Unavailable` by name for what the device
+  /// lacks or the program did not enable.
+  explicit VulkanDevice(const VulkanHandles& handles);
+
+  /// The library's own: the first GPU that has all, else a device without a GPU such as lavapipe. Loads
+  /// libvulkan.so.1 when it is first asked for. Throws `Unavailable` where there is none.
+  static const VulkanDevice& own();
+
+  /// Memory of this device.
+  const MemoryHook& memory_hook() const;
+
+  State& state() const { return *state_; }
+
+ private:
+  std::shared_ptr<State> state_;
+};
+
+/// Memory of `VulkanDevice::own()`. `allocate` throws `CapacityError` where there is not enough of it.
+struct SWIFTGS_API VulkanMemory {
+  static void* allocate(std::size_t bytes);
+  static void release(void* memory);
+};
+
+}  // namespace swiftgs

@@ -1,0 +1,227 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// The stages of `Vulkan`: what they keep in the device's memory, and their overloads. Each takes a policy as
+/// its number, which becomes a specialization constant of a shader.
+
+#include <cstddef>
+#include <cstdint>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include <swiftgs/bounds/all.hpp>
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/bounds.hpp>
+#include <swiftgs/frame/frame_plan.hpp>
+#include <swiftgs/frame/raster.hpp>
+#include <swiftgs/frame/sort.hpp>
+#include <swiftgs/frame/splats.hpp>
+#include <swiftgs/functor/bounds_stages.hpp>
+#include <swiftgs/plane/attribute_stage.hpp>
+#include <swiftgs/raster/all.hpp>
+#include <swiftgs/sort/early.hpp>
+#include <swiftgs/tools/policy_lists.hpp>
+#include <swiftgs/vulkan/backend.hpp>
+
+namespace swiftgs {
+
+namespace vulkan {
+
+/// Counts of a frame that later stages read, in device memory.
+struct FrameTotals {
+  FrameReport report;
+  std::uint32_t splats = 0, intersections = 0;  ///< 0 where the frame overflowed
+};
+
+/// Numbers of tiles by workgroup, in device memory.
+struct TileCounts {
+  const std::uint32_t* counts = nullptr;
+  std::uint32_t workgroups = 0;
+};
+
+/// A visible Gaussian before its splat has a place.
+struct Projected {
+  SplatShape shape;
+  float depth;
+  std::uint32_t gaussian;
+};
+
+/// The number of a policy in its list, as shaders have it.
+template <class Policy, class... Policies>
+constexpr std::uint32_t index_in(TypeList<Policies...>) {
+  std::uint32_t index = 0, found = 0;
+  ((std::is_same_v<Policy, Policies> ? void(found = index) : void(), ++index), ...);
+  return found;
+}
+template <class Bounds>
+concept KnownBounds = AllBounds::contains<Bounds>;
+template <class Raster>
+concept KnownRaster = AllRasters::contains<Raster>;
+
+/// How a rasterizer computes alpha.
+struct RasterKind {
+  enum Exponent : std::uint32_t { half_split, float_split, float_cholesky } exponent = float_cholesky;
+  bool threshold = false;
+};
+template <class Raster>
+struct KindOf;
+template <>
+struct KindOf<PerPixel> {
+  static constexpr RasterKind kind{RasterKind::float_cholesky, false};
+};
+template <class Exponent>
+struct KindOf<AxisShared<Exponent>> {
+  static constexpr RasterKind kind{RasterKind::Exponent(index_in<Exponent>(AllExponents())), false};
+};
+template <class Exponent>
+struct KindOf<AxisSharedThreshold<Exponent>> {
+  static constexpr RasterKind kind{RasterKind::Exponent(index_in<Exponent>(AllExponents())), true};
+};
+
+}  // namespace vulkan
+
+/// Memory of projection between its steps.
+template <>
+struct ProjectScratch<Vulkan> {
+  VulkanBuffer<vulkan::Projected> projected;
+  VulkanBuffer<std::uint32_t> places, tile_counts;
+
+  static auto buffers(auto& self) { return std::tie(self.projected, self.places, self.tile_counts); }
+};
+
+/// Splats on a device. After `bin` within limits, `count` is an upper bound and `exact` points to the number,
+/// until `await_report` tells the host.
+template <>
+struct Splats<Vulkan> {
+  VulkanBuffer<SplatShape> shapes;
+  VulkanBuffer<float> depths;
+  VulkanBuffer<std::uint32_t> gaussians;
+  VulkanBuffer<std::uint16_t> of_view;  ///< empty if there is one view
+  std::size_t count = 0;
+  const std::uint32_t* exact = nullptr;  ///< as `Count::exact`; until `bin`, splats beyond the capacity too
+
+  void reset(std::size_t splats, std::size_t views) {
+    shapes.reset(splats), depths.reset(splats), gaussians.reset(splats);
+    of_view.reset(views > 1 ? splats : 0);
+  }
+  void set_count(std::size_t splats) { count = splats, exact = nullptr; }
+  SplatsView view() const {
+    return {{shapes.data(), count},
+            {depths.data(), count},
+            {gaussians.data(), count},
+            of_view.size() != 0 ? of_view.data() : nullptr,
+            exact};
+  }
+  static auto buffers(auto& self) { return std::tie(self.shapes, self.depths, self.gaussians, self.of_view); }
+};
+
+/// Footprints, which projection finds.
+template <>
+struct Footprints<Vulkan> {
+  VulkanBuffer<Footprint> each;
+  VulkanBuffer<std::uint32_t> tile_counts;  ///< of splats that were not projected
+  VulkanBuffer<vulkan::FrameTotals> totals;
+  vulkan::TileCounts found;       ///< by projection, until `bin`
+  std::string_view found_within;  ///< these bounds
+  std::size_t count = 0;          ///< splats, at most
+  Count intersections;
+  Views views;
+  const std::uint64_t* overflowed = nullptr;
+
+  FootprintsView view() const { return {{each.data(), count}, intersections, views, overflowed}; }
+  static auto buffers(auto& self) { return std::tie(self.each, self.tile_counts, self.totals); }
+};
+
+namespace vulkan {
+struct BoundsKind {
+  std::uint32_t number;
+  std::string_view name;
+};
+template <KnownBounds Bounds>
+inline constexpr BoundsKind bounds_kind{index_in<Bounds>(AllBounds()), Bounds::name};
+
+SWIFTGS_API void project(Vulkan& b, const FramePlan& plan, BoundsKind bounds, ProjectScratch<Vulkan>& scratch,
+                         Splats<Vulkan>& splats, Footprints<Vulkan>& footprints);
+SWIFTGS_API void bin(Vulkan& b, const FramePlan& plan, BoundsKind bounds, Splats<Vulkan>& splats,
+                     Footprints<Vulkan>& footprints);
+/// `keys` of one word or two.
+SWIFTGS_API void emit(Vulkan& b, const SortJob& job, BoundsKind bounds, const std::uint32_t* order,
+                      std::uint32_t* offsets, void* keys, std::uint32_t key_words, std::uint32_t* ids);
+SWIFTGS_API void find_ranges(Vulkan& b, const FootprintsView& footprints, Count count, const void* keys,
+                             std::uint32_t key_words, TileRange* ranges);
+SWIFTGS_API void rasterize(Vulkan& b, RasterKind kind, const RasterJob& job);
+}  // namespace vulkan
+
+/// Throws `Unavailable` by name for what views ask for and this backend does not draw.
+template <vulkan::KnownBounds Bounds>
+void project(Vulkan& b, const FramePlan& plan, const Bounds&, ProjectScratch<Vulkan>& scratch,
+             Splats<Vulkan>& splats, Footprints<Vulkan>& footprints) {
+  vulkan::project(b, plan, vulkan::bounds_kind<Bounds>, scratch, splats, footprints);
+}
+
+SWIFTGS_API Shading<Vulkan> shade(Vulkan& b, const FramePlan& plan, const Splats<Vulkan>& splats,
+                                  Colours<Vulkan>& colours);
+
+/// The device compares the numbers of splats and of intersections with the limits. Waits for the numbers if
+/// the limits have no capacity of intersections.
+template <vulkan::KnownBounds Bounds>
+void bin(Vulkan& b, const FramePlan& plan, const Bounds&, Splats<Vulkan>& splats,
+         Footprints<Vulkan>& footprints) {
+  vulkan::bin(b, plan, vulkan::bounds_kind<Bounds>, splats, footprints);
+}
+
+/// Waits for that comparison.
+SWIFTGS_API FrameReport await_report(Vulkan& b, Splats<Vulkan>& splats, Footprints<Vulkan>& footprints,
+                                     const Limits& limits);
+
+/// `order_by_depth` from the depths themselves, whose bits are their keys.
+SWIFTGS_API const std::uint32_t* order_by_depth(Vulkan& b, const SplatsView& splats,
+                                                DepthOrderScratch<Vulkan>& scratch);
+
+/// It trusts the footprints' number of intersections.
+template <vulkan::KnownBounds Bounds, class Key>
+Count emit_intersections(Vulkan& b, const SortJob& job, const Bounds&, const std::uint32_t* order,
+                         IntersectionScratch<Vulkan>& scratch, Pairs<Vulkan, Key>& intersections) {
+  check_footprints(job);
+  const Count count = job.footprints.intersections;
+  check_intersections(count.most);
+  scratch.offsets.reset(job.splats.size()), intersections.reset(count.most);
+  vulkan::emit(b, job, vulkan::bounds_kind<Bounds>, order, scratch.offsets.data(), intersections.keys.data(),
+               sizeof(Key) / sizeof(std::uint32_t), intersections.values.data());
+  return count;
+}
+
+template <class Key>
+void finish_lists(Vulkan& b, const FootprintsView& footprints, Count count, int,
+                  Pairs<Vulkan, Key>& intersections, TileLists<Vulkan>& lists) {
+  const std::size_t tiles = footprints.views.tiles.size();
+  lists.tiles = lists.intersections = 0;
+  lists.ranges.reset(tiles);
+  vulkan::find_ranges(b, footprints, count, intersections.keys.data(), sizeof(Key) / sizeof(std::uint32_t),
+                      lists.ranges.data());
+  std::swap(lists.ids, intersections.values);
+  lists.tiles = tiles, lists.intersections = count.most;
+  intersections.values.reset(count.most);
+}
+
+template <vulkan::KnownBounds Bounds>
+void group_by_tile(Vulkan& b, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
+                   GroupScratch<Vulkan>& scratch, TileLists<Vulkan>& lists) {
+  const Count count = emit_intersections(b, job, bounds, order, scratch.emission, scratch.intersections);
+  b.sort_pairs(scratch.intersections, count, job.footprints.views.tiles.key_bits());
+  finish_lists(b, job.footprints, count, 0, scratch.intersections, lists);
+}
+
+/// A subgroup blends a warp block of 8x8 pixels, and tests a splat a lane.
+template <vulkan::KnownRaster Raster>
+void rasterize(Vulkan& b, Raster, const RasterJob& job) {
+  vulkan::rasterize(b, vulkan::KindOf<Raster>::kind, job);
+}
+
+/// Is not called: `project` refuses views that ask for attributes.
+SWIFTGS_API void gather_attributes(Vulkan& b, const SplatAttributes& from, const StoredScenes& scenes,
+                                   const Views& views, AttributeRow* to);
+
+}  // namespace swiftgs

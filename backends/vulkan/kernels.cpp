@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "kernels.hpp"
+
+#include <iterator>
+
+namespace swiftgs::vulkan {
+namespace {
+// clang-format off
+#include "copy.comp.hpp"
+#include "compact.comp.hpp"
+#include "emit.comp.hpp"
+#include "fill.comp.hpp"
+#include "footprints.comp.hpp"
+#include "project.comp.hpp"
+#include "ranges.comp.hpp"
+#include "ranges_clear.comp.hpp"
+#include "raster.comp.hpp"
+#include "scan_apply.comp.hpp"
+#include "scan_spine.comp.hpp"
+#include "scan_sums.comp.hpp"
+#include "settle.comp.hpp"
+#include "shade.comp.hpp"
+#include "sort_count.comp.hpp"
+#include "sort_move.comp.hpp"
+#include "tile_counts.comp.hpp"
+// clang-format on
+}  // namespace
+
+Span<const std::uint32_t> code_of(Kernel kernel) {
+  switch (kernel) {
+#define SWIFTGS_VULKAN_CODE(name) \
+  case Kernel::name:              \
+    return {name##_code, std::size(name##_code)};
+    SWIFTGS_VULKAN_KERNELS(SWIFTGS_VULKAN_CODE)
+#undef SWIFTGS_VULKAN_CODE
+  }
+  return {};
+}
+
+const char* name_of(Kernel kernel) {
+  switch (kernel) {
+#define SWIFTGS_VULKAN_TEXT(name) \
+  case Kernel::name:              \
+    return #name;
+    SWIFTGS_VULKAN_KERNELS(SWIFTGS_VULKAN_TEXT)
+#undef SWIFTGS_VULKAN_TEXT
+  }
+  return "";
+}
+
+}  // namespace swiftgs::vulkan

@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+
+#include <swiftgs/frame/span.hpp>
+
+namespace swiftgs::vulkan {
+
+#define SWIFTGS_VULKAN_KERNELS(f)                                                                        \
+  f(fill) f(copy) f(scan_sums) f(scan_spine) f(scan_apply) f(project) f(compact) f(footprints) f(settle) \
+      f(tile_counts) f(emit) f(sort_count) f(sort_move) f(ranges_clear) f(ranges) f(shade) f(raster)
+
+/// The shaders, by the names of their files.
+enum class Kernel : std::uint32_t {
+#define SWIFTGS_VULKAN_NAME(name) name,
+  SWIFTGS_VULKAN_KERNELS(SWIFTGS_VULKAN_NAME)
+#undef SWIFTGS_VULKAN_NAME
+};
+
+/// The words of its SPIR-V, and its name.
+Span<const std::uint32_t> code_of(Kernel kernel);
+const char* name_of(Kernel kernel);
+
+}  // namespace swiftgs::vulkan

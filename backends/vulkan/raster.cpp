@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include <swiftgs/error.hpp>
+#include <swiftgs/frame/float_pair.hpp>
+#include <swiftgs/vulkan/stages.hpp>
+
+#include "commands.hpp"
+#include "seen.hpp"
+
+namespace swiftgs::vulkan {
+namespace {
+
+struct PlaneWords {
+  Address data;
+  std::uint32_t pitch[2] = {};
+
+  PlaneWords() = default;
+  template <class T>
+  explicit PlaneWords(const Plane<T>& plane)
+      : data(plane.data),
+        pitch{std::uint32_t(plane.pitch), std::uint32_t(std::uint64_t(plane.pitch) >> 32)} {}
+};
+
+/// As pixels.glsl declares it.
+struct RasterView {
+  PlaneWords colour, alpha, depth, first_depth, median_depth, id, median_id, occluder;
+  FloatPair stored_p, stored_q, stored_r, stored_s;
+  TileGrid grid;
+  std::uint32_t width, height, format, over, stored_as_depth;
+  float alpha_min, alpha_max, stop_below, first_below;
+  vec3 background;
+
+  explicit RasterView(const View& view)
+      : colour(view.frame.colour),
+        alpha(view.frame.alpha),
+        depth(view.frame.depth),
+        first_depth(view.frame.first_depth),
+        median_depth(view.frame.median_depth),
+        id(view.frame.id),
+        median_id(view.frame.median_id),
+        occluder(view.frame.occluder),
+        stored_p(FloatPair::from(view.frame.stored_depth.p)),
+        stored_q(FloatPair::from(view.frame.stored_depth.q)),
+        stored_r(FloatPair::from(view.frame.stored_depth.r)),
+        stored_s(FloatPair::from(view.frame.stored_depth.s)),
+        grid(view.grid),
+        width(std::uint32_t(view.frame.width)),
+        height(std::uint32_t(view.frame.height)),
+        format(std::uint32_t(view.frame.format)),
+        over(view.frame.over),
+        stored_as_depth(view.frame.stored_depth.p == 1 && view.frame.stored_depth.q == 0 &&
+                        view.frame.stored_depth.r == 0 && view.frame.stored_depth.s == 1),
+        alpha_min(view.rules.alpha_min),
+        alpha_max(view.rules.alpha_max),
+        stop_below(view.rules.stop_below),
+        first_below(view.rules.first_below),
+        background(view.background) {}
+};
+
+/// Shaders write words: a pixel may not begin within one.
+void check_colours(const FrameView& frame) {
+  const auto address = reinterpret_cast<std::uintptr_t>(frame.colour.data);
+  if (address % 4 != 0 || frame.colour.pitch % 4 != 0)
+    detail::refuse("backend vulkan: colours at ", address, " with a pitch of ", frame.colour.pitch,
+                   " bytes, expected multiples of 4");
+}
+
+}  // namespace
+
+void rasterize(Vulkan& b, RasterKind kind, const RasterJob& job) {
+  raster_blocks_of(job);  // checks the number of lists
+  for (const View& view : job.views) check_colours(view.frame);
+  Commands commands(b);
+  constexpr std::uint32_t side = 8;
+  for (const View& view : job.views) {
+    const RasterView words(view);
+    const FrameView& frame = view.frame;
+    // The views of a frame do not overlap in memory.
+    commands.run(
+        Kernel::raster,
+        {kind.exponent, kind.threshold, std::uint32_t(job.sums_depth(view)), std::uint32_t(job.picks(view)),
+         std::uint32_t(bool(frame.occluder))},
+        Push(commands.constants(Span<const RasterView>{&words, 1}), job.splats.shapes.data,
+             job.colours.each.data, job.splats.gaussians.data, job.lists.ids.data, job.lists.ranges.data),
+        {(std::uint32_t(frame.width) + side - 1) / side, (std::uint32_t(frame.height) + side - 1) / side,
+         commands.subgroup()},
+        {});
+  }
+  commands.submit();
+}
+
+}  // namespace swiftgs::vulkan

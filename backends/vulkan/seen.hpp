@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Views and scenes as shaders read them.
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <swiftgs/frame/placing.hpp>
+#include <swiftgs/frame/tiles.hpp>
+#include <swiftgs/frame/views.hpp>
+#include <swiftgs/placed_scene.hpp>
+
+#include "commands.hpp"
+#include "eye.hpp"
+
+namespace swiftgs::vulkan {
+
+/// An address in a struct of words.
+struct Address {
+  std::uint32_t low = 0, high = 0;
+
+  Address() = default;
+  Address(const void* data)
+      : low(std::uint32_t(reinterpret_cast<std::uintptr_t>(data))),
+        high(std::uint32_t(reinterpret_cast<std::uintptr_t>(data) >> 32)) {}
+};
+
+/// As frame.glsl declares them.
+struct SceneWords {
+  Address means, scales, rotations, opacities, sh0, sh_rest, labels;
+  std::uint32_t means_stride, scales_stride, rotations_stride, opacities_stride, sh0_stride, sh_stride;
+  std::uint32_t sh_format;
+  float sh_scale;
+  std::uint32_t sh_degree, any_rotations, plain_colours;
+
+  SceneWords() = default;
+  explicit SceneWords(const SceneView& scene)
+      : means(scene.means.data),
+        scales(scene.scales.data),
+        rotations(scene.rotations.data),
+        opacities(scene.opacities.data),
+        sh0(scene.sh0.data),
+        sh_rest(scene.sh_rest.data),
+        labels(scene.sh_rest.labels),
+        means_stride(scene.means.stride),
+        scales_stride(scene.scales.stride),
+        rotations_stride(scene.rotations.stride),
+        opacities_stride(scene.opacities.stride),
+        sh0_stride(scene.sh0.stride),
+        sh_stride(scene.sh_rest.stride),
+        sh_format(std::uint32_t(scene.sh_rest.format)),
+        sh_scale(scene.sh_rest.scale),
+        sh_degree(std::uint32_t(scene.sh_degree)),
+        any_rotations(scene.any_rotations),
+        plain_colours(scene.plain_colours) {}
+};
+
+struct Seen {
+  Eye eye;
+  SceneWords scene;
+  vec4 half_spaces[Clip::max_half_spaces];
+  std::uint32_t half_space_count = 0;
+  vec3 clip_centre{0};
+  float clip_radius = 0;
+  vec3 tint{0};
+  float tint_amount = 0;
+  std::uint32_t first_gaussian = 0;
+
+  Seen(const View& view, const StoredScene& placed)
+      : eye(swiftgs::eye(view.camera, placed)),
+        scene(placed.scene),
+        half_space_count(std::uint32_t(placed.clip.half_space_count)),
+        clip_centre(placed.clip.centre),
+        clip_radius(placed.clip.radius),
+        tint(placed.tint.colour),
+        tint_amount(placed.tint.amount),
+        first_gaussian(placed.first_gaussian) {
+    for (int k = 0; k < Clip::max_half_spaces; ++k) half_spaces[k] = placed.clip.half_spaces[k];
+  }
+};
+
+/// Every scene by every view, for kernels of `commands`.
+inline const Seen* all_seen(Commands& commands, const Views& views, const StoredScenes& scenes) {
+  std::vector<Seen> seen;
+  for (const View& view : views)
+    for (const StoredScene& placed : scenes.each()) seen.emplace_back(view, placed);
+  return commands.constants(Span<const Seen>{seen.data(), seen.size()});
+}
+
+static_assert(sizeof(TileGrid) == 28 && offsetof(TileGrid, side) == 16);
+inline const TileGrid* grids_of(Commands& commands, const Views& views) {
+  std::vector<TileGrid> grids;
+  for (const View& view : views) grids.push_back(view.grid);
+  return commands.constants(Span<const TileGrid>{grids.data(), grids.size()});
+}
+
+}  // namespace swiftgs::vulkan

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What all kernels have: memory by its address, and sums over a workgroup. `SUBGROUP` lanes make a subgroup; a thread's
+// place in its workgroup is `thread()`, which need not be gl_LocalInvocationIndex.
+
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference_uvec2 : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_spirv_intrinsics : require
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_arithmetic : require
+#extension GL_KHR_shader_subgroup_vote : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+
+// RoundingModeRTE: round floats of 32 bits to nearest.
+spirv_execution_mode(capabilities = [4467], 4462, 32);
+
+layout(constant_id = 0) const uint SUBGROUP = 32;
+layout(constant_id = 1) const uint THREADS = 128;
+layout(local_size_x_id = 1) in;
+
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Uints { uint at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Floats { float at[]; };
+
+bool is_null(uvec2 address) { return address == uvec2(0u); }
+
+// The address of element `i` of a row of elements `stride` bytes apart.
+uvec2 element(uvec2 address, uint i, uint stride) {
+  uint high, low, carry;
+  umulExtended(i, stride, high, low);
+  low = uaddCarry(address.x, low, carry);
+  return uvec2(low, address.y + high + carry);
+}
+
+// A number of elements, at most `most`, that the device may know: as `Count`.
+struct Count {
+  uvec2 exact;
+  uint most;
+};
+uint number_of(Count count) { return is_null(count.exact) ? count.most : min(Uints(count.exact).at[0], count.most); }
+
+// A grid may have more workgroups than were asked for.
+uint workgroup() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x; }
+uint thread() { return gl_SubgroupID * SUBGROUP + gl_SubgroupInvocationID; }
+uint invocation() { return workgroup() * THREADS + thread(); }
+
+shared uint subgroup_sums[THREADS / 4 + 1];
+
+// The sum of `x` over the threads before this one; `total` is that over all threads. All threads call it.
+uint sum_before(uint x, out uint total) {
+  const uint inclusive = subgroupInclusiveAdd(x);
+  if (gl_SubgroupInvocationID == SUBGROUP - 1u) subgroup_sums[gl_SubgroupID] = inclusive;
+  barrier();
+  uint before = 0u;
+  total = 0u;
+  for (uint s = 0u; s < THREADS / SUBGROUP; ++s) {
+    const uint sum = subgroup_sums[s];
+    if (s < gl_SubgroupID) before += sum;
+    total += sum;
+  }
+  barrier();
+  return before + inclusive - x;
+}

@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Pixels of a view in memory: what the colours hold, and what `store_pixel` makes of a blended pixel.
+
+// A plane: its first pixel, null where it is absent, and the bytes from a row to the one below it, of 64 bits.
+struct Plane {
+  uvec2 data, pitch;
+};
+
+// A view as rasterizers need it: `RasterView` of the host.
+struct RasterView {
+  Plane colour, alpha, depth, first_depth, median_depth, id, median_id, occluder;
+  FloatPair stored_p, stored_q, stored_r, stored_s;
+  TileGrid grid;
+  uint width, height, format, over, stored_as_depth;
+  float alpha_min, alpha_max, stop_below, first_below;
+  vec3 background;
+};
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RasterViews { RasterView at[]; };
+
+uvec2 pixel_of(Plane plane, uvec2 at, uint bytes) {
+  uint high, low, carry;
+  umulExtended(at.y, plane.pitch.x, high, low);
+  low = uaddCarry(plane.data.x, low, carry);
+  return element(uvec2(low, plane.data.y + high + at.y * plane.pitch.y + carry), at.x, bytes);
+}
+Floats floats_of(Plane plane, uvec2 at, uint channels) { return Floats(pixel_of(plane, at, 4u * channels)); }
+Uints words_of(Plane plane, uvec2 at, uint words) { return Uints(pixel_of(plane, at, 4u * words)); }
+
+// The order of `PixelFormat`.
+const uint rgb_float = 0u, rgba_float = 1u, rgba_half = 2u, rgba_8 = 3u, bgra_8 = 4u;
+
+// Rounds to nearest even; beyond 65,504 becomes infinite.
+uint to_half(float value) {
+  const uint f = floatBitsToUint(value), sign = (f >> 16) & 0x8000u, magnitude = f & 0x7fffffffu;
+  if (magnitude > 0x7f800000u) return sign | 0x7e00u;
+  if (magnitude >= 0x477ff000u) return sign | 0x7c00u;
+  if (magnitude < 0x38800000u) {
+    precise float shifted = uintBitsToFloat(magnitude) + 0.5;
+    return sign | (floatBitsToUint(shifted) - 0x3f000000u);
+  }
+  const uint rebased = magnitude - (112u << 23);
+  return sign | ((rebased + 0xfffu + ((rebased >> 13) & 1u)) >> 13);
+}
+float from_half(uint bits) { return unpackHalf2x16(bits).x; }
+
+uint to_unorm8(float value) {
+  precise float half_steps = min(value, 1.0) * 510.0;
+  return value > 0.0 ? uint((int(half_steps) + 1) >> 1) : 0u;
+}
+
+vec4 load_colour(RasterView view, uvec2 at) {
+  if (view.format == rgb_float) {
+    Floats p = floats_of(view.colour, at, 3u);
+    return vec4(p.at[0], p.at[1], p.at[2], 1.0);
+  }
+  if (view.format == rgba_float) {
+    Floats p = floats_of(view.colour, at, 4u);
+    return vec4(p.at[0], p.at[1], p.at[2], p.at[3]);
+  }
+  if (view.format == rgba_half) {
+    Uints p = words_of(view.colour, at, 2u);
+    return vec4(unpackHalf2x16(p.at[0]), unpackHalf2x16(p.at[1]));
+  }
+  const uint p = words_of(view.colour, at, 1u).at[0];
+  const vec4 c = vec4(p & 255u, (p >> 8) & 255u, (p >> 16) & 255u, p >> 24) * (1.0 / 255.0);
+  return view.format == bgra_8 ? c.zyxw : c;
+}
+
+void store_colour(RasterView view, uvec2 at, vec4 colour) {
+  if (view.format <= rgba_float) {
+    const uint channels = view.format == rgb_float ? 3u : 4u;
+    Floats p = floats_of(view.colour, at, channels);
+    for (uint c = 0u; c < channels; ++c) p.at[c] = colour[c];
+  } else if (view.format == rgba_half) {
+    Uints p = words_of(view.colour, at, 2u);
+    p.at[0] = to_half(colour.x) | (to_half(colour.y) << 16);
+    p.at[1] = to_half(colour.z) | (to_half(colour.w) << 16);
+  } else {
+    const vec4 c = view.format == bgra_8 ? colour.zyxw : colour;
+    words_of(view.colour, at, 1u).at[0] =
+        to_unorm8(c.x) | (to_unorm8(c.y) << 8) | (to_unorm8(c.z) << 16) | (to_unorm8(c.w) << 24);
+  }
+}
+
+// The depth that an occluder has at a pixel; infinite for nothing.
+float occluder_at(RasterView view, uvec2 at) {
+  const float value = floats_of(view.occluder, at, 1u).at[0], infinite = uintBitsToFloat(0x7f800000u);
+  if (view.stored_as_depth != 0u) return value;
+  const FloatPair v = pair(value, 0.0), below = multiply_add(view.stored_r, v, view.stored_s);
+  if (!(below.high > 0.0)) return infinite;
+  return times(multiply_add(view.stored_p, v, view.stored_q), inverse_pair(below)).high;
+}

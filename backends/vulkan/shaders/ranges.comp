@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "common.glsl"
+
+layout(constant_id = 2) const uint KEY_WORDS = 1u;
+
+// Marks where the intersections of each tile begin and end in keys sorted by tile.
+layout(push_constant, scalar) uniform Push {
+  Uints keys, ranges;
+  Count count;
+  uint tiles;
+};
+
+uint tile_at(uint i) {
+  return KEY_WORDS == 1u ? keys.at[i] : (keys.at[2u * i] >> 31) | (keys.at[2u * i + 1u] << 1);
+}
+
+void main() {
+  const uint i = invocation(), n = number_of(count);
+  if (i >= n) return;
+  const uint tile = tile_at(i);
+  if (tile >= tiles) return;
+  if (i == 0u || tile_at(i - 1u) != tile) ranges.at[2u * tile] = i;
+  if (i + 1u == n || tile_at(i + 1u) != tile) ranges.at[2u * tile + 1u] = i + 1u;
+}

@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "common.glsl"
+
+// Empties the ranges of tiles; of a frame that overflowed they become those that no rasterizer draws.
+layout(push_constant, scalar) uniform Push {
+  Uints ranges;
+  uvec2 overflowed;
+  uint tiles;
+};
+
+void main() {
+  const uint i = invocation();
+  if (i >= tiles) return;
+  const bool undrawn = !is_null(overflowed) && Uints(overflowed).at[0] != 0u;
+  ranges.at[2u * i] = undrawn ? 1u : 0u;
+  ranges.at[2u * i + 1u] = 0u;
+}

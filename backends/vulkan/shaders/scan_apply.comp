@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "common.glsl"
+#include "scan.glsl"
+
+// Replaces each value by the sum of those before it.
+void main() {
+  if (workgroup() * PART >= count.most) return;
+  const uint n = number_of(count), begin = workgroup() * PART + thread() * EACH;
+  uint each[EACH], sum = 0u, total;
+  for (uint k = 0u; k < EACH; ++k) {
+    each[k] = begin + k < n ? values.at[begin + k] : 0u;
+    sum += each[k];
+  }
+  uint before = sums.at[workgroup()] + sum_before(sum, total);
+  for (uint k = 0u; k < EACH; ++k) {
+    if (begin + k < n) values.at[begin + k] = before;
+    before += each[k];
+  }
+}

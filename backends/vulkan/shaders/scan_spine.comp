@@ -1,0 +1,19 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "common.glsl"
+#include "scan.glsl"
+
+// One workgroup: the sums before each part, and behind them that of all.
+void main() {
+  const uint parts = (count.most + PART - 1u) / PART;
+  uint carry = 0u;
+  for (uint first = 0u; first < parts; first += THREADS) {
+    const uint i = first + thread();
+    uint total;
+    const uint before = sum_before(i < parts ? sums.at[i] : 0u, total);
+    if (i < parts) sums.at[i] = carry + before;
+    carry += total;
+  }
+  if (thread() == 0u) sums.at[parts] = carry;
+}

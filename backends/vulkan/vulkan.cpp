@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include <swiftgs/error.hpp>
+#include <swiftgs/frame/span.hpp>
+#include <swiftgs/vulkan/backend.hpp>
+
+#include "commands.hpp"
+
+namespace swiftgs {
+
+namespace {
+/// Memory through which copies between the host and the device go.
+constexpr std::size_t staging_bytes = std::size_t(1) << 22;
+}  // namespace
+
+Vulkan::State::State(const VulkanDevice& on, const std::optional<MemoryHook>& memory)
+    : device(on), hook(memory ? *memory : on.memory_hook()) {
+  if (memory) validate(*memory);
+  use_memory(hook, sums, places);
+  VulkanDevice::State& of = device.state();
+  VkCommandPoolCreateInfo of_pool{};
+  of_pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
+  of_pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
+  of_pool.queueFamilyIndex = of.queue_family;
+  vulkan::check(of.vk.vkCreateCommandPool(of.device, &of_pool, nullptr, &pool), "vkCreateCommandPool");
+  VkCommandBufferAllocateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
+  info.commandPool = pool, info.commandBufferCount = 1;
+  for (vulkan::CommandSlot& slot : slots)
+    vulkan::check(of.vk.vkAllocateCommandBuffers(of.device, &info, &slot.commands),
+                  "vkAllocateCommandBuffers");
+  if (of.nanoseconds != 0) {
+    VkQueryPoolCreateInfo queries{};
+    queries.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
+    queries.queryType = VK_QUERY_TYPE_TIMESTAMP, queries.queryCount = vulkan::time_points;
+    vulkan::check(of.vk.vkCreateQueryPool(of.device, &queries, nullptr, &times), "vkCreateQueryPool");
+  }
+  report = of.allocate_block(sizeof(FrameReport));
+}
+
+Vulkan::State::~State() {
+  VulkanDevice::State& of = device.state();
+  try {
+    of.wait(last);
+  } catch (const std::exception&) {
+    // A lost device has nothing under way.
+  }
+  of.vk.vkDestroyCommandPool(of.device, pool, nullptr);
+  of.vk.vkDestroyQueryPool(of.device, times, nullptr);
+  for (vulkan::CommandSlot& slot : slots)
+    for (vulkan::HostBlock& block : slot.blocks) of.release(block);
+  of.release(report), of.release(staging);
+}
+
+bool Vulkan::usable() {
+  static const bool found = [] {
+    try {
+      VulkanDevice::own();
+      return true;
+    } catch (const std::exception&) {
+      return false;
+    }
+  }();
+  return found;
+}
+
+Vulkan::Vulkan(const VulkanDevice& device, const std::optional<MemoryHook>& memory)
+    : state_(std::make_unique<State>(device, memory)) {}
+Vulkan::~Vulkan() = default;
+Vulkan::Vulkan(Vulkan&&) noexcept = default;
+Vulkan& Vulkan::operator=(Vulkan&&) noexcept = default;
+
+std::string Vulkan::device_name() const { return state_->device.state().name; }
+const MemoryHook& Vulkan::memory_hook() const { return state_->hook; }
+
+void Vulkan::write(const void* from, void* to, std::size_t bytes) const {
+  State& b = *state_;
+  if (bytes == 0) return;
+  if (!b.staging.host) b.staging = b.device.state().allocate_block(staging_bytes);
+  for (std::size_t at = 0; at < bytes; at += staging_bytes) {
+    const std::size_t part = std::min(staging_bytes, bytes - at), words = (part + 3) / 4;
+    std::byte* const to_part = static_cast<std::byte*>(to) + at;
+    // The last word may hold more than is written.
+    if (part % 4 != 0) read(to_part + part / 4 * 4, b.staging.host + part / 4 * 4, 4);
+    std::memcpy(b.staging.host, static_cast<const std::byte*>(from) + at, part);
+    vulkan::Commands commands(*this);
+    commands.run(vulkan::Kernel::copy, {}, vulkan::Push(b.staging.device, to_part, std::uint32_t(words)),
+                 vulkan::Commands::Shape::of(words), {vulkan::writes(to_part, 4 * words)});
+    b.device.state().wait(commands.submit());
+  }
+}
+
+void Vulkan::read(const void* from, void* to, std::size_t bytes) const {
+  State& b = *state_;
+  if (bytes == 0) return wait();
+  if (!b.staging.host) b.staging = b.device.state().allocate_block(staging_bytes);
+  for (std::size_t at = 0; at < bytes; at += staging_bytes) {
+    const std::size_t part = std::min(staging_bytes, bytes - at), words = (part + 3) / 4;
+    const std::byte* const from_part = static_cast<const std::byte*>(from) + at;
+    vulkan::Commands commands(*this);
+    commands.run(vulkan::Kernel::copy, {}, vulkan::Push(from_part, b.staging.device, std::uint32_t(words)),
+                 vulkan::Commands::Shape::of(words), {vulkan::reads(from_part, 4 * words)});
+    commands.release_to_host();
+    b.device.state().wait(commands.submit());
+    std::memcpy(static_cast<std::byte*>(to) + at, b.staging.host, part);
+  }
+}
+
+void Vulkan::wait() const { state_->device.state().wait(state_->last); }
+
+void Vulkan::trim() {
+  wait();
+  trim_parts(*this, state_->sums, state_->places);
+  state_->device.state().release(state_->staging);
+}
+
+Vulkan::TimePoint Vulkan::now() {
+  State& b = *state_;
+  const TimePoint point{++b.serial};
+  if (!b.times) return point;
+  const auto query = std::uint32_t(point.serial % vulkan::time_points);
+  vulkan::Commands commands(*this);
+  commands.timestamp(query);
+  b.reached_at[query] = commands.submit();
+  return point;
+}
+
+std::optional<double> Vulkan::milliseconds(TimePoint from, TimePoint to) const {
+  const State& b = *state_;
+  VulkanDevice::State& of = b.device.state();
+  if (!b.times || b.serial - from.serial >= vulkan::time_points - 1) return {};
+  std::uint64_t ticks[2] = {};
+  const TimePoint points[] = {from, to};
+  for (int k = 0; k < 2; ++k) {
+    const auto query = std::uint32_t(points[k].serial % vulkan::time_points);
+    if (!of.is_done(b.reached_at[query])) return {};
+    const VkResult result = of.vk.vkGetQueryPoolResults(of.device, b.times, query, 1, sizeof ticks[k],
+                                                        &ticks[k], sizeof ticks[k], VK_QUERY_RESULT_64_BIT);
+    if (result == VK_NOT_READY) return {};
+    vulkan::check(result, "vkGetQueryPoolResults");
+  }
+  return double((ticks[1] - ticks[0]) & of.tick_mask) * double(of.nanoseconds) * 1e-6;
+}
+
+}  // namespace swiftgs

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The shaders' arithmetic against that of the library, without a device.
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/bounds/all.hpp>
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/conventions.hpp>
+#include <swiftgs/frame/bounds.hpp>
+#include <swiftgs/lens/view.hpp>
+#include <swiftgs/project/project.hpp>
+#include <swiftgs/tools/policy_lists.hpp>
+
+#include "eye.hpp"
+#include "policies/random_splats.hpp"
+#include "vulkan/glsl.hpp"
+
+namespace swiftgs::test {
+namespace {
+
+glsl::FloatPair pair_of(double x) {
+  const FloatPair p = FloatPair::from(x);
+  return glsl::pair(p.high, p.low);
+}
+double value_of(glsl::FloatPair p) { return double(p.high) + double(p.low); }
+
+/// The eye as shaders have it. Both structs hold the same floats.
+glsl::Eye in_glsl(const vulkan::Eye& eye) {
+  static_assert(sizeof(glsl::Eye) == sizeof(vulkan::Eye));
+  return std::bit_cast<glsl::Eye>(eye);
+}
+glsl::Gaussian in_glsl(const Gaussian& g) {
+  return {g.mean, g.scale, vec4(g.rotation.w, g.rotation.x, g.rotation.y, g.rotation.z), g.opacity};
+}
+SplatShape from_glsl(const glsl::Shape& shape) { return std::bit_cast<SplatShape>(shape); }
+
+/// Units in the last place between two floats of one sign.
+int ulps(float a, float b) {
+  return std::abs(__builtin_bit_cast(std::int32_t, a) - __builtin_bit_cast(std::int32_t, b));
+}
+
+}  // namespace
+
+TEST_CASE("vulkan arithmetic: pairs of floats are as exact as their bounds say") {
+  Random random(7);
+  const double unit = 0x1p-24, squared = unit * unit;
+  for (int i = 0; i < 100000; ++i) {
+    const double a = random.f(-100, 100) * (1 + 1e-9), b = random.f(0.01, 100) * (1 + 1e-9),
+                 c = random.f(-100, 100);
+    const glsl::FloatPair x = pair_of(a), y = pair_of(b), z = pair_of(c);
+    const double of_x = value_of(x), of_y = value_of(y), of_z = value_of(z);
+    const auto check = [&](glsl::FloatPair found, double expected, double scale) {
+      REQUIRE(std::fabs(value_of(found) - expected) <= 16 * squared * scale);
+    };
+    check(glsl::add(x, z), of_x + of_z, std::fabs(of_x) + std::fabs(of_z));
+    check(glsl::times(x, y), of_x * of_y, std::fabs(of_x * of_y));
+    check(glsl::multiply_add(x, y, z), std::fma(of_x, of_y, of_z), std::fabs(of_x * of_y) + std::fabs(of_z));
+    check(glsl::inverse_pair(y), 1 / of_y, 1 / of_y);
+    check(glsl::inverse_root(y), 1 / std::sqrt(of_y), 1 / std::sqrt(of_y));
+    REQUIRE(std::fabs(value_of(glsl::log2_of(y.high)) - std::log2(double(y.high))) < 2e-9);
+  }
+}
+
+TEST_CASE("vulkan arithmetic: projection has the bits of the library but for ties of its rounding") {
+  const Scene scene = make_builtin_scene(50000);
+  const SceneView gaussians = view(scene);
+  std::size_t splats = 0, other = 0;
+  for (const bool antialiased : {false, true}) {
+    Conventions conventions;
+    conventions.antialiased = antialiased;
+    const ViewConstants camera = view_constants(builtin_camera(640, 360), conventions);
+    const glsl::Eye eye = in_glsl(vulkan::Eye(camera));
+    for (std::size_t i = 0; i < gaussians.size(); ++i) {
+      const Gaussian g = gaussian(gaussians, i);
+      const ProjectedShape expected = project_through_pinhole<double>(camera, g);
+      const glsl::ProjectedShape found = glsl::project_shape(eye, in_glsl(g));
+      REQUIRE(found.visible == expected.visible);
+      if (!expected.visible) continue;
+      ++splats;
+      const SplatShape shape = from_glsl(found.shape);
+      REQUIRE(found.depth == expected.depth);
+      REQUIRE(ulps(shape.mean.x, expected.shape.mean.x) <= 1);
+      REQUIRE(ulps(shape.l0, expected.shape.l0) <= 1);
+      REQUIRE(ulps(shape.l2, expected.shape.l2) <= 1);
+      REQUIRE(std::fabs(shape.l1 - expected.shape.l1) <= 1.2e-7f * std::fabs(expected.shape.l1));
+      REQUIRE(std::fabs(shape.cutoff - expected.shape.cutoff) <= 1e-6f);
+      REQUIRE(std::fabs(shape.exact_mean().x - expected.shape.exact_mean().x) <= 0x1p-24);
+      REQUIRE(std::fabs(shape.exact_mean().y - expected.shape.exact_mean().y) <= 0x1p-24);
+      other += shape.mean != expected.shape.mean || shape.low != expected.shape.low ||
+               shape.l0 != expected.shape.l0 || shape.l1 != expected.shape.l1 ||
+               shape.l2 != expected.shape.l2;
+    }
+  }
+  MESSAGE(other, " of ", splats, " splats have other bits");
+  CHECK(splats > 10000);
+  CHECK(other * 1000 < splats);
+}
+
+TEST_CASE("vulkan arithmetic: bounds list the tiles of the library") {
+  Random random(3);
+  const TileGrid grid = TileGrid::covering(1000, 700);
+  const glsl::TileGrid in_shader = std::bit_cast<glsl::TileGrid>(grid);
+  std::size_t tiles = 0;
+  glsl::uint bounds = 0;
+  for_each_type(AllBounds(), [&]<class Bounds>(const Bounds& of_library) {
+    for (int i = 0; i < 20000; ++i) {
+      const SplatShape shape = i % 10 == 0 ? random_splat(random, 1000, 700) : usual_splat(random, 1000, 700);
+      const Footprint expected = find_footprint(of_library, shape, grid);
+      const glsl::uvec4 found = glsl::footprint_of(bounds, std::bit_cast<glsl::Shape>(shape), in_shader);
+      CAPTURE(Bounds::name);
+      CAPTURE(i);
+      REQUIRE(found.z == expected.count);
+      if (found.z == 0) continue;
+      REQUIRE(found.w == expected.first);
+      REQUIRE((std::uint64_t(found.y) << 32 | found.x) == expected.mask);
+      tiles += found.z;
+    }
+    ++bounds;
+  });
+  CHECK(tiles > 100000);
+}
+
+}  // namespace swiftgs::test

@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// The backend `Vulkan` on the device that this machine has, which may be lavapipe.
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/drivers/renderer_table.hpp>
+#include <swiftgs/metrics.hpp>
+#include <swiftgs/reference.hpp>
+#include <swiftgs/serial.hpp>
+#include <swiftgs/swiftgs.hpp>
+
+#include "hazards.hpp"
+#include "policies/images.hpp"
+#include "policies/random_splats.hpp"
+#include "vulkan/device.hpp"
+
+#define SWIFTGS_VULKAN_CASE(sentence) SWIFTGS_VULKAN_CASE_(DOCTEST_ANONYMOUS(swiftgs_vulkan_case_), sentence)
+#define SWIFTGS_VULKAN_CASE_(run, sentence)      \
+  static void run();                             \
+  TEST_CASE(sentence) {                          \
+    if (!swiftgs::test::without_vulkan()) run(); \
+  }                                              \
+  static void run()
+
+namespace swiftgs::test {
+namespace {
+
+using UsualVulkan = Renderer<Vulkan>;
+using UsualSerial = Renderer<Serial>;
+
+RenderSettings with_planes() {
+  RenderSettings settings;
+  settings.outputs.alpha = settings.outputs.depth = true;
+  settings.outputs.first_depth = settings.outputs.median_depth = true;
+  settings.outputs.id = settings.outputs.median_id = true;
+  settings.background = vec3(0.25f, 0.5f, 0.125f);
+  return settings;
+}
+
+/// Shares of pixels whose picks are other ones, where two splats weigh nearly the same.
+double other_picks(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
+  std::size_t other = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) other += a[i] != b[i];
+  return double(other) / double(a.size());
+}
+
+/// Holds `frame` to that of `Serial`: kernels round exponentials and sums in their own way.
+void check_like(const Frame& frame, const Frame& serial) {
+  CHECK(max_abs_difference(frame.colour, serial.colour) < 2e-6);
+  CHECK(max_abs_difference(frame.alpha, serial.alpha) < 1e-6);
+  CHECK(max_abs_difference(frame.depth, serial.depth) < 1e-3);
+  CHECK(other_picks(frame.id, serial.id) < 1e-3);
+  CHECK(other_picks(frame.median_id, serial.median_id) < 1e-3);
+}
+
+}  // namespace
+
+TEST_CASE("vulkan: a barrier stands between dispatches that share what one of them writes") {
+  const float memory[8] = {};
+  const auto at = [&](std::size_t first, std::size_t count, bool write) {
+    return write ? vulkan::writes(memory + first, 4 * count) : vulkan::reads(memory + first, 4 * count);
+  };
+  vulkan::Hazards hazards;
+  CHECK(!hazards.next({at(0, 4, true)}));
+  CHECK(!hazards.next({at(4, 4, true)}));
+  CHECK(hazards.next({at(3, 1, false)}));
+  CHECK(!hazards.next({at(3, 1, false), at(0, 0, true)}));
+  CHECK(hazards.next({at(3, 2, true)}));
+  CHECK(hazards.next({at(4, 1, true)}));
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: frames are as near to the reference as those of Serial and repeat their bits") {
+  UsualVulkan renderer;
+  UsualSerial serial;
+  const Camera camera = builtin_camera(320, 180);
+  for (const std::size_t gaussians : {2000, 20000, 200000}) {
+    CAPTURE(gaussians);
+    const auto scene = std::make_shared<const Scene>(make_builtin_scene(gaussians));
+    const VulkanScene there = renderer.backend().upload(scene);
+    const Frame frame = renderer.render(there, camera);
+    const auto reference = render_reference(*scene, camera, Conventions()).colour;
+    const double here = psnr(frame.colour, reference);
+    const double of_serial = psnr(serial.render(serial.backend().upload(scene), camera).colour, reference);
+    MESSAGE(gaussians, " Gaussians: ", here, " dB, Serial ", of_serial, " dB");
+    CHECK(here > of_serial - 2);
+    CHECK(same_planes(renderer.render(there, camera), frame));
+    UsualVulkan other;
+    CHECK(same_planes(other.render(there, camera), frame));
+  }
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: each rasterizer has the planes that Serial has") {
+  const auto scene = std::make_shared<const Scene>(random_scene(3000, 3, 5));
+  const Camera camera = forward_camera(150, 90);
+  const RenderSettings settings = with_planes();
+  for_each_type(AllRasters(), [&]<class Raster>(const Raster&) {
+    CAPTURE(Raster::name);
+    Renderer<Vulkan, EarlySort, Raster, Ellipse> renderer;
+    Renderer<Serial, EarlySort, Raster, Ellipse> serial;
+    const Frame frame = renderer.render(renderer.backend().upload(scene), camera, settings);
+    const Frame expected = serial.render(serial.backend().upload(scene), camera, settings);
+    if (Raster::name.ends_with("half-split"))  // a splat between two boxes shows where its exponent errs
+      CHECK(psnr(frame.colour, expected.colour) > 30);
+    else
+      check_like(frame, expected);
+  });
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: conservative bounds and sorts change no bit") {
+  const auto scene = std::make_shared<const Scene>(random_scene(5000, 1, 6));
+  const Camera camera = forward_camera(200, 120);
+  UsualVulkan usual;
+  const VulkanScene there = usual.backend().upload(scene);
+  const Frame expected = usual.render(there, camera, with_planes());
+  for_each_type(AllBounds(), [&]<class Bounds>(const Bounds&) {
+    CAPTURE(Bounds::name);
+    Renderer<Vulkan, EarlySort, AxisSharedThreshold<FloatCholesky>, Bounds> renderer;
+    const Frame frame = renderer.render(there, camera, with_planes());
+    CHECK(same_planes(frame, expected) == Bounds::conservative);
+  });
+  Renderer<Vulkan, StandardSort> standard;
+  CHECK(same_planes(standard.render(there, camera, with_planes()), expected));
+  Renderer<Vulkan, AdaptiveSort> adaptive;
+  for (int frame = 0; frame < 12; ++frame)
+    CHECK(same_planes(adaptive.render(there, camera, with_planes()), expected));
+  CHECK(adaptive.sort_decided());
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: sort_pairs is a stable sort by the low bits alone") {
+  Vulkan b;
+  Random random(4);
+  const auto check = [&]<class Key>(std::size_t count, int bits, const Key&) {
+    CAPTURE(count);
+    CAPTURE(bits);
+    std::vector<Key> keys(count);
+    std::vector<std::uint32_t> values(count), order(count);
+    const Key mask = bits >= int(8 * sizeof(Key)) ? Key(~Key(0)) : Key((Key(1) << bits) - 1);
+    for (std::size_t i = 0; i < count; ++i)
+      keys[i] = Key(random.bits()), values[i] = std::uint32_t(random.bits()), order[i] = std::uint32_t(i);
+    Pairs<Vulkan, Key> pairs;
+    pairs.reset(count);
+    b.write(keys.data(), pairs.keys.data(), count * sizeof(Key));
+    b.write(values.data(), pairs.values.data(), count * sizeof values[0]);
+    b.sort_pairs(pairs, count, bits);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](auto i, auto j) { return (keys[i] & mask) < (keys[j] & mask); });
+    std::vector<std::uint32_t> expected;
+    for (const std::uint32_t i : order) expected.push_back(values[i]);
+    CHECK(to_host(b, std::as_const(pairs.values).span()) == expected);
+  };
+  for (const std::size_t count : {1, 31, 1024, 1025, 100003}) {
+    for (const int bits : {1, 7, 16, 31, 32}) check(count, bits, std::uint32_t());
+    check(count, 44, std::uint64_t());
+  }
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: several views of placed scenes are drawn as Serial draws them") {
+  const auto first = std::make_shared<const Scene>(random_scene(2000, 2, 7));
+  const auto second = std::make_shared<const Scene>(random_scene(1500, 0, 8));
+  Placement moved{.scene = 1};
+  moved.world_from_scene.scale = 0.5, moved.world_from_scene.translation = dvec3(0.5, -0.25, 3);
+  moved.opacity = 0.75f, moved.tint = {vec3(1, 0.5f, 0), 0.5f};
+  moved.clip = Clip::box(vec3(-2, -2, -1), vec3(3, 2, 8));
+  const Placement placements[] = {{.scene = 0}, moved};
+  const Camera cameras[] = {forward_camera(120, 70), forward_camera(57, 83), forward_camera(64, 64, 40)};
+  const auto draw = [&](AnyRenderer& renderer, Frame(&frames)[3]) {
+    renderer.set_scene(first), renderer.add_scene(second);
+    renderer.place({placements, 2});
+    renderer.render({cameras, 3}, with_planes(), {frames, 3});
+  };
+  UsualVulkan renderer;
+  UsualSerial serial;
+  Frame found[3], expected[3];
+  draw(renderer, found), draw(serial, expected);
+  for (int i = 0; i < 3; ++i) check_like(found[i], expected[i]);
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: harmonics in fewer bytes are drawn as Serial draws them") {
+  for (const HarmonicsKept kept : {HarmonicsKept::floats, HarmonicsKept::smallest, HarmonicsKept::halves}) {
+    Scene scene = random_scene(1000, 3, 9);
+    for (float& c : scene.sh_rest)  // bytes hold multiples of a power of two
+      if (kept == HarmonicsKept::smallest) c = std::round(c * 64) / 64;
+    const Camera camera = forward_camera(100, 60);
+    UsualVulkan renderer;
+    UsualSerial serial;
+    check_like(renderer.render(renderer.backend().upload(scene, kept), camera, with_planes()),
+               serial.render(serial.backend().upload(Scene(scene), kept), camera, with_planes()));
+  }
+}
+
+SWIFTGS_VULKAN_CASE(
+    "vulkan: pixels of each format over an image and behind an occluder are those of Serial") {
+  const int width = 61, height = 37;
+  const auto scene = std::make_shared<const Scene>(random_scene(1500, 1, 10));
+  const Camera camera = forward_camera(width, height);
+  UsualVulkan renderer;
+  UsualSerial serial;
+  const VulkanScene there = renderer.backend().upload(scene);
+  const auto here = serial.backend().upload(scene);
+  Random random(3);
+  std::vector<float> occluder(std::size_t(width) * height);
+  for (float& value : occluder) value = random.f(0.2, 1);
+  for (const PixelFormat format : {PixelFormat::rgb_float, PixelFormat::rgba_float, PixelFormat::rgba_half,
+                                   PixelFormat::rgba_8, PixelFormat::bgra_8}) {
+    CAPTURE(int(format));
+    Image image(width, height, format);
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x) image.set(x, y, vec4(0.1f, 0.2f, 0.3f, 0.5f));
+    VulkanBuffer<unsigned char> colours;
+    VulkanBuffer<float> depths;
+    colours.reset(image.bytes.size()), depths.reset(occluder.size());
+    renderer.backend().write(image.bytes.data(), colours.data(), image.bytes.size());
+    renderer.backend().write(occluder.data(), depths.data(), 4 * occluder.size());
+    const auto draw = [&](auto& drawing, const auto& of, void* colour, const float* depth) {
+      FrameView frame = image.frame();
+      frame.colour.data = colour, frame.over = true;
+      frame.occluder = {depth, std::ptrdiff_t(4 * width)};
+      frame.stored_depth = StoredDepth::perspective(1, 10);
+      drawing.render_into(of, camera, {}, frame);
+    };
+    draw(renderer, there, colours.data(), depths.data());
+    Image found = image;
+    renderer.backend().read(colours.data(), found.bytes.data(), found.bytes.size());
+    draw(serial, here, image.bytes.data(), occluder.data());
+    CHECK(found.kept_to_its_rows());
+    float most = 0;
+    for (int y = 0; y < height; ++y)
+      for (int x = 0; x < width; ++x)
+        for (int c = 0; c < 4; ++c) most = std::max(most, std::fabs(found.at(x, y)[c] - image.at(x, y)[c]));
+    CHECK(most < (format <= PixelFormat::rgba_float  ? 2e-6f
+                  : format == PixelFormat::rgba_half ? 1e-3f
+                                                     : 4e-3f));
+  }
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: a frame beyond its capacity is drawn again and timed") {
+  UsualVulkan renderer;
+  const Camera camera = builtin_camera(160, 90);
+  RenderSettings settings;
+  settings.time = true;
+  for (const std::size_t gaussians : {100, 5000, 300, 0}) {
+    const Scene scene = make_builtin_scene(gaussians);
+    UsualVulkan fresh;
+    const Frame frame = renderer.render(renderer.backend().upload(scene), camera, settings);
+    CHECK(same_planes(frame, fresh.render(fresh.backend().upload(scene), camera)));
+    CHECK(renderer.times().total > 0);
+  }
+  renderer.trim();
+  CHECK(renderer.memory().total() == 0);
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: what is not drawn yet is refused by name") {
+  UsualVulkan renderer;
+  const Camera camera = forward_camera(40, 30);
+  const VulkanScene scene = renderer.backend().upload(random_scene(50, 0, 1));
+  const auto refuses = [&](const RenderSettings& settings, const Camera& of, const char* what) {
+    CHECK_THROWS_WITH_AS(renderer.render(scene, of, settings), doctest::Contains(what), Unavailable);
+  };
+  RenderSettings settings;
+  settings.outputs.normal = true;
+  refuses(settings, camera, "backend vulkan: a view asks for normals");
+  Camera fisheye = camera;
+  fisheye.lens.model = LensModel::fisheye;
+  refuses({}, fisheye, "backend vulkan: a view has a lens that is no pinhole");
+  CHECK_THROWS_WITH_AS(renderer.pick(0, 0), "backend vulkan: expected a function pick_pixels", Unavailable);
+  CHECK(renderer.render(scene, camera).pixels() == 1200);
+}
+
+TEST_CASE("vulkan: a device without handles or features is refused by name") {
+  CHECK_THROWS_WITH_AS(VulkanDevice{VulkanHandles{}},
+                       doctest::Contains("vulkan: a handle is missing, expected instance, physical_device"),
+                       InvalidArgument);
+}
+
+}  // namespace swiftgs::test
