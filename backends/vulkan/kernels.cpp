@@ -6,6 +6,7 @@
 namespace swiftgs::vulkan {
 namespace {
 // clang-format off
+#include "attributes.comp.hpp"
 #include "copy.comp.hpp"
 #include "compact.comp.hpp"
 #include "emit.comp.hpp"

@@ -5,6 +5,7 @@
 
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame/float_pair.hpp>
+#include <swiftgs/functor/count_on_host.hpp>
 #include <swiftgs/vulkan/stages.hpp>
 
 #include "commands.hpp"
@@ -26,10 +27,11 @@ struct PlaneWords {
 
 /// As pixels.glsl declares it.
 struct RasterView {
-  PlaneWords colour, alpha, depth, first_depth, median_depth, id, median_id, occluder;
+  PlaneWords colour, alpha, depth, first_depth, median_depth, id, median_id, normal, squared_depth, features,
+      occluder;
   FloatPair stored_p, stored_q, stored_r, stored_s;
   TileGrid grid;
-  std::uint32_t width, height, format, over, stored_as_depth;
+  std::uint32_t width, height, format, conversion, over, stored_as_depth, feature_channels;
   float alpha_min, alpha_max, stop_below, first_below;
   vec3 background;
 
@@ -41,6 +43,9 @@ struct RasterView {
         median_depth(view.frame.median_depth),
         id(view.frame.id),
         median_id(view.frame.median_id),
+        normal(view.frame.normal),
+        squared_depth(view.frame.squared_depth),
+        features(view.frame.features),
         occluder(view.frame.occluder),
         stored_p(FloatPair::from(view.frame.stored_depth.p)),
         stored_q(FloatPair::from(view.frame.stored_depth.q)),
@@ -50,9 +55,11 @@ struct RasterView {
         width(std::uint32_t(view.frame.width)),
         height(std::uint32_t(view.frame.height)),
         format(std::uint32_t(view.frame.format)),
+        conversion(std::uint32_t(view.frame.conversion)),
         over(view.frame.over),
         stored_as_depth(view.frame.stored_depth.p == 1 && view.frame.stored_depth.q == 0 &&
                         view.frame.stored_depth.r == 0 && view.frame.stored_depth.s == 1),
+        feature_channels(std::uint32_t(view.frame.feature_channels)),
         alpha_min(view.rules.alpha_min),
         alpha_max(view.rules.alpha_max),
         stop_below(view.rules.stop_below),
@@ -78,13 +85,16 @@ void rasterize(Vulkan& b, RasterKind kind, const RasterJob& job) {
   for (const View& view : job.views) {
     const RasterView words(view);
     const FrameView& frame = view.frame;
+    const AttributeList list(view, job.attributes.first, job.attributes.rows);
     // The views of a frame do not overlap in memory.
     commands.run(
         Kernel::raster,
         {kind.exponent, kind.threshold, std::uint32_t(job.sums_depth(view)), std::uint32_t(job.picks(view)),
-         std::uint32_t(bool(frame.occluder))},
+         std::uint32_t(bool(frame.occluder)), std::uint32_t(frame.conversion != Conversion::as_is),
+         job.attributes.rows * AttributeRow::channels, std::uint32_t(!job.only_attributes)},
         Push(commands.constants(Span<const RasterView>{&words, 1}), job.splats.shapes.data,
-             job.colours.each.data, job.splats.gaussians.data, job.lists.ids.data, job.lists.ranges.data),
+             job.colours.each.data, job.splats.gaussians.data, job.lists.ids.data, job.lists.ranges.data,
+             commands.constants(Span<const AttributeList>{&list, 1}), job.attributes.data),
         {(std::uint32_t(frame.width) + side - 1) / side, (std::uint32_t(frame.height) + side - 1) / side,
          commands.subgroup()},
         {});
@@ -93,3 +103,11 @@ void rasterize(Vulkan& b, RasterKind kind, const RasterJob& job) {
 }
 
 }  // namespace swiftgs::vulkan
+
+namespace swiftgs {
+
+FrameCounted count_frame(const Vulkan& b, const RasterJob& job, CountRasterBlock count) {
+  return count_on_host(b, job, count);
+}
+
+}  // namespace swiftgs

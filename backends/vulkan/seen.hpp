@@ -12,6 +12,7 @@
 #include <swiftgs/frame/tiles.hpp>
 #include <swiftgs/frame/views.hpp>
 #include <swiftgs/placed_scene.hpp>
+#include <swiftgs/plane/attributes.hpp>
 
 #include "commands.hpp"
 #include "eye.hpp"
@@ -30,8 +31,9 @@ struct Address {
 
 /// As frame.glsl declares them.
 struct SceneWords {
-  Address means, scales, rotations, opacities, sh0, sh_rest, labels;
-  std::uint32_t means_stride, scales_stride, rotations_stride, opacities_stride, sh0_stride, sh_stride;
+  Address means, scales, rotations, opacities, sh0, sh_rest, labels, features;
+  std::uint32_t means_stride, scales_stride, rotations_stride, opacities_stride, sh0_stride, sh_stride,
+      features_stride;
   std::uint32_t sh_format;
   float sh_scale;
   std::uint32_t sh_degree, any_rotations, plain_colours;
@@ -45,12 +47,14 @@ struct SceneWords {
         sh0(scene.sh0.data),
         sh_rest(scene.sh_rest.data),
         labels(scene.sh_rest.labels),
+        features(scene.features.data),
         means_stride(scene.means.stride),
         scales_stride(scene.scales.stride),
         rotations_stride(scene.rotations.stride),
         opacities_stride(scene.opacities.stride),
         sh0_stride(scene.sh0.stride),
         sh_stride(scene.sh_rest.stride),
+        features_stride(scene.features.stride),
         sh_format(std::uint32_t(scene.sh_rest.format)),
         sh_scale(scene.sh_rest.scale),
         sh_degree(std::uint32_t(scene.sh_degree)),
@@ -89,6 +93,27 @@ inline const Seen* all_seen(Commands& commands, const Views& views, const Stored
     for (const StoredScene& placed : scenes.each()) seen.emplace_back(view, placed);
   return commands.constants(Span<const Seen>{seen.data(), seen.size()});
 }
+
+/// As attributes.glsl declares it.
+struct AttributeList {
+  struct {
+    std::uint32_t of = 0, channel = 0;
+  } each[AttributesView::most];
+  float most = 0;
+  std::uint32_t has_normal = 0, count = 0;
+
+  AttributeList() = default;
+  /// Rows of those from `first` on that `view` is asked for.
+  AttributeList(const View& view, int first, unsigned rows)
+      : most(most_attribute(view.rules.alpha_max)),
+        has_normal(view.request.normal),
+        count(rows * AttributeRow::channels) {
+    for (int k = 0; k < int(AttributesView::most); ++k) {
+      const Attribute from = attribute(view, view.request, first + k);
+      each[k] = {std::uint32_t(from.of), std::uint32_t(from.channel)};
+    }
+  }
+};
 
 static_assert(sizeof(TileGrid) == 28 && offsetof(TileGrid, side) == 16);
 inline const TileGrid* grids_of(Commands& commands, const Views& views) {

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <vector>
 
 #include <swiftgs/error.hpp>
 #include <swiftgs/vulkan/stages.hpp>
@@ -27,11 +28,7 @@ void check_supported(const FramePlan& plan) {
     if (view.camera.order_is_distance) refuse_view("a view is ordered by distance", "order by depth");
     if (view.camera.through_lens || view.camera.depth_is_distance)
       refuse_view("a view has a lens that is no pinhole or depth as distance", "a pinhole and depth as z");
-    if (attribute_count(view) != 0)
-      refuse_view("a view asks for normals, squared depths, features or depth along the ray",
-                  "colour, alpha, depth, first and median depth and ids");
-    if (view.frame.conversion != Conversion::as_is)
-      refuse_view("a view converts colours", "Conversion::as_is");
+    if (view.camera.depth_along_ray) refuse_view("a view takes depth along the ray", "depth of means");
   }
 }
 
@@ -188,8 +185,20 @@ Shading<Vulkan> shade(Vulkan& b, const FramePlan& plan, const Splats<Vulkan>& sp
   return Shading<Vulkan>({{colours.each.data(), n}, colours.hidden.data()});
 }
 
-void gather_attributes(Vulkan&, const SplatAttributes&, const StoredScenes&, const Views&, AttributeRow*) {
-  throw Unavailable("backend vulkan: expected no attributes");
+void gather_attributes(Vulkan& b, const SplatAttributes& from, const StoredScenes& scenes, const Views& views,
+                       AttributeRow* to) {
+  const SplatsView& splats = from.splats;
+  vulkan::Commands commands(b);
+  std::vector<vulkan::AttributeList> lists;
+  for (const View& view : views) lists.emplace_back(view, from.first, from.rows);
+  commands.run(vulkan::Kernel::attributes, {},
+               vulkan::Push(vulkan::all_seen(commands, views, scenes), splats.gaussians.data, splats.of_view,
+                            splats.depths.data,
+                            commands.constants(Span<const vulkan::AttributeList>{lists.data(), lists.size()}),
+                            to, splats.count(), std::uint32_t(scenes.size())),
+               vulkan::Commands::Shape::of(splats.size()),
+               {vulkan::writes(to, splats.size() * from.rows * sizeof(AttributeRow))});
+  commands.submit();
 }
 
 }  // namespace swiftgs

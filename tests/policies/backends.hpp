@@ -3,7 +3,8 @@
 
 /// @file
 /// The backends that every contract test runs on: those of hosts, and in builds with CUDA the device. The
-/// build defines SWIFTGS_TEST_CUDA for the programs that have its cases.
+/// build defines SWIFTGS_TEST_CUDA for the programs that have its cases, and SWIFTGS_TEST_VULKAN for those of
+/// `Vulkan` alone.
 
 #include <type_traits>
 
@@ -15,6 +16,8 @@
 
 #if defined(SWIFTGS_TEST_CUDA)
 #include "cuda/device.hpp"
+#elif defined(SWIFTGS_TEST_VULKAN)
+#include "vulkan/device.hpp"
 #endif
 
 namespace swiftgs::test {
@@ -43,6 +46,8 @@ template <class B>
 bool unavailable_backend() {
 #if defined(SWIFTGS_TEST_CUDA)
   if constexpr (std::is_same_v<B, Cuda>) return without_device();
+#elif defined(SWIFTGS_TEST_VULKAN)
+  if constexpr (std::is_same_v<B, Vulkan>) return without_vulkan();
 #endif
   return false;
 }
@@ -58,6 +63,9 @@ inline constexpr bool on_host = std::is_same_v<B, Serial> || std::is_same_v<B, C
 #if defined(SWIFTGS_TEST_CUDA)
 #define SWIFTGS_TEST_BACKENDS SWIFTGS_TEST_HOSTS, swiftgs::Cuda
 TYPE_TO_STRING(swiftgs::Cuda);
+#elif defined(SWIFTGS_TEST_VULKAN)
+#define SWIFTGS_TEST_BACKENDS swiftgs::Vulkan
+TYPE_TO_STRING(swiftgs::Vulkan);
 #else
 #define SWIFTGS_TEST_BACKENDS SWIFTGS_TEST_HOSTS
 #endif

@@ -197,6 +197,23 @@ SWIFTGS_VULKAN_CASE("vulkan: harmonics in fewer bytes are drawn as Serial draws 
   }
 }
 
+SWIFTGS_VULKAN_CASE("vulkan: features of several passes and converted colours are those of Serial") {
+  const auto scene = std::make_shared<const Scene>(with_features(random_scene(1000, 0, 12), 21));
+  const Camera camera = forward_camera(70, 50);
+  UsualVulkan renderer;
+  UsualSerial serial;
+  RenderSettings settings;
+  settings.background = vec3(0.25f, 0.5f, 0.125f);
+  settings.outputs.features = 21, settings.outputs.normal = settings.outputs.squared_depth = true;
+  settings.conventions.colours = ColourSpace::linear;
+  const Frame frame = renderer.render(renderer.backend().upload(scene), camera, settings);
+  const Frame expected = serial.render(serial.backend().upload(scene), camera, settings);
+  CHECK(max_abs_difference(frame.colour, expected.colour) < 1e-5);
+  CHECK(max_abs_difference(frame.features, expected.features) < 1e-5);
+  CHECK(max_abs_difference(frame.normal, expected.normal) < 1e-5);
+  CHECK(max_abs_difference(frame.squared_depth, expected.squared_depth) < 1e-2);
+}
+
 SWIFTGS_VULKAN_CASE(
     "vulkan: pixels of each format over an image and behind an occluder are those of Serial") {
   const int width = 61, height = 37;
@@ -266,8 +283,9 @@ SWIFTGS_VULKAN_CASE("vulkan: what is not drawn yet is refused by name") {
     CHECK_THROWS_WITH_AS(renderer.render(scene, of, settings), doctest::Contains(what), Unavailable);
   };
   RenderSettings settings;
-  settings.outputs.normal = true;
-  refuses(settings, camera, "backend vulkan: a view asks for normals");
+  settings.conventions.depth_at = Conventions::DepthAt::ray;
+  settings.outputs.depth = true;
+  refuses(settings, camera, "backend vulkan: a view takes depth along the ray");
   Camera fisheye = camera;
   fisheye.lens.model = LensModel::fisheye;
   refuses({}, fisheye, "backend vulkan: a view has a lens that is no pinhole");

@@ -8,8 +8,8 @@
 
 // Arrays of a scene: `SceneView`.
 struct SceneArrays {
-  uvec2 means, scales, rotations, opacities, sh0, sh_rest, labels;
-  uint means_stride, scales_stride, rotations_stride, opacities_stride, sh0_stride, sh_stride;
+  uvec2 means, scales, rotations, opacities, sh0, sh_rest, labels, features;
+  uint means_stride, scales_stride, rotations_stride, opacities_stride, sh0_stride, sh_stride, features_stride;
   uint sh_format;  // as `HarmonicFormat`
   float sh_scale;
   uint sh_degree, any_rotations, plain_colours;
@@ -28,6 +28,46 @@ struct Seen {
   uint first_gaussian;
 };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Seens { Seen at[]; };
+
+// The scene of a Gaussian as a view sees it, of all scenes by all views.
+uint seen_by(Seens seen, uint scenes, uint view, uint gaussian) {
+  uint low = view * scenes, high = low + scenes;
+  while (high - low > 1u) {
+    const uint middle = low + (high - low) / 2u;
+    if (seen.at[middle].first_gaussian <= gaussian) low = middle;
+    else high = middle;
+  }
+  return low;
+}
+
+vec3 vector_at(uvec2 data, uint i, uint stride) {
+  Floats row = Floats(element(data, i, stride));
+  return vec3(row.at[0], row.at[1], row.at[2]);
+}
+
+// Of any length: zeros are the identity.
+vec4 normalised(vec4 q) {
+  const float largest = max(max(abs(q.x), abs(q.y)), max(abs(q.z), abs(q.w)));
+  if (largest == 0.0) return vec4(1.0, 0.0, 0.0, 0.0);
+  const vec4 r = q / largest;
+  const FloatPair squared = add(add(two_product(r.x, r.x), two_product(r.y, r.y)),
+                                add(two_product(r.z, r.z), two_product(r.w, r.w)));
+  const FloatPair inverse = inverse_root(squared);
+  return vec4(times(pair(r.x, 0.0), inverse).high, times(pair(r.y, 0.0), inverse).high,
+              times(pair(r.z, 0.0), inverse).high, times(pair(r.w, 0.0), inverse).high);
+}
+
+// Gaussian `i` of a scene.
+Gaussian gaussian_of(Seens seen, uint of, uint i) {
+  Gaussian g;
+  g.mean = vector_at(seen.at[of].scene.means, i, seen.at[of].scene.means_stride);
+  g.scale = vector_at(seen.at[of].scene.scales, i, seen.at[of].scene.scales_stride);
+  Floats q = Floats(element(seen.at[of].scene.rotations, i, seen.at[of].scene.rotations_stride));
+  g.rotation = vec4(q.at[0], q.at[1], q.at[2], q.at[3]);
+  if (seen.at[of].scene.any_rotations != 0u) g.rotation = normalised(g.rotation);
+  g.opacity = Floats(element(seen.at[of].scene.opacities, i, seen.at[of].scene.opacities_stride)).at[0];
+  return g;
+}
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Shapes { Shape at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Footprints { uvec4 at[]; };

@@ -9,10 +9,10 @@ struct Plane {
 
 // A view as rasterizers need it: `RasterView` of the host.
 struct RasterView {
-  Plane colour, alpha, depth, first_depth, median_depth, id, median_id, occluder;
+  Plane colour, alpha, depth, first_depth, median_depth, id, median_id, normal, squared_depth, features, occluder;
   FloatPair stored_p, stored_q, stored_r, stored_s;
   TileGrid grid;
-  uint width, height, format, over, stored_as_depth;
+  uint width, height, format, conversion, over, stored_as_depth, feature_channels;
   float alpha_min, alpha_max, stop_below, first_below;
   vec3 background;
 };
@@ -81,6 +81,44 @@ void store_colour(RasterView view, uvec2 at, vec4 colour) {
     words_of(view.colour, at, 1u).at[0] =
         to_unorm8(c.x) | (to_unorm8(c.y) << 8) | (to_unorm8(c.z) << 16) | (to_unorm8(c.w) << 24);
   }
+}
+
+// x^(-1 / n) of n = 10 or 12, about a unit in the last place: a guess from the bits and two steps of the series.
+float inverse_root_of(float x, uint n) {
+  const bool ten = n == 10u;
+  const float part = ten ? 0.1 : 0.083333336, c2 = ten ? 0.055 : 0.045138888, c3 = ten ? 0.0385 : 0.031346452;
+  const int start = ten ? 1171473301 : 1153723706;
+  float y = intBitsToFloat(start - int(float(floatBitsToInt(x)) * part));
+  for (uint k = 0u; k < 2u; ++k) {
+    const float y2 = y * y, y4 = y2 * y2, missing = 1.0 - (x * y4) * (ten ? y4 * y2 : y4 * y4);
+    y = y * missing * ((missing * c3 + c2) * missing + part) + y;
+  }
+  return y;
+}
+// As `to_srgb` and `from_srgb`.
+float to_srgb(float light) {
+  const float x = abs(light), curved = 1.055 * (sqrt(x) * inverse_root_of(x, 12u)) - 0.055;
+  const float encoded = x <= 0.0031308 ? 12.92 * x : curved;
+  return light < 0.0 ? -encoded : encoded;
+}
+float from_srgb(float encoded) {
+  const float x = abs(encoded), base = (x + 0.055) * 0.94786733;
+  const float light = x <= 0.04045 ? x * 0.077399380 : base * base * (sqrt(base) * inverse_root_of(base, 10u));
+  return encoded < 0.0 ? -light : light;
+}
+
+// The order of `Conversion`.
+const uint as_is = 0u, srgb_to_linear = 1u, linear_to_srgb = 2u;
+
+// Premultiplied colours through a curve or back.
+vec4 converted(RasterView view, vec4 colour, float alpha, bool back) {
+  const bool encode = (view.conversion == linear_to_srgb) != back;
+  if (!(alpha > 0.0)) return vec4(0.0, 0.0, 0.0, colour.w);
+  for (uint c = 0u; c < 3u; ++c) {
+    const float straight = colour[c] / alpha;
+    colour[c] = (encode ? to_srgb(straight) : from_srgb(straight)) * alpha;
+  }
+  return colour;
 }
 
 // The depth that an occluder has at a pixel; infinite for nothing.

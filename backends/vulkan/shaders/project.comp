@@ -13,11 +13,6 @@ layout(push_constant, scalar) uniform Push {
   uint gaussians;
 };
 
-vec3 vector_at(uvec2 data, uint i, uint stride) {
-  Floats row = Floats(element(data, i, stride));
-  return vec3(row.at[0], row.at[1], row.at[2]);
-}
-
 // As `Clip::shows`.
 bool shows(vec3 mean) {
   for (uint k = 0u; k < seen.at[0].half_space_count; ++k) {
@@ -31,31 +26,13 @@ bool shows(vec3 mean) {
   return dot(from, from) <= radius * radius;
 }
 
-// Of any length: zeros are the identity.
-vec4 normalised(vec4 q) {
-  const float largest = max(max(abs(q.x), abs(q.y)), max(abs(q.z), abs(q.w)));
-  if (largest == 0.0) return vec4(1.0, 0.0, 0.0, 0.0);
-  const vec4 r = q / largest;
-  const FloatPair squared = add(add(two_product(r.x, r.x), two_product(r.y, r.y)),
-                                add(two_product(r.z, r.z), two_product(r.w, r.w)));
-  const FloatPair inverse = inverse_root(squared);
-  return vec4(times(pair(r.x, 0.0), inverse).high, times(pair(r.y, 0.0), inverse).high,
-              times(pair(r.z, 0.0), inverse).high, times(pair(r.w, 0.0), inverse).high);
-}
-
 void main() {
   if (workgroup() * THREADS >= gaussians) return;
   const uint i = invocation();
   ProjectedShape shape;
   shape.visible = false;
   if (i < gaussians) {
-    Gaussian g;
-    g.mean = vector_at(seen.at[0].scene.means, i, seen.at[0].scene.means_stride);
-    g.scale = vector_at(seen.at[0].scene.scales, i, seen.at[0].scene.scales_stride);
-    Floats q = Floats(element(seen.at[0].scene.rotations, i, seen.at[0].scene.rotations_stride));
-    g.rotation = vec4(q.at[0], q.at[1], q.at[2], q.at[3]);
-    if (seen.at[0].scene.any_rotations != 0u) g.rotation = normalised(g.rotation);
-    g.opacity = Floats(element(seen.at[0].scene.opacities, i, seen.at[0].scene.opacities_stride)).at[0];
+    const Gaussian g = gaussian_of(seen, 0u, i);
     if (shows(g.mean)) shape = project_shape(seen.at[0].eye, g);
   }
   uint visible;

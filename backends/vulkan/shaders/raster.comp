@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#extension GL_EXT_control_flow_attributes : require
 #include "common.glsl"
 #include "frame.glsl"
+#include "attributes.glsl"
 #include "pixels.glsl"
 
 // Blends the splats of a warp block of 8x8 pixels, which a subgroup shares: each lane has every SUBGROUP-th pixel. It
@@ -17,16 +17,23 @@ layout(constant_id = 3) const bool THRESHOLD = true;
 layout(constant_id = 4) const bool DEPTH = false;
 layout(constant_id = 5) const bool PICKS = false;
 layout(constant_id = 6) const bool OCCLUDER = false;
+layout(constant_id = 7) const bool CONVERTS = false;
+// Most attributes of a pass, and whether it draws all other planes too. Loops over attributes count to a number in memory:
+// unrolled by each pixel they would take a minute to compile.
+layout(constant_id = 8) const uint ATTRIBUTES = 0u;
+layout(constant_id = 9) const bool IS_BASE = true;
 
 layout(push_constant, scalar) uniform Push {
   RasterViews views;  // this view alone
   Shapes shapes;
   Colours colours;
   Uints gaussians, ids, ranges;
+  AttributeLists attributes_of;  // this view alone
+  Floats attributes;
 };
 
 const uint SIDE = 8u, EACH = SIDE * SIDE / SUBGROUP;
-const uint NONE = 0xffffffffu;
+const uint NONE = 0xffffffffu, SUMS = ATTRIBUTES == 0u ? 1u : ATTRIBUTES;
 
 // Place of pixel `p` of this lane in the block.
 uvec2 place_of(uint p) {
@@ -144,14 +151,17 @@ void main() {
 
   float transmittance[EACH], depth[EACH], weight_of_largest[EACH], occluded_from[EACH];
   vec3 colour[EACH];
+  float sums[EACH * SUMS];
   uint first[EACH], median[EACH], largest[EACH];
   bool stopped[EACH];
   bool all_stopped = true;
-  [[unroll]] for (uint p = 0u; p < EACH; ++p) {
+  for (uint p = 0u; p < EACH; ++p) {
     const uvec2 at = block + place_of(p);
     const bool inside = at.x < view.width && at.y < view.height;
     transmittance[p] = 1.0;
     colour[p] = vec3(0.0);
+    if (ATTRIBUTES != 0u)
+      for (uint k = 0u; k < attributes_of.at[0].count; ++k) sums[p * SUMS + k] = 0.0;
     depth[p] = 0.0;
     first[p] = median[p] = largest[p] = NONE;
     weight_of_largest[p] = 0.0;
@@ -179,11 +189,11 @@ void main() {
       s.cutoff = subgroupShuffle(shape.cutoff, lane);
       s.low = subgroupShuffle(shape.low, lane);
       const vec4 rgb_depth = subgroupShuffle(of_mine, lane);
-      const uint id = PICKS ? subgroupShuffle(mine, lane) : NONE;
+      const uint id = PICKS || ATTRIBUTES != 0u ? subgroupShuffle(mine, lane) : NONE;
       Split split;
       if (EXPONENT == float_split) split = split_of(s, raster_centre);
       all_stopped = true;
-      [[unroll]] for (uint p = 0u; p < EACH; ++p) {
+      for (uint p = 0u; p < EACH; ++p) {
         const vec2 at = first_centre + vec2(place_of(p));
         const float alpha = alpha_of(s, exponent_of(s, split, raster_centre, at), view);
         if (!stopped[p] && alpha != 0.0) {
@@ -196,6 +206,9 @@ void main() {
             precise vec3 sum = colour[p] + more;
             colour[p] = sum;
             if (DEPTH) depth[p] += weight * rgb_depth.w;
+            if (ATTRIBUTES != 0u)
+              for (uint k = 0u; k < attributes_of.at[0].count; ++k)
+                sums[p * SUMS + k] += weight * attributes.at[id * ATTRIBUTES + k];
             transmittance[p] = next;
             if (PICKS) {
               if (weight > weight_of_largest[p]) {
@@ -212,15 +225,26 @@ void main() {
     }
   }
 
-  [[unroll]] for (uint p = 0u; p < EACH; ++p) {
+  for (uint p = 0u; p < EACH; ++p) {
     const uvec2 at = block + place_of(p);
     if (at.x >= view.width || at.y >= view.height) continue;
     precise float alpha = 1.0 - transmittance[p];
+    for (uint k = 0u; ATTRIBUTES != 0u && k < attributes_of.at[0].count; ++k) {
+      const Attribute to = attributes_of.at[0].each[k];
+      const float sum = sums[p * SUMS + k];
+      if (to.of == of_normal) floats_of(view.normal, at, 3u).at[to.channel] = sum;
+      if (to.of == of_squared_depth) floats_of(view.squared_depth, at, 1u).at[0] = alpha > 0.0 ? sum / alpha : 0.0;
+      if (to.of == of_feature) floats_of(view.features, at, view.feature_channels).at[to.channel] = sum;
+    }
+    if (!IS_BASE) continue;
     if (!is_null(view.colour.data)) {
-      const vec4 below = view.over != 0u ? load_colour(view, at) : vec4(view.background, 0.0);
+      vec4 below = view.over != 0u ? load_colour(view, at) : vec4(view.background, 0.0);
+      if (CONVERTS && view.over != 0u) below = converted(view, below, below.w, true);
       precise vec4 dim = transmittance[p] * below;
       precise vec4 laid = vec4(colour[p], alpha) + dim;
-      store_colour(view, at, laid);
+      const bool whole = view.format == rgb_float || (view.over == 0u && view.background != vec3(0.0));
+      if (CONVERTS) store_colour(view, at, converted(view, laid, whole ? 1.0 : laid.w, false));
+      else store_colour(view, at, laid);
     }
     if (!is_null(view.alpha.data)) floats_of(view.alpha, at, 1u).at[0] = alpha;
     if (DEPTH) floats_of(view.depth, at, 1u).at[0] = alpha > 0.0 ? depth[p] / alpha : 0.0;

@@ -19,16 +19,6 @@ layout(push_constant, scalar) uniform Push {
 
 const float LARGEST = 3.4028234663852886e38;
 
-uint seen_by(uint view, uint gaussian) {
-  uint low = view * scenes, high = low + scenes;
-  while (high - low > 1u) {
-    const uint middle = low + (high - low) / 2u;
-    if (seen.at[middle].first_gaussian <= gaussian) low = middle;
-    else high = middle;
-  }
-  return low;
-}
-
 // Coefficients above band 0 of a Gaussian: a `HarmonicRow`.
 struct Row {
   uvec2 values;
@@ -78,18 +68,16 @@ bool is_finite(vec3 c) { return all(lessThanEqual(abs(c), vec3(LARGEST))); }
 void main() {
   const uint i = invocation();
   if (i >= number_of(count)) return;
-  const uint of = seen_by(view_at(of_view, i), gaussians.at[i]);
+  const uint of = seen_by(seen, scenes, view_at(of_view, i), gaussians.at[i]);
   const uint g = gaussians.at[i] - seen.at[of].first_gaussian;
   const SceneArrays scene = seen.at[of].scene;
-  Floats mean = Floats(element(scene.means, g, scene.means_stride));
-  Floats band0 = Floats(element(scene.sh0, g, scene.sh0_stride));
-  vec3 sh0 = vec3(band0.at[0], band0.at[1], band0.at[2]);
+  vec3 sh0 = vector_at(scene.sh0, g, scene.sh0_stride);
   if (scene.plain_colours != 0u) sh0 = (sh0 - 0.5) / 0.28209479177387814;
   uint number = g;
   if (!is_null(scene.labels)) number = half_word(scene.labels, g);
   const Row row = Row(element(scene.sh_rest, number, scene.sh_stride), scene.sh_format, scene.sh_scale);
 
-  const vec3 direction = view_direction(seen.at[of].eye, vec3(mean.at[0], mean.at[1], mean.at[2]));
+  const vec3 direction = view_direction(seen.at[of].eye, vector_at(scene.means, g, scene.means_stride));
   vec3 colour = colour_of(scene.sh_degree, sh0, row, direction, 1.0);
   if (!is_finite(colour)) colour = colour_of(scene.sh_degree, sh0, row, direction, 0.015625) / 0.015625;
   if (!is_finite(colour)) {

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include <swiftgs/bounds/all.hpp>
+#include <swiftgs/drivers/statistics.hpp>
 #include <swiftgs/frame/api.hpp>
 #include <swiftgs/frame/bounds.hpp>
 #include <swiftgs/frame/frame_plan.hpp>
@@ -220,7 +221,9 @@ void rasterize(Vulkan& b, Raster, const RasterJob& job) {
   vulkan::rasterize(b, vulkan::KindOf<Raster>::kind, job);
 }
 
-/// Is not called: `project` refuses views that ask for attributes.
+/// Downloads what `job` was rasterized from, and counts on all cores of the host. Waits.
+SWIFTGS_API FrameCounted count_frame(const Vulkan& b, const RasterJob& job, CountRasterBlock count);
+
 SWIFTGS_API void gather_attributes(Vulkan& b, const SplatAttributes& from, const StoredScenes& scenes,
                                    const Views& views, AttributeRow* to);
 
