@@ -51,12 +51,11 @@ struct Canvas {
   double epsilon = 0;  ///< of its floats; 0 of bytes
 };
 
-/// Largest error of float arithmetic that is no departure from the conventions, in parts of the image's
-/// largest value, or of 1.
+/// Largest error of float arithmetic that is no departure from the conventions.
 constexpr double float_tolerance = 2e-6;
 /// Conventions that are named together, and what each must be worth. @units{dB}
 constexpr std::size_t most_changes = 3;
-constexpr double least_gain = 1;
+constexpr double least_gain = 3;
 
 Canvas canvas_of(const Image& image, double epsilon) {
   return {std::size_t(image.channels), {image.pixels.begin(), image.pixels.end()}, epsilon};
@@ -117,11 +116,16 @@ Canvas draw_canvas(AnyRenderer& renderer, const std::shared_ptr<const Scene>& sc
   return canvas;
 }
 
+/// What of a canvas is not right.
+struct Wrong {
+  double pixels = 0;  ///< part of them
+  bool colour = false, alpha = false;
+};
+
 /// A canvas beside images that it may be of.
 struct Comparison {
   const Canvas& canvas;
   std::vector<double> ambiguity;  ///< of each pixel
-  double peak;                    ///< largest value of the image, or 1
   double half_steps;              ///< of bytes
   bool opaque;                    ///< alpha is 1 everywhere, and says nothing
 
@@ -136,17 +140,17 @@ struct Comparison {
           canvas.epsilon > 0 ? expected : std::clamp(expected, 0.0, 1.0));
       }
   }
-  /// Part of the pixels that are not right.
-  double wrong(const std::vector<double>& rgba) const {
+  Wrong wrong(const std::vector<double>& rgba) const {
+    Wrong wrong;
     std::vector<bool> is_wrong(ambiguity.size());
-    for_each(rgba, [&](std::size_t i, std::size_t, double value, double expected) {
-      // Images hold bytes as floats.
-      const double tolerance = canvas.epsilon > 0
-                                   ? float_tolerance * peak + canvas.epsilon * std::abs(expected)
-                                   : half_steps / 510 + 1e-7;
-      if (!(std::abs(value - expected) <= tolerance + ambiguity[i])) is_wrong[i] = true;
+    for_each(rgba, [&](std::size_t i, std::size_t c, double value, double expected) {
+      const double rounding = canvas.epsilon > 0 ? canvas.epsilon * std::abs(expected) : half_steps / 510;
+      if (std::abs(value - expected) <= float_tolerance + rounding + ambiguity[i]) return;
+      is_wrong[i] = true;
+      (c < 3 ? wrong.colour : wrong.alpha) = true;
     });
-    return double(std::count(is_wrong.begin(), is_wrong.end(), true)) / double(is_wrong.size());
+    wrong.pixels = double(std::count(is_wrong.begin(), is_wrong.end(), true)) / double(is_wrong.size());
+    return wrong;
   }
   /// PSNR of the colours, 200 where they are equal.
   double decibels(const std::vector<double>& rgba) const {
@@ -164,30 +168,32 @@ struct ClauseResult {
   double wrong = 1, db = 0;          ///< of what is drawn
   std::vector<std::string> nearest;  ///< changes of the conventions that come nearest
   double nearest_db = 0;
-  bool explained = false;  ///< with them every pixel is right
+  bool explained = false;  ///< with them every colour is right
 };
 
-/// Names the conventions that the canvas is nearest to, changing one after another. What makes every pixel
-/// right is nearer than any PSNR.
-void find_nearest(ClauseResult& result, const Comparison& comparison, const std::vector<Variant>& variants,
-                  Conventions conventions,
+/// Names the conventions that the canvas, of which `wrong` is not right, is nearest to: changes one after
+/// another. What makes every colour right is nearer than any PSNR.
+void find_nearest(ClauseResult& result, Wrong wrong, const Comparison& comparison,
+                  const std::vector<Variant>& variants, Conventions conventions,
                   const std::function<std::vector<double>(const Conventions&)>& draw) {
   result.nearest_db = result.db;
-  while (result.nearest.size() < most_changes && !result.explained) {
+  while (result.nearest.size() < most_changes && wrong.colour) {
     const Variant* nearest = nullptr;
     std::pair best(false, result.nearest_db + least_gain);
     for (const Variant& variant : variants) {
       Conventions changed = conventions;
       variant.change(changed);
       const std::vector<double> image = draw(changed);
-      const std::pair found(comparison.wrong(image) == 0, comparison.decibels(image));
-      if (found > best) best = found, nearest = &variant;
+      const Wrong left = comparison.wrong(image);
+      const std::pair found(!left.colour, comparison.decibels(image));
+      if (found > best) best = found, nearest = &variant, wrong = left;
     }
-    if (!nearest) return;
+    if (!nearest) break;
     nearest->change(conventions);
-    result.nearest.push_back(nearest->name);
-    result.explained = best.first, result.nearest_db = best.second;
+    result.nearest.push_back(nearest->name), result.nearest_db = best.second;
   }
+  if (wrong.alpha && !wrong.colour) result.nearest.emplace_back("alpha of the canvas");
+  result.explained = !wrong.colour;
 }
 
 ClauseResult judge(const ConformOptions& options, const ConformanceSet& set, const Clause& clause,
@@ -203,17 +209,18 @@ ClauseResult judge(const ConformOptions& options, const ConformanceSet& set, con
   const ConditionedFrame expected = render_conditioned(*scene, camera, conventions, background);
   bool opaque = canvas->channels == 4;
   for (std::size_t i = 3; opaque && i < canvas->values.size(); i += 4) opaque = canvas->values[i] == 1;
-  const Comparison comparison{*canvas, ambiguity_of(expected), std::max(1.0, expected.peak),
+  const Comparison comparison{*canvas, ambiguity_of(expected),
                               options.blends_in_bytes ? 1.0 + clause.layers : 1.0, opaque};
   const std::vector<double> rgba = rgba_of(expected.frame);
-  result.wrong = comparison.wrong(rgba), result.db = comparison.decibels(rgba);
+  const Wrong wrong = comparison.wrong(rgba);
+  result.wrong = wrong.pixels, result.db = comparison.decibels(rgba);
   result.verdict = result.wrong == 0 ? "right" : "differs";
   if (result.wrong == 0) return result;
   std::vector<Variant> variants = set.variants;
   for (const std::string& preset : clause.presets)
     if (preset != options.preset)
       variants.push_back({"preset " + preset, [&](Conventions& c) { c = clause.conventions(preset); }});
-  find_nearest(result, comparison, variants, conventions, [&](const Conventions& changed) {
+  find_nearest(result, wrong, comparison, variants, conventions, [&](const Conventions& changed) {
     return rgba_of(render_reference(*scene, camera, changed, background));
   });
   return result;
