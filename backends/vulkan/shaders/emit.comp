@@ -29,36 +29,48 @@ void store(uint at, uint tile, uint id) {
   }
 }
 
-void main() {
-  const uint i = invocation();
-  if (i >= number_of(count)) return;
-  const uint id = is_null(order) ? i : Uints(order).at[i];
-  const uvec4 footprint = footprints.at[id];
-  const TileGrid grid = grids.at[view_at(of_view, id)];
-  uint at = offsets.at[i];
-  for (uint half_mask = 0u; half_mask < 2u; ++half_mask)
-    for (uint mask = footprint[half_mask]; mask != 0u; mask &= mask - 1u) {
-      const uint bit = uint(findLSB(mask));
-      store(at++, footprint.w + (4u * half_mask + bit / 8u) * grid.stride + bit % 8u, id);
-    }
-  if ((footprint.x | footprint.y) != 0u || footprint.z == 0u) return;
+// Splats of this workgroup without a mask, which all its threads emit together: some have more tiles than a driver lets
+// one loop run (lavapipe ends loops after 65,535 rounds).
+shared uint large[THREADS];
+shared uint large_count;
 
-  // A splat without a mask: as `for_each_tile`, whatever bounds say now it has as many tiles as were counted.
+uint id_of(uint i) { return is_null(order) ? i : Uints(order).at[i]; }
+
+// A thread has a row of tiles at a time.
+void emit_large(uint i) {
+  const uint id = id_of(i), tiles_in_all = footprints.at[id].z;
+  const TileGrid grid = grids.at[view_at(of_view, id)];
   const Shape shape = shapes.at[id];
   const SplatTiles tiles = tiles_of(BOUNDS, shape, grid);
-  uint left = footprint.z;
-  for (uint pass = 0u; pass < 2u; ++pass) {
-    const int first_row = pass == 0u ? tiles.rows.begin : grid.first_row;
-    const int end_row = pass == 0u ? tiles.rows.end : grid.end_row;
-    for (int row = first_row; row < end_row && left != 0u; ++row) {
-      TileRun run = tile_run(0, 0);
-      if (row >= tiles.rows.begin && row < tiles.rows.end) run = tiles_of_row(BOUNDS, tiles, shape, grid, row);
-      const int first = pass == 0u ? run.begin : grid.first_column, end = pass == 0u ? run.end : grid.end_column;
-      for (int column = first; column < end && left != 0u; ++column)
-        if (pass == 0u || column < run.begin || column >= run.end) {
-          store(at++, tile_number(grid, column, row), id);
-          --left;
-        }
-    }
+  uint before_rows = 0u;
+  for (int first = tiles.rows.begin; first < tiles.rows.end; first += int(THREADS)) {
+    const int row = first + int(thread());
+    TileRun run = tile_run(0, 0);
+    if (row < tiles.rows.end) run = tiles_of_row(BOUNDS, tiles, shape, grid, row);
+    uint of_rows;
+    uint at = before_rows + sum_before(uint(run_size(run)), of_rows);
+    for (int column = run.begin; column < run.end && at < tiles_in_all; ++column)
+      store(offsets.at[i] + at++, tile_number(grid, column, row), id);
+    before_rows += of_rows;
   }
+}
+
+void main() {
+  if (thread() == 0u) large_count = 0u;
+  barrier();
+  const uint i = invocation();
+  if (i < number_of(count)) {
+    const uint id = id_of(i);
+    const uvec4 footprint = footprints.at[id];
+    const uint stride = grids.at[view_at(of_view, id)].stride;
+    uint at = offsets.at[i];
+    for (uint half_mask = 0u; half_mask < 2u; ++half_mask)
+      for (uint mask = footprint[half_mask]; mask != 0u; mask &= mask - 1u) {
+        const uint bit = uint(findLSB(mask));
+        store(at++, footprint.w + (4u * half_mask + bit / 8u) * stride + bit % 8u, id);
+      }
+    if ((footprint.x | footprint.y) == 0u && footprint.z != 0u) large[atomicAdd(large_count, 1u)] = i;
+  }
+  barrier();
+  for (uint k = 0u; k < large_count; ++k) emit_large(large[k]);
 }
