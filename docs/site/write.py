@@ -19,7 +19,7 @@ SPAN = re.compile(r"(`[^`]*`)|(?<![*\w])\*(?=[^\s*])((?:`[^`]*`|[^*`])+)\*(?!\*)
 CODE = re.compile(r"(^```.*?^```$)", re.M | re.S)
 PAGES = [str(path.relative_to(ROOT)) for pattern in ("*.md", "docs/*.md", "backends/README.md", "benchmarks/README.md")
          for path in sorted(ROOT.glob(pattern))]
-INCLUDES = ("include", "backends/cpu/include", "backends/cuda/include", "backends/bridges/gl/include",
+INCLUDES = ("include", "backends/cpu/include", "backends/cuda/include", "backends/vulkan/include", "backends/bridges/gl/include",
             "backends/bridges/cuda_vulkan/include", "backends/bridges/mpi/include", "backends/bridges/mpi/cuda/include")
 
 
