@@ -74,7 +74,7 @@ async function draw(viewer, clause) {
   const gone = new Promise(done => browser.once('exit', done));
   const drawn = await new Promise(done => {
     awaited.set(clause.name, done);
-    setTimeout(done, 60000, { error: 'nothing was drawn in a minute' }).unref();
+    setTimeout(done, 180000, { error: 'nothing was drawn in three minutes' }).unref();
   });
   process.kill(-browser.pid);
   await gone;
