@@ -112,7 +112,7 @@ def judge(root, manifest, clause, canvas, preset, blends_in_bytes):
 
     def wrong(image):
         half_steps = 1 + (clause["layers"] if blends_in_bytes else 0)
-        tolerance = 2e-6 + epsilon * np.abs(shown(image)) if epsilon else half_steps / 510 + 1e-9
+        tolerance = 2e-6 + (epsilon * np.abs(shown(image)) if epsilon else half_steps / 510)
         found = np.abs(values - shown(image)) > tolerance + expected["ambiguous"][..., None]
         return np.any(found[..., :3], axis=2), np.any(found[..., 3:], axis=2)
     found, of_alpha = wrong(expected["rgba"])
