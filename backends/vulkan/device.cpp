@@ -67,7 +67,7 @@ Features needed_features(const VkPhysicalDeviceFeatures2& chain) {
            {"computeFullSubgroups", full}}};
 }
 
-/// What `device` lacks of what the shaders need beside features; empty: nothing.
+/// Names the first property, features apart, that the shaders need and `device` lacks. Empty if it has all.
 std::string lacks(const vulkan::Functions& vk, VkPhysicalDevice device) {
   VkPhysicalDeviceVulkan13Properties of_1_3{};
   of_1_3.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES;

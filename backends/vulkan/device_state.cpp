@@ -179,7 +179,7 @@ void VulkanDevice::State::release(vulkan::HostBlock& block) {
   collect();
 }
 
-/// Frees what the queue no longer uses. `mutex_` is held.
+/// Frees released memory that the queue has finished with. The caller holds `mutex_`.
 void VulkanDevice::State::collect() {
   if (released_.empty()) return;
   if (vk.vkGetSemaphoreCounterValue(device, timeline_, &done_) != VK_SUCCESS) return;

@@ -45,7 +45,7 @@ struct VulkanDevice::State {
 
   /// Memory of the device by its address.
   void* allocate(std::size_t bytes);
-  /// Frees it when the queue has done what was submitted so far.
+  /// Frees the memory once the queue has finished all work submitted so far.
   void release(void* memory);
   vulkan::HostBlock allocate_block(std::size_t bytes);
   void release(vulkan::HostBlock& block);

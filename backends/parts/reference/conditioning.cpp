@@ -195,20 +195,17 @@ void blend_row_varied(VariedPixel* pixels, int y, const VariedSplat& splat, cons
     if (!pixels[x].stopped) blend_varied(pixels[x], splat, decide(splat, x + 0.5, y + 0.5, k), k);
 }
 
-/// Writes image row `y`, blended in `out.colours`, with the largest moves and the ambiguous weights of its
-/// pixels.
-void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pixels, dvec3 background) {
+/// Writes image row `y`, blended in `out.colours` over `below`, with the largest moves and the ambiguous
+/// weights of its pixels.
+void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pixels, dvec3 below) {
   const std::size_t width = std::size_t(out.frame.width);
-  const bool linear = out.colours == ColourSpace::linear;
   for (std::size_t x = 0; x < width; ++x) {
     const std::size_t i = std::size_t(y) * width + x;
     const VariedPixel& pixel = pixels[x];
-    const auto shown = [&](const auto& state, std::size_t c) {
-      const double below = linear ? decoded(background[int(c)]) : background[int(c)];
-      const double sum = double(state.colour[c]) + double(state.transmittance) * below;
-      return linear ? encoded(sum) : sum;
+    const auto value_of = [&](const auto& state, std::size_t c) {
+      return shown(double(state.colour[c]) + double(state.transmittance) * below[int(c)], out.colours);
     };
-    for (std::size_t c = 0; c < 3; ++c) out.frame.colour[3 * i + c] = shown(pixel.exact, c);
+    for (std::size_t c = 0; c < 3; ++c) out.frame.colour[3 * i + c] = value_of(pixel.exact, c);
     out.frame.alpha[i] = 1 - pixel.exact.transmittance;
     out.frame.depth[i] = pixel.exact.mean_depth();
     for (const auto& state : pixel.moved) {
@@ -216,7 +213,7 @@ void write_row_varied(ConditionedFrame& out, int y, const VariedPixel* pixels, d
         move = std::max(move, std::abs(value - exact));
       };
       for (std::size_t c = 0; c < 3; ++c)
-        note(out.colour_move[3 * i + c], shown(state, c), out.frame.colour[3 * i + c]);
+        note(out.colour_move[3 * i + c], value_of(state, c), out.frame.colour[3 * i + c]);
       note(out.alpha_move[i], 1 - double(state.transmittance), out.frame.alpha[i]);
       note(out.depth_move[i], state.mean_depth(), out.frame.depth[i]);
     }
@@ -241,6 +238,7 @@ ConditionedFrame render_conditioned(Span<const ReferenceScene> scenes, const Cam
   threads = thread_count(threads);
   prepare(out.frame, camera);
   out.colours = *conventions.colours;
+  const dvec3 below = blended(background, out.colours);
   out.colour_move.resize(out.frame.colour.size());
   out.alpha_move.resize(out.frame.alpha.size()), out.depth_move.resize(out.frame.alpha.size());
   for (std::vector<double>& ambiguous : out.ambiguous) ambiguous.resize(out.frame.alpha.size());
@@ -254,14 +252,11 @@ ConditionedFrame render_conditioned(Span<const ReferenceScene> scenes, const Cam
     for (const VariedSplat& splat : splats)
       if (y >= splat.splat.y_begin && y < splat.splat.y_end)
         blend_row_varied(pixels.data(), y, splat, conventions);
-    write_row_varied(out, y, pixels.data(), background);
+    write_row_varied(out, y, pixels.data(), below);
   });
 
-  double lowest = 0, highest = 0;
-  for (int c = 0; c < 3; ++c) {
-    const double below = out.colours == ColourSpace::linear ? decoded(background[c]) : background[c];
-    lowest = std::min(lowest, below), highest = std::max(highest, below);
-  }
+  double lowest = std::min({0.0, below.x, below.y, below.z});
+  double highest = std::max({0.0, below.x, below.y, below.z});
   for (const VariedSplat& splat : splats) {
     highest = std::max(highest, splat.splat.colour.maxCoeff());
     out.depth_span = std::max(out.depth_span, splat.splat.depth);

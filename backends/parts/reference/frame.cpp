@@ -14,18 +14,13 @@ namespace swiftgs {
 namespace reference {
 namespace {
 
-/// Writes image row `y`, blended in colours of the kind that `conventions` name.
-void write_row(ReferenceFrame& frame, int y, const Pixel* pixels, const Conventions& conventions,
-               dvec3 background) {
-  const bool linear = *conventions.colours == ColourSpace::linear;
+/// Writes image row `y`, blended in `colours` over `below`.
+void write_row(ReferenceFrame& frame, int y, const Pixel* pixels, ColourSpace colours, dvec3 below) {
   for (int x = 0; x < frame.width; ++x) {
     const Pixel& pixel = pixels[x];
     const std::size_t i = std::size_t(y) * std::size_t(frame.width) + std::size_t(x);
-    for (int c = 0; c < 3; ++c) {
-      const double below = linear ? decoded(background[c]) : background[c];
-      const double sum = pixel.colour[c] + pixel.transmittance * below;
-      frame.colour[3 * i + std::size_t(c)] = linear ? encoded(sum) : sum;
-    }
+    for (int c = 0; c < 3; ++c)
+      frame.colour[3 * i + std::size_t(c)] = shown(pixel.colour[c] + pixel.transmittance * below[c], colours);
     frame.alpha[i] = 1 - pixel.transmittance;
     frame.depth[i] = pixel.weight > 0 ? pixel.depth / pixel.weight : 0;
   }
@@ -54,7 +49,8 @@ void render_rows(ReferenceFrame& frame, Counts& counts, const std::vector<const 
       pairs += blend_row(row(y), y, *splat, conventions);
     if (pairs > before) counts.seen[splat->index].store(true, std::memory_order_relaxed);
   }
-  for (int y = first; y < last; ++y) write_row(frame, y, row(y), conventions, background);
+  const dvec3 below = blended(background, *conventions.colours);
+  for (int y = first; y < last; ++y) write_row(frame, y, row(y), *conventions.colours, below);
   counts.pairs += pairs;
   counts.stopped += std::uint64_t(
       std::count_if(pixels.begin(), pixels.end(), [](const Pixel& pixel) { return pixel.stopped; }));

@@ -61,6 +61,15 @@ inline double decoded(double value) {
   return std::copysign(x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4), value);
 }
 
+/// A background as splats are blended with it in `colours`, and a blended value as an image shows it.
+inline dvec3 blended(dvec3 background, ColourSpace colours) {
+  if (colours == ColourSpace::srgb) return background;
+  return dvec3(decoded(background.x), decoded(background.y), decoded(background.z));
+}
+inline double shown(double blended, ColourSpace colours) {
+  return colours == ColourSpace::srgb ? blended : encoded(blended);
+}
+
 /// The views of all placed scenes, by conventions as of `of_frame`. Gaussians are numbered over the frame.
 inline std::vector<View> views_of(Span<const ReferenceScene> scenes, const Camera& camera,
                                   const Conventions& conventions) {

@@ -44,15 +44,6 @@ std::vector<double> ambiguity_of(const ConditionedFrame& frame) {
   return ambiguity;
 }
 
-std::vector<double> rgba_of(const ReferenceFrame& frame) {
-  std::vector<double> rgba;
-  for (std::size_t i = 0; i < frame.alpha.size(); ++i) {
-    rgba.insert(rgba.end(), &frame.colour[3 * i], &frame.colour[3 * i] + 3);
-    rgba.push_back(frame.alpha[i]);
-  }
-  return rgba;
-}
-
 void draw_reference(const std::filesystem::path& file, const ReferenceScenes& scenes, const Camera& camera,
                     const RenderSettings& settings) {
   const dvec3 background(settings.background);

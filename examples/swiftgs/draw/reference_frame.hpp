@@ -34,7 +34,15 @@ class ReferenceScenes {
 std::vector<double> ambiguity_of(const ConditionedFrame& frame);
 
 /// RGBA of each pixel, premultiplied; colours have the background.
-std::vector<double> rgba_of(const ReferenceFrame& frame);
+template <class AnyFrame>
+std::vector<double> rgba_of(const AnyFrame& frame) {
+  std::vector<double> rgba;
+  for (std::size_t i = 0; i < frame.alpha.size(); ++i) {
+    for (std::size_t c = 0; c < 3; ++c) rgba.push_back(double(frame.colour[3 * i + c]));
+    rgba.push_back(double(frame.alpha[i]));
+  }
+  return rgba;
+}
 
 /// Draws a view by the reference into `file`, whose ending is png, pfm, exr or npy. A PNG has alpha if
 /// `with_alpha`. An EXR has the ambiguity of each pixel as channel features.0; beside NAME.npy it is

@@ -108,12 +108,7 @@ Canvas draw_canvas(AnyRenderer& renderer, const std::shared_ptr<const Scene>& sc
   renderer.set_scene(scene);
   Frame frame;
   renderer.render(camera, settings, frame);
-  Canvas canvas{.values = {}, .epsilon = std::numeric_limits<float>::epsilon()};
-  for (std::size_t i = 0; i < frame.pixels(); ++i) {
-    canvas.values.insert(canvas.values.end(), &frame.colour[3 * i], &frame.colour[3 * i] + 3);
-    canvas.values.push_back(double(frame.alpha[i]));
-  }
-  return canvas;
+  return {.values = rgba_of(frame), .epsilon = std::numeric_limits<float>::epsilon()};
 }
 
 /// What of a canvas is not right.
