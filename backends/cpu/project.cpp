@@ -199,16 +199,20 @@ struct Seen {
   /// Vector version of `SplatShape::set_mean`.
   HWY_INLINE void place_mean(const Wide& wide_x, const Wide& wide_y) {
     const F32 d;
-    const hn::RebindToSigned<F32> di;
-    x = Demote(wide_x), y = Demote(wide_y);
-    lacks_x = Demote(Minus(wide_x, Promote(x))), lacks_y = Demote(Minus(wide_y, Promote(y)));
-    const auto low_of = [&](Vec lacks) HWY_ATTR {
-      const Vec units = hn::Mul(lacks, hn::Set(d, 1 / SplatShape::low_unit)),
-                most = hn::Set(d, float(0x7fff));
-      return hn::NearestInt(hn::Min(hn::Max(units, hn::Neg(most)), most));
+    const auto round_down = [&](const Wide& wide, Vec& mean, Vec& lacks) HWY_ATTR {
+      const hn::RebindToSigned<F32> di;
+      const Vec near = Demote(wide);
+      const Vec above = Demote(Minus(wide, Promote(near)));
+      const auto too_large = hn::RebindMask(di, hn::Lt(above, hn::Zero(d)));
+      const auto step =
+          hn::IfThenElse(hn::RebindMask(di, hn::Gt(near, hn::Zero(d))), hn::Set(di, -1), hn::Set(di, 1));
+      mean = hn::BitCast(d, hn::Add(hn::BitCast(di, near), hn::IfThenElseZero(too_large, step)));
+      lacks = hn::Add(above, hn::Sub(near, mean));
+      const Vec units = hn::Mul(lacks, hn::Set(d, 1 / SplatShape::low_unit));
+      return hn::NearestInt(hn::Min(units, hn::Set(d, float(0xffff))));
     };
-    const auto of_x = hn::And(low_of(lacks_x), hn::Set(di, 0xffff));
-    low = hn::BitCast(d, hn::Or(of_x, hn::ShiftLeft<16>(low_of(lacks_y))));
+    const auto of_x = round_down(wide_x, x, lacks_x), of_y = round_down(wide_y, y, lacks_y);
+    low = hn::BitCast(d, hn::Or(of_x, hn::ShiftLeft<16>(of_y)));
   }
 };
 

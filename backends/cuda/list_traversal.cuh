@@ -111,7 +111,7 @@ class ListTraversal {
         const unsigned slot =
             (begun_ * queue_half + waiting_ + unsigned(__popc(lanes & lanes_below()))) % queue_size;
         blender.fill(slot, id);
-        Exponent::prepare(shape, shape.from_mean(first_centre_), log2_opacity_of(id, shape),
+        Exponent::prepare(shape, shape.from_mean(first_centre_), relative_log2_opacity(shape, *rules_),
                           queue_->terms[slot], queue_->rests[slot]);
       }
       waiting_ += unsigned(__popc(lanes));
@@ -170,13 +170,6 @@ class ListTraversal {
   __device__ bool touches(std::uint32_t id, const SplatShape& shape) const {
     return box_touched(shape, first_centre_, float(warp_block_side)) &&
            !(some_hidden_ && is_hidden(job_->colours.each[id]));
-  }
-  /// As `relative_log2_opacity`. Reads the opacity where it is needed, which is rare, so that no register of
-  /// the shape loaded ahead holds it.
-  __device__ float log2_opacity_of(std::uint32_t id, const SplatShape& shape) const {
-    const float least = rules_->log2_relative_min;
-    return keeps_digits(least) ? shape.cutoff + least
-                               : relative_log2_opacity(job_->splats.shapes[id], *rules_);
   }
   __device__ bool segment_has_ended() const {
     return begun_ >= halves_of_first_segment && begun_ % halves_of_segment == 0;

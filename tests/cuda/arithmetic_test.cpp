@@ -93,23 +93,18 @@ TEST_CASE("cuda arithmetic: splats that fill a group up show nothing") {
 namespace {
 
 /// Least s of a splat in the box of `side` pixels whose first centre is `first`: over the centres, and over
-/// all points of the wider box that `box_touched` tests by the mean in float.
+/// all points between them.
 struct LeastSquares {
   double of_centres = INFINITY, of_box = INFINITY, error = 0;
 
   LeastSquares(const SplatShape& shape, vec2 first, int side) {
+    const double x0 = double(first.x), y0 = double(first.y), x1 = x0 + side - 1, y1 = y0 + side - 1;
     for (int i = 0; i < side * side; ++i)
-      of_centres =
-          std::min(of_centres, ExactSquare(shape, double(first.x) + i % side, double(first.y) + i / side).s);
-    SplatShape in_float = shape;
-    in_float.low = 0;
-    const double wider = double(most_lacking), last = side - 1 + wider;
-    const double x0 = double(first.x) - wider, y0 = double(first.y) - wider, x1 = double(first.x) + last,
-                 y1 = double(first.y) + last;
+      of_centres = std::min(of_centres, ExactSquare(shape, x0 + i % side, y0 + i / side).s);
     const double l0 = double(shape.l0), l1 = double(shape.l1), l2 = double(shape.l2);
-    const double mx = double(shape.mean.x), my = double(shape.mean.y);
+    const double mx = shape.exact_mean().x, my = shape.exact_mean().y;
     const auto take = [&](double x, double y) {
-      const ExactSquare exact(in_float, std::clamp(x, x0, x1), std::clamp(y, y0, y1));
+      const ExactSquare exact(shape, std::clamp(x, x0, x1), std::clamp(y, y0, y1));
       of_box = std::min(of_box, exact.s), error = std::max(error, 4 * exact.error);
     };
     // At the mean, or where an edge has its least.

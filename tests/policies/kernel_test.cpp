@@ -89,6 +89,26 @@ void check_alphas(const Bound& bound, double skipped_up_to = 0) {
 
 }  // namespace
 
+TEST_CASE("kernel: means are rounded down, keep what that cuts off, and are subtracted without loss") {
+  Random random(31);
+  for (int i = 0; i < 20'000; ++i) {
+    const double x = random.in(-1, 1) * random.scale(1e-3, 65'535), y = random.in(0, 65'536);
+    SplatShape of_double, of_pair;
+    of_double.set_mean(x, y), of_pair.set_mean(FloatPair::from(x), FloatPair::from(y));
+    REQUIRE(of_pair.mean == of_double.mean);
+    for (const SplatShape& shape : {of_double, of_pair}) {
+      const Vector2<double> kept = shape.exact_mean();
+      REQUIRE(double(shape.mean.x) <= x);
+      REQUIRE(double(shape.mean.y) <= y);
+      // Within half a unit, and a whole one where the remainder is nearly the next float.
+      REQUIRE(std::abs(kept.x - x) <= 0x1p-24);
+      REQUIRE(std::abs(kept.y - y) <= 0x1p-24);
+      const float at = std::floor(float(x)) + 0.5f;
+      REQUIRE(std::abs(double(shape.right_of_mean(at)) - (double(at) - kept.x)) <= 0x1p-24);
+    }
+  }
+}
+
 TEST_CASE("kernel: alpha is that of double within what each representation rounds") {
   check_alphas<PerPixel>(factor_error);
   check_alphas<AxisShared<FloatCholesky>>(factor_error);

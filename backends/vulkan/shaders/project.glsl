@@ -35,23 +35,33 @@ struct ProjectedShape {
   bool visible;
 };
 
-FUNCTION float low_number(uint bits) { return float(int(bits << 16) >> 16); }
-FUNCTION float right_of_mean(Shape s, float x) {
-  PRECISE float from_float = x - s.mean.x;
-  PRECISE float low = 5.9604644775390625e-8f * low_number(s.low);
-  PRECISE float from_mean = from_float - low;
-  return from_mean;
+// As `SplatShape`.
+FUNCTION float from_mean(float mean, uint low, float at) {
+  PRECISE float from_float = at - mean;
+  PRECISE float lacks = 5.9604644775390625e-8f * float(low & 0xffffu);
+  PRECISE float distance = from_float - lacks;
+  return distance;
 }
-FUNCTION float below_mean(Shape s, float y) {
-  PRECISE float from_float = y - s.mean.y;
-  PRECISE float low = 5.9604644775390625e-8f * low_number(s.low >> 16);
-  PRECISE float from_mean = from_float - low;
-  return from_mean;
-}
-FUNCTION uint low_of(float lacking) {
-  float units = 16777216.0f * lacking;
-  float bounded = !(units >= -32767.0f) ? -32767.0f : units > 32767.0f ? 32767.0f : units;
-  return uint(int(roundEven(bounded))) & 0xffffu;
+FUNCTION float right_of_mean(Shape s, float x) { return from_mean(s.mean.x, s.low, x); }
+FUNCTION float below_mean(Shape s, float y) { return from_mean(s.mean.y, s.low >> 16, y); }
+
+struct Mean {
+  float down;
+  uint low;
+};
+FUNCTION Mean round_down(FloatPair x) {
+  Mean mean;
+  mean.down = x.high;
+  float lacks = x.low;
+  if (lacks < 0.0f) {
+    mean.down = uintBitsToFloat(floatBitsToUint(x.high) + (x.high > 0.0f ? 0xffffffffu : 1u));
+    PRECISE float step = x.high - mean.down;
+    PRECISE float sum = lacks + step;
+    lacks = sum;
+  }
+  float units = 16777216.0f * lacks;
+  mean.low = uint(roundEven(!(units <= 65535.0f) ? 65535.0f : units));
+  return mean;
 }
 
 FUNCTION float root(float x) {
@@ -164,8 +174,9 @@ FUNCTION ProjectedShape visible_shape(Eye eye, FloatPair mean_x, FloatPair mean_
   if (!(drawn >= eye.alpha_min)) return p;
 
   Shape s;
-  s.mean = vec2(mean_x.high, mean_y.high);
-  s.low = low_of(mean_x.low) | (low_of(mean_y.low) << 16);
+  Mean column = round_down(mean_x), row = round_down(mean_y);
+  s.mean = vec2(column.down, row.down);
+  s.low = column.low | (row.low << 16);
   s.l0 = f.l0;
   s.l1 = f.l1;
   s.l2 = f.l2;

@@ -61,11 +61,10 @@ float exp2_negative(float s) {
   return p0 * uintBitsToFloat((127u - uint(whole)) << 23);
 }
 
-// As `box_touched` of `Cuda`: whether the ellipse s <= cutoff meets the box of the block's pixel centres, a little wider.
+// As `box_touched` of `Cuda`: whether the ellipse s <= cutoff meets the box of the block's pixel centres.
 bool box_touched(Shape s, vec2 first) {
-  const float most_lacking = 0.00390625, last = float(SIDE - 1u) + 2.0 * most_lacking;
-  const float left = first.x - most_lacking - s.mean.x, right = left + last;
-  const float top = first.y - most_lacking - s.mean.y, bottom = top + last;
+  const float left = right_of_mean(s, first.x), right = left + float(SIDE - 1u);
+  const float top = below_mean(s, first.y), bottom = top + float(SIDE - 1u);
   const float nearest_y = min(max(0.0, top), bottom);
   const float u_left = s.l0 * left + s.l1 * nearest_y, u_right = s.l0 * right + s.l1 * nearest_y;
   const float edge = u_left > 0.0 ? left : right;

@@ -80,8 +80,7 @@ SWIFTGS_HD inline TileRun tiles_meeting(float low, float high, int side, TileRun
 }
 
 /// How much a conservative bound is widened, so that rounding never cuts a pixel that a rasterizer keeps.
-/// Near column 65,536 a hundredth covers 2^-9 that `mean` lacks, 2^-8 of the wider box of a warp block, and
-/// two roundings of 2^-9. @units{pixels}
+/// Near column 65,536 a hundredth covers 2^-8 that `mean` lacks and two roundings of 2^-9. @units{pixels}
 SWIFTGS_HD inline float bounds_slack(float half_width, float half_height) {
   return 1e-2f + 1e-4f * (half_width + half_height);
 }

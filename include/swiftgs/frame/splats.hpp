@@ -75,50 +75,59 @@ struct Colours {
 /// it follows without cancellation: at d = pixel - mean the base-2 exponent is s(d) = (l0 dx + l1 dy)^2 + (l2
 /// dy)^2, and alpha = opacity 2^-s. A pixel keeps the splat where s <= cutoff = log2(opacity / alpha_min).
 ///
-/// `mean` alone would be off by 6e-5 pixels at column 1,500, more than all else that is computed of a splat.
-/// `low` holds the remainder that this rounding cuts off, so d is within a unit in its last place.
+/// `mean` alone would be off by up to 1e-4 pixels at column 1,500, more than all else that is computed of a
+/// splat. `low` holds what rounding it down cuts off, so d is within a unit in its last place.
 struct alignas(32) SplatShape {
-  vec2 mean{0};           ///< rounded to float @units{pixels}, the first pixel's centre is (0.5, 0.5)
+  vec2 mean{0};           ///< rounded down to float @units{pixels}, the first pixel's centre is (0.5, 0.5)
   float l0 = 0;           ///< > 0 @units{1/pixels}
   float l1 = 0;           ///< @units{1/pixels}
   float l2 = 0;           ///< > 0 @units{1/pixels}
   float opacity = 0;      ///< after anti-aliasing compensation
   float cutoff = 0;       ///< largest s that is kept, 0 or more for a visible splat
-  std::uint32_t low = 0;  ///< what `mean` lacks in x; in the upper 16 bits, in y; signed @units{2^-24 pixels}
+  std::uint32_t low = 0;  ///< what `mean` lacks in x; in the upper 16 bits, in y @units{2^-24 pixels}
 
   /// x less the mean's x. @units{pixels}
-  SWIFTGS_HD float right_of_mean(float x) const { return x - mean.x - low_unit * low_number(low); }
+  SWIFTGS_HD float right_of_mean(float x) const { return from(mean.x, low, x); }
   /// y less the mean's y. @units{pixels}
-  SWIFTGS_HD float below_mean(float y) const { return y - mean.y - low_unit * low_number(low >> 16); }
+  SWIFTGS_HD float below_mean(float y) const { return from(mean.y, low >> 16, y); }
   SWIFTGS_HD vec2 from_mean(vec2 at) const { return vec2(right_of_mean(at.x), below_mean(at.y)); }
 
   /// Sets the mean: up to column and row 65,536 to 2^-25 pixels, beyond as a float.
   /// `Real` is double, or `FloatPair`.
   template <class Real>
   SWIFTGS_HD void set_mean(const Real& x, const Real& y) {
-    mean = vec2(float(x), float(y));
-    low = low_of(float(x - mean.x)) | low_of(float(y - mean.y)) << 16;
+    low = round_down(x, mean.x), low |= round_down(y, mean.y) << 16;
   }
   /// The mean as it is kept. @units{pixels}
   SWIFTGS_HD Vector2<double> exact_mean() const {
-    return {mean.x + double(low_unit) * std::int16_t(low),
-            mean.y + double(low_unit) * std::int16_t(low >> 16)};
+    return {mean.x + double(low_unit) * (low & 0xffff), mean.y + double(low_unit) * (low >> 16)};
   }
 
   static constexpr float low_unit = 0x1p-24f;
-  /// The signed number of the lower 16 bits.
-  SWIFTGS_HD static float low_number(std::uint32_t bits) {
+
+ private:
+  /// `at` less the mean whose remainder is the lower half of `low`.
+  SWIFTGS_HD static float from(float mean, std::uint32_t low, float at) {
 #if defined(__CUDA_ARCH__)
-    // 2^23 and the number's distance from the least, as a float's own bits: conversions would occupy the unit
-    // that exponentials need.
-    return __uint_as_float((bits & 0xffff) ^ 0x4b008000) - (0x1p23f + 0x1p15f);
+    // The bits 0x4b00 before the remainder make the float 2^23 + remainder: half a pixel more. A conversion
+    // would occupy the unit that exponentials need.
+    return fmaf(-low_unit, __uint_as_float(__byte_perm(low, 0x4b000000, 0x7610)), (at + 0.5f) - mean);
 #else
-    return std::int16_t(bits);
+    return at - mean - low_unit * float(low & 0xffff);
 #endif
   }
-  SWIFTGS_HD static std::uint32_t low_of(float lacking) {
-    const float units = lacking * (1 / low_unit), most = 0x7fff;
-    return std::uint16_t(std::int16_t(std::rint(!(units >= -most) ? -most : units > most ? most : units)));
+  /// Sets `mean` to the largest float that is not above x. Returns what it lacks, at most 0xffff.
+  template <class Real>
+  SWIFTGS_HD static std::uint32_t round_down(const Real& x, float& mean) {
+    mean = float(x);
+    float lacks = float(x - mean);
+    if (lacks < 0) {
+      const float below =
+          __builtin_bit_cast(float, __builtin_bit_cast(std::int32_t, mean) + (mean > 0 ? -1 : 1));
+      lacks += mean - below, mean = below;
+    }
+    const float units = lacks * (1 / low_unit), most = 0xffff;
+    return std::uint32_t(std::rint(!(units <= most) ? most : units));
   }
 };
 
