@@ -11,10 +11,8 @@ import pathlib
 import subprocess
 import sys
 
-from results import packed
+from results import SET, judged, packed
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
-SET = ROOT / "tests/conformance/set"
 RENDERERS = ["serial/early/per-pixel/ellipse", *(f"cpu/early/{raster}/ellipse" for raster in (
     "per-pixel", "axis-shared-threshold-float-cholesky", "axis-shared-float-split", "axis-shared-half-split"))]
 
@@ -34,11 +32,7 @@ def main(swiftgs, out, *renderers):
         folder.mkdir(parents=True, exist_ok=True)
         for clause in clauses:
             draw(swiftgs, renderer, clause, folder)
-        print(f"\n{renderer}", flush=True)
-        subprocess.run([sys.executable, "-B", ROOT / "tests/conformance/judge.py", SET, folder, "--json",
-                        folder / "rows.json"], check=False)
-        rows += [{"renderer": renderer, "settings": "as shipped", **row}
-                 for row in json.loads((folder / "rows.json").read_bytes())]
+        rows += judged(renderer, folder)
     subprocess.run([swiftgs, "list", "--json", f"{out}/list.json"], check=True, stdout=subprocess.DEVNULL)
     document = {"format": "swiftgs-conformance", "version": 1, "set": "1.0", "preset": "gsplat",
                 "command": " ".join(["own.py SWIFTGS OUT", *renderers]),

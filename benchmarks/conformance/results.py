@@ -8,7 +8,20 @@
 """
 import json
 import pathlib
+import subprocess
 import sys
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+SET = ROOT / "tests/conformance/set"
+
+
+def judged(renderer, folder):
+    """Rows of a renderer, as shipped, whose canvases lie in `folder`. Prints the judge's table."""
+    print(f"\n{renderer}", flush=True)
+    subprocess.run([sys.executable, "-B", ROOT / "tests/conformance/judge.py", SET, folder, "--json",
+                    folder / "rows.json"], check=False)
+    return [{"renderer": renderer, "settings": "as shipped", **row}
+            for row in json.loads((folder / "rows.json").read_bytes())]
 
 
 def packed(document):

@@ -9,7 +9,7 @@ from statistics import median
 from tables.markdown import decibel, table
 from tables.results import Row, read_format
 
-FILES = ("swiftgs.json", "viewers.json")
+FILES = ("swiftgs.json", "rivals.json", "viewers.json")
 VERDICTS = {"r": "right", "d": "differs", "e": "differs", "n": "not drawn"}
 MANIFEST = pathlib.Path(__file__).resolve().parents[2] / "tests/conformance/set/manifest.json"
 
@@ -39,15 +39,15 @@ def conformance(source, folder):
         lines.append([renderer, settings, ", ".join(f"{name} ({count})" for name, count in named.most_common(3)) or "-",
                       str(verdicts["right"]), str(verdicts["differs"]), str(sum(bool(row.explained) for row in rows)),
                       str(verdicts["not drawn"]), decibel(median(row.db for row in rows if row.db is not None))])
-    where = [f"{about['gpu']}, {about['date']}" for about in machines if "gpu" in about]
-    return (f"Browsers' viewers on {'; '.join(where)}:\n\n" + table(
+    where = dict.fromkeys(f"{about['gpu']}, {about['date']}" for about in machines)
+    return (f"{'; '.join(where)}:\n\n" + table(
         ["renderer", "settings", "named most, in how many clauses", "right", "differ", "explained", "not drawn",
          "median dB"], lines, words=3))
 
 
 def conformance_clauses(source, folder):
     """Each clause in each viewer at its best settings."""
-    found, _ = judged(source, folder, FILES[1:])
+    found, _ = judged(source, folder, FILES[2:])
     best = {renderer: {row.clause: row for row in found[renderer, settings]} for renderer, settings in sorted(
         found, key=lambda key: key[1] == "best")}
 
