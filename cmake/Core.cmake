@@ -1,15 +1,18 @@
 # SPDX-License-Identifier: Apache-2.0
 
-# swiftgs::core: headers only. What lies in io/ belongs to swiftgs::io, the built-in scene to swiftgs::builtin, the float64
-# reference and what is judged by it to swiftgs::reference.
+# swiftgs::core: headers only. What lies in io/ belongs to swiftgs::io, what lies in pages/ to swiftgs::pages, the
+# built-in scene to swiftgs::builtin, the float64 reference and what is judged by it to swiftgs::reference.
 find_package(glm REQUIRED CONFIG)
 
 # Headers are found, not listed: one that is forgotten in a list would be neither checked nor installed.
 file(GLOB_RECURSE swiftgs_core_headers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/include/swiftgs/*.hpp")
 set(swiftgs_io_headers "${swiftgs_core_headers}")
+set(swiftgs_pages_headers "${swiftgs_core_headers}")
 set(swiftgs_reference_headers "${swiftgs_core_headers}")
-list(FILTER swiftgs_core_headers EXCLUDE REGEX "/include/swiftgs/(io/|builtin_scene[.]|reference[.]|stress[.])")
+list(FILTER swiftgs_core_headers EXCLUDE REGEX
+  "/include/swiftgs/(io/|pages/|builtin_scene[.]|reference[.]|stress[.])")
 list(FILTER swiftgs_io_headers INCLUDE REGEX "/include/swiftgs/io/")
+list(FILTER swiftgs_pages_headers INCLUDE REGEX "/include/swiftgs/pages/")
 list(FILTER swiftgs_reference_headers INCLUDE REGEX "/include/swiftgs/(reference[.]|stress[.])")
 
 add_library(swiftgs_core INTERFACE)

@@ -1,0 +1,238 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <utility>
+
+#include <swiftgs/edit/origin.hpp>
+#include <swiftgs/edit/select.hpp>
+#include <swiftgs/error.hpp>
+#include <swiftgs/half.hpp>
+#include <swiftgs/io/capture.hpp>
+#include <swiftgs/io/replace_file.hpp>
+#include <swiftgs/pages/build_pages.hpp>
+#include <swiftgs/project/chunks.hpp>
+#include <swiftgs/tools/parallel.hpp>
+
+#include "nodes.hpp"
+#include "page_writer.hpp"
+#include "records.hpp"
+
+namespace swiftgs {
+namespace {
+
+using pages::BuildFolder, pages::Nodes, pages::PageWriter, pages::Records;
+
+/// Memory of a Gaussian while a subtree is made of it: as read, in another order, and its indices.
+/// @units{bytes}
+constexpr std::size_t bytes_of_gaussian = 720;
+
+/// What nodes take that wait for their neighbours, two pages for each level of a deep tree. @units{bytes}
+std::size_t bytes_of_waiting(const PageBuildOptions& options) {
+  return std::size_t(48) * 240 * options.page_size;
+}
+
+void validate(const PageBuildOptions& options) {
+  if (options.page_size == 0 || options.page_size % chunk_size != 0 || options.page_size > 1u << 20)
+    detail::refuse("pages: a page of ", options.page_size, " Gaussians, expected a multiple of ", chunk_size,
+                   " up to ", 1u << 20);
+  const std::size_t least = bytes_of_waiting(options) + 2 * bytes_of_gaussian * options.page_size;
+  if (options.memory < least)
+    detail::refuse("pages: ", options.memory, " bytes of memory, expected ", least, " or more for pages of ",
+                   options.page_size, " Gaussians");
+}
+
+/// Gaussians of all sources in a temporary file, and what they have in common.
+class Gathered {
+ public:
+  Gathered(BuildFolder& folder) : records_(folder.next_file()) {}
+
+  void add(Scene scene, const std::string& name) {
+    if (scene.size() == 0) return;
+    if (scene.feature_channels != 0)
+      detail::refuse(name, ": a scene with features, expected none: pages do not hold them");
+    if (records_.size() == 0) like_ = empty_like(scene);
+    if (scene.model != like_.model)
+      detail::refuse(name, ": another rendering model than that of the first scene, expected the same");
+    if (records_.size() + scene.size() > std::numeric_limits<std::uint32_t>::max())
+      throw CapacityError("Gaussians in a page file", records_.size() + scene.size(),
+                          std::numeric_limits<std::uint32_t>::max());
+    if (scene.origin != like_.origin) scene = with_origin(std::move(scene), like_.origin);
+    like_.sh_degree = std::max(like_.sh_degree, scene.sh_degree);
+    records_.append(scene, std::uint32_t(records_.size()));
+  }
+
+  Records& records() { return records_; }
+  const Scene& like() const { return like_; }
+
+ private:
+  Records records_;
+  Scene like_;
+};
+
+/// Makes pages of Gaussians from the leaves up.
+class Builder {
+ public:
+  Builder(const PageBuildOptions& options, const Scene& like, std::uint64_t gaussians, BuildFolder& folder,
+          PageWriter& writer, Progress progress)
+      : options_(options),
+        like_(like),
+        gaussians_(gaussians),
+        threads_(thread_count(options.threads)),
+        in_memory_((options.memory - bytes_of_waiting(options)) / bytes_of_gaussian),
+        folder_(folder),
+        writer_(writer),
+        progress_(std::move(progress)) {}
+
+  struct Subtree {
+    std::uint32_t page;
+    Nodes nodes;
+  };
+
+  Subtree build(Records records) {
+    if (!options_.order || records.size() <= in_memory_) return build(records, 0, records.size());
+    auto [left, right] = split(std::move(records));
+    Subtree a = build(std::move(left));
+    return join(std::move(a), build(std::move(right)));
+  }
+
+ private:
+  /// The first part of `count` Gaussians, which fills pages.
+  std::size_t half(std::size_t count) const {
+    const std::size_t page = options_.page_size, pages = (count + page - 1) / page;
+    return (pages + 1) / 2 * page;
+  }
+
+  std::pair<Records, Records> split(Records records) {
+    return records.split(half(records.size()), folder_);  // the file of both is gone when it returns
+  }
+
+  Subtree build(Records& records, std::size_t first, std::size_t count) {
+    if (count > in_memory_) {
+      Subtree a = build(records, first, half(count));
+      return join(std::move(a), build(records, first + half(count), count - half(count)));
+    }
+    PageContent all = records.read(first, count, like_);
+    if (options_.order) {
+      std::vector<std::uint32_t> order(count);
+      std::iota(order.begin(), order.end(), 0u);
+      pages::order_by_halves(all.scene.means, order, options_.page_size, chunk_size);
+      all.scene = subset(all.scene, order);
+      for (std::uint32_t& number : order) number = all.ids[number];
+      all.ids = std::move(order);
+    }
+    return build(all, 0, count);
+  }
+
+  Subtree build(const PageContent& all, std::size_t first, std::size_t count) {
+    if (count > options_.page_size) {
+      Subtree a = build(all, first, half(count));
+      return join(std::move(a), build(all, first + half(count), count - half(count)));
+    }
+    std::vector<std::uint32_t> members(count);
+    std::iota(members.begin(), members.end(), std::uint32_t(first));
+    Nodes nodes{subset(all.scene, members), std::vector<float>(count)};
+    std::span<const std::uint32_t> ids;
+    if (options_.order) ids = std::span(all.ids).subspan(first, count);
+    Page page;
+    page.first = written_;
+    written_ += count;
+    if (progress_ && !progress_(double(written_) / double(gaussians_))) throw Cancelled("pages");
+    return {writer_.add(page, nodes.scene, ids), std::move(nodes)};
+  }
+
+  Subtree join(Subtree a, Subtree b) {
+    Nodes nodes = pages::merge(a.nodes, b.nodes, threads_);
+    // A node is no Gaussian that somebody trained: halves hold it well enough.
+    for (float& value : nodes.scene.sh_rest)
+      value = to_float(to_half(std::clamp(value, -65504.0f, 65504.0f)));
+    Page page;
+    page.left = a.page, page.right = b.page, page.first = writer_.page(a.page).first;
+    for (const std::uint32_t child : {a.page, b.page})
+      detail::add_bounds(page.bounds, writer_.page(child).bounds);
+    pages::set_errors(page, nodes);
+    return {writer_.add(page, nodes.scene, {}), std::move(nodes)};
+  }
+
+  const PageBuildOptions& options_;
+  const Scene& like_;
+  std::uint64_t gaussians_, written_ = 0;
+  int threads_;
+  std::size_t in_memory_;  ///< Gaussians whose subtree is made without a file
+  BuildFolder& folder_;
+  PageWriter& writer_;
+  Progress progress_;
+};
+
+/// `gather(gathered, progress)` gives the Gaussians.
+template <class Gather>
+BuiltPages build(const std::filesystem::path& out, const PageBuildOptions& options, const Gather& gather) {
+  validate(options);
+  require_replaceable(out);
+  const auto part_of_progress = [&](double begin, double end) -> Progress {
+    return [&options, begin, end, out](double part) {
+      if (options.progress && !options.progress(begin + part * (end - begin))) throw Cancelled(out.string());
+      return true;
+    };
+  };
+  constexpr double read = 0.3;  // part of the time that reading takes, roughly
+  std::filesystem::path beside = out;
+  BuildFolder folder(beside += ".building");
+  Gathered gathered(folder);
+  BuiltPages built;
+  gather(gathered, part_of_progress(0, read), built.notes);
+  built.gaussians = gathered.records().size();
+  if (built.gaussians == 0) detail::refuse(out.string(), ": no Gaussians, expected one or more");
+  const Scene like = gathered.like();
+  replace_file(out, [&](const std::filesystem::path& path) {
+    PageWriter writer(path);
+    Builder builder(options, like, built.gaussians, folder, writer, part_of_progress(read, 1));
+    builder.build(std::move(gathered.records()));
+    built.pages = writer.pages();
+    for (std::uint32_t i = 0; i < writer.pages(); ++i) built.leaves += writer.page(i).is_leaf();
+    built.bytes = writer.finish(built.gaussians, options.page_size, like);
+  });
+  return built;
+}
+
+/// Parts in which to read a file so that each takes at most a quarter of the memory.
+std::size_t parts_of(const std::filesystem::path& file, std::size_t memory) {
+  std::error_code error;
+  const auto size = std::filesystem::file_size(file, error);
+  const bool in_parts = file.extension() == ".ply" || file.extension() == ".splat";
+  // A scene in memory is up to eight times as large as its file.
+  return error || !in_parts ? 1 : std::clamp<std::size_t>(size / (memory / 32), 1, 65535);
+}
+
+}  // namespace
+
+BuiltPages build_pages(const std::vector<std::filesystem::path>& sources, const std::filesystem::path& out,
+                       const PageBuildOptions& options) {
+  return build(out, options, [&](Gathered& to, const Progress& progress, std::vector<std::string>& notes) {
+    for (std::size_t k = 0; k < sources.size(); ++k) {
+      const std::size_t parts = parts_of(find_capture(sources[k]).scene, options.memory);
+      for (std::size_t part = 0; part < parts; ++part) {
+        SceneReadOptions read = options.read;
+        read.part = {part, parts};
+        read.progress = [&](double done) {
+          return progress((double(k) + (double(part) + done) / double(parts)) / double(sources.size()));
+        };
+        SceneFile file = read_scene(sources[k], read);
+        for (const std::string& note : file.notes)
+          if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
+        to.add(std::move(file.scene), sources[k].string());
+      }
+    }
+  });
+}
+
+BuiltPages build_pages(const Scene& scene, const std::filesystem::path& out,
+                       const PageBuildOptions& options) {
+  swiftgs::validate(scene);
+  validate_numbers(scene);
+  return build(out, options,
+               [&](Gathered& to, const Progress&, std::vector<std::string>&) { to.add(scene, "pages"); });
+}
+
+}  // namespace swiftgs

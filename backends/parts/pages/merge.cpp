@@ -1,0 +1,228 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <numeric>
+
+#include <glm/matrix.hpp>
+
+#include <swiftgs/edit/rotation.hpp>
+#include <swiftgs/tools/parallel.hpp>
+
+#include "nodes.hpp"
+
+namespace swiftgs::pages {
+namespace {
+
+/// Nodes that are compared with each other.
+constexpr std::size_t block_size = 64;
+
+/// Moments of what a node stands for, of which two add up.
+struct Moments {
+  dvec3 mean;
+  dmat3 covariance;
+  double mass;  ///< opacity times `shown_area`, above 0
+  double spread;
+  vec3 sh0;
+  std::array<float, 45> sh_rest;
+};
+
+Moments moments_of(const Nodes& nodes, std::size_t i, std::size_t each) {
+  const Scene& scene = nodes.scene;
+  const Quaternion& q = scene.rotations[i];
+  const dmat3 rotation = matrix_of(DQuaternion{q.w, q.x, q.y, q.z});
+  const dvec3 scale(scene.scales[i]);
+  dmat3 axes = rotation;
+  for (int k = 0; k < 3; ++k) axes[k] *= scale[k];
+  // What shows nothing still has a place, which the smallest mass gives it.
+  const double mass = std::max(double(scene.opacities[i]) * shown_area(scale), 1e-60);
+  Moments m{
+      dvec3(scene.means[i]), axes * glm::transpose(axes), mass, double(nodes.spread[i]), scene.sh0[i], {}};
+  std::copy_n(scene.sh_rest.data() + each * i, each, m.sh_rest.begin());
+  return m;
+}
+
+Moments sum_of(const Moments& a, const Moments& b, std::size_t each) {
+  const double mass = a.mass + b.mass, wa = a.mass / mass, wb = b.mass / mass;
+  const dvec3 apart = a.mean - b.mean;
+  Moments sum;
+  sum.mass = mass;
+  sum.mean = wa * a.mean + wb * b.mean;
+  sum.covariance = wa * a.covariance + wb * b.covariance + wa * wb * glm::outerProduct(apart, apart);
+  sum.spread = wa * a.spread + wb * b.spread + wa * wb * dot(apart, apart);
+  const float fa = float(wa), fb = float(wb);
+  sum.sh0 = fa * a.sh0 + fb * b.sh0;
+  for (std::size_t k = 0; k < each; ++k) sum.sh_rest[k] = fa * a.sh_rest[k] + fb * b.sh_rest[k];
+  return sum;
+}
+
+/// Some nodes of which pairs merge until few enough are left.
+class Block {
+ public:
+  Block(const Nodes& nodes, std::span<const std::uint32_t> members, std::size_t each)
+      : nodes_(nodes), each_(each), count_(members.size()) {
+    origin_ = dvec3(nodes.scene.means[members[0]]);
+    for (std::size_t i = 0; i < count_; ++i) {
+      member_[i] = members[i], merged_[i] = false;
+      moments_[i] = moments_of(nodes, members[i], each);
+      place(i);
+    }
+    for (std::size_t i = 0; i < count_; ++i) find_partner(i);
+  }
+
+  void merge_to(std::size_t count) {
+    for (std::size_t left = count_; left > count; --left) {
+      const auto cheapest = std::min_element(cost_.begin(), cost_.begin() + std::ptrdiff_t(count_));
+      const auto i = std::size_t(cheapest - cost_.begin()), j = partner_[i];
+      moments_[i] = sum_of(moments_[i], moments_[j], each_), merged_[i] = true;
+      place(i);
+      gone_[j] = never, cost_[j] = never;
+      find_partner(i);
+      for (std::size_t k = 0; k < count_; ++k) {
+        if (k == i || gone_[k] != 0) continue;
+        if (partner_[k] == i || partner_[k] == j)
+          find_partner(k);
+        else if (const float cost = cost_of(k, i); cost < cost_[k])
+          cost_[k] = cost, partner_[k] = i;
+      }
+    }
+  }
+
+  /// Writes what is left from number `to` on. What did not merge is kept as it is.
+  void write(Nodes& out, std::size_t to) const {
+    for (std::size_t i = 0; i < count_; ++i) {
+      if (gone_[i] != 0) continue;
+      merged_[i] ? write_merged(out, to, moments_[i]) : copy(out, to, member_[i]);
+      ++to;
+    }
+  }
+
+ private:
+  static constexpr float never = std::numeric_limits<float>::infinity();
+  template <class T>
+  using Each = std::array<T, block_size>;
+
+  /// What costs of node `i` are computed of.
+  void place(std::size_t i) {
+    const Moments& m = moments_[i];
+    const dvec3 at = m.mean - origin_;
+    x_[i] = float(at.x), y_[i] = float(at.y), z_[i] = float(at.z);
+    red_[i] = m.sh0.x, green_[i] = m.sh0.y, blue_[i] = m.sh0.z;
+    // Masses and squares of lengths of small scenes leave the range of float together only.
+    mass_[i] = float(std::max(m.mass, 1e-30));
+    variance_[i] = float(m.covariance[0][0] + m.covariance[1][1] + m.covariance[2][2]);
+  }
+
+  /// What the picture changes if two merge: their means by the distance, their colours over their size.
+  float cost_of(std::size_t i, std::size_t j) const {
+    const float dx = x_[i] - x_[j], dy = y_[i] - y_[j], dz = z_[i] - z_[j];
+    const float dr = red_[i] - red_[j], dg = green_[i] - green_[j], db = blue_[i] - blue_[j];
+    const float moved = dx * dx + dy * dy + dz * dz;
+    const float coloured = (dr * dr + dg * dg + db * db) * (variance_[i] + variance_[j]);
+    return mass_[i] / (mass_[i] + mass_[j]) * mass_[j] * (moved + coloured) + gone_[j];
+  }
+
+  void find_partner(std::size_t i) {
+    Each<float> costs;
+    for (std::size_t j = 0; j < count_; ++j) costs[j] = cost_of(i, j);
+    costs[i] = never;
+    const auto least = std::min_element(costs.begin(), costs.begin() + std::ptrdiff_t(count_));
+    partner_[i] = std::size_t(least - costs.begin()), cost_[i] = *least;
+    if (partner_[i] == i) partner_[i] = i == 0 ? 1 : 0;  // all costs are beyond the range of float
+  }
+
+  void copy(Nodes& out, std::size_t to, std::size_t from) const {
+    for_each_array(
+        [&](const char*, std::size_t values, const auto& source, auto& target) {
+          std::copy_n(source.begin() + std::ptrdiff_t(values * from), values,
+                      target.begin() + std::ptrdiff_t(values * to));
+        },
+        nodes_.scene, out.scene);
+    out.spread[to] = nodes_.spread[from];
+  }
+
+  void write_merged(Nodes& out, std::size_t to, const Moments& m) const {
+    const detail::PrincipalAxes axes = detail::principal_axes(m.covariance);
+    const dvec3 scale(std::sqrt(axes.lengths.x), std::sqrt(axes.lengths.y), std::sqrt(axes.lengths.z));
+    const double area = shown_area(scale);
+    Scene& scene = out.scene;
+    scene.means[to] = vec3(m.mean), scene.scales[to] = vec3(scale);
+    scene.rotations[to] = rounded(unit(quaternion_of(axes.directions)));
+    scene.opacities[to] = area > 0 ? float(std::min(1.0, m.mass / area)) : 1.0f;
+    scene.sh0[to] = m.sh0;
+    std::copy_n(m.sh_rest.begin(), each_, scene.sh_rest.data() + each_ * to);
+    out.spread[to] = float(m.spread);
+  }
+
+  const Nodes& nodes_;
+  std::size_t each_, count_;
+  dvec3 origin_{0.0};
+  Each<std::size_t> member_, partner_;
+  Each<bool> merged_;
+  Each<Moments> moments_;
+  Each<float> x_, y_, z_, red_, green_, blue_, mass_, variance_, cost_;
+  Each<float> gone_{};  ///< `never` of a node that merged into another, else 0: it adds to costs
+};
+
+Nodes joined(const Nodes& left, const Nodes& right) {
+  Nodes all{empty_like(left.scene), left.spread};
+  for_each_array(
+      [](const char*, std::size_t, const auto& a, const auto& b, auto& to) {
+        to.reserve(a.size() + b.size());
+        to.insert(to.end(), a.begin(), a.end());
+        to.insert(to.end(), b.begin(), b.end());
+      },
+      left.scene, right.scene, all.scene);
+  all.spread.insert(all.spread.end(), right.spread.begin(), right.spread.end());
+  return all;
+}
+
+}  // namespace
+
+Nodes merge(const Nodes& left, const Nodes& right, int threads) {
+  const Nodes all = joined(left, right);
+  const std::size_t count = all.scene.size(), kept = (count + 1) / 2;
+  std::vector<std::uint32_t> order(count);
+  std::iota(order.begin(), order.end(), 0u);
+  order_by_halves(all.scene.means, order, count, block_size);
+
+  Nodes out{empty_like(all.scene), std::vector<float>(kept)};
+  for_each_array([&](const char*, std::size_t each, auto& values) { values.resize(each * kept); }, out.scene);
+  const std::size_t each = 3 * std::size_t(sh_rest_count(all.scene.sh_degree));
+  for_each_index((count + block_size - 1) / block_size, threads, [&](std::size_t k) {
+    const std::size_t begin = k * block_size, end = std::min(begin + block_size, count);
+    const std::size_t first = (begin + 1) / 2, last = (end + 1) / 2;
+    Block block(all, std::span(order).subspan(begin, end - begin), each);
+    block.merge_to(last - first);
+    block.write(out, first);
+  });
+  return out;
+}
+
+void set_errors(Page& page, const Nodes& nodes) {
+  const std::size_t count = nodes.spread.size();
+  std::vector<std::uint32_t> order(count);
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return nodes.spread[a] < nodes.spread[b]; });
+  const double median = std::sqrt(double(nodes.spread[order[count / 2]]));
+  page.finest = std::clamp(float(median / 8), 1e-20f, 1e20f);
+  double pixel = page.finest;
+  for (float& error : page.errors) {
+    // A pixel shows of a node what lies in it, so small nodes count more where pixels are large.
+    const auto shown = [&](std::uint32_t i) {
+      return double(nodes.scene.opacities[i]) * (shown_area(nodes.scene.scales[i]) + pixel * pixel);
+    };
+    double all = 0, below = 0;
+    for (const std::uint32_t i : order) all += shown(i);
+    std::size_t k = 0;
+    while (k + 1 < count && (below += shown(order[k])) < 0.9 * all) ++k;
+    // Above 0, so that no threshold but 0 refines to the leaves and 0 always does.
+    error = std::max(float(std::sqrt(double(nodes.spread[order[k]]))), 1e-30f);
+    pixel *= 4;
+  }
+}
+
+}  // namespace swiftgs::pages

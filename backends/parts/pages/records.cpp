@@ -1,0 +1,138 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "records.hpp"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <string>
+#include <system_error>
+
+#include <stdio.h>
+
+#include <swiftgs/error.hpp>
+
+namespace swiftgs::pages {
+namespace {
+constexpr std::size_t block_records = 4096;
+}
+
+BuildFolder::BuildFolder(std::filesystem::path path) : path_(std::move(path)) {
+  std::error_code error;
+  if (!std::filesystem::create_directory(path_, error)) {
+    if (error) throw FileError(error, path_.string());
+    throw InvalidArgument(
+        path_.string() +
+        ": there already, expected no such folder: another build uses it, or left it behind");
+  }
+}
+
+BuildFolder::~BuildFolder() {
+  std::error_code ignored;  // a destructor must not throw; what stays is a folder that the next build names
+  std::filesystem::remove(path_, ignored);
+}
+
+std::filesystem::path BuildFolder::next_file() { return path_ / std::to_string(files_++); }
+
+Records::~Records() {
+  if (!file_) return;  // moved from
+  file_.reset();
+  std::error_code ignored;
+  std::filesystem::remove(path_, ignored);
+}
+
+template <class F>
+void Records::for_each(std::size_t first, std::size_t count, const F& f) {
+  std::vector<Record> block(std::min(block_records, count));
+  if (::fseeko(file_.get(), off_t(first * sizeof(Record)), SEEK_SET) != 0)
+    throw FileError({errno, std::generic_category()}, path_.string());
+  for (std::size_t done = 0; done < count; done += block.size()) {
+    block.resize(std::min(block_records, count - done));
+    read_bytes(file_.get(), std::as_writable_bytes(std::span(block)), path_);
+    for (const Record& record : block) f(record);
+  }
+}
+
+void Records::flush(std::vector<Record>& block) {
+  write_bytes(file_.get(), std::as_bytes(std::span(block)), path_);
+  size_ += block.size();
+  block.clear();
+}
+
+void Records::add(std::vector<Record>& block, const Record& record) {
+  block.push_back(record);
+  if (block.size() == block_records) flush(block);
+}
+
+void Records::append(const Scene& scene, std::uint32_t first_id) {
+  const std::size_t each = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  std::vector<Record> block;
+  block.reserve(block_records);
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    Record record{scene.means[i],
+                  scene.scales[i],
+                  scene.rotations[i],
+                  scene.opacities[i],
+                  scene.sh0[i],
+                  {},
+                  first_id + std::uint32_t(i)};
+    std::copy_n(scene.sh_rest.data() + each * i, each, record.sh_rest);
+    add(block, record);
+  }
+  flush(block);
+}
+
+PageContent Records::read(std::size_t first, std::size_t count, const Scene& like) {
+  PageContent content{empty_like(like), {}};
+  Scene& scene = content.scene;
+  const std::size_t each = 3 * std::size_t(sh_rest_count(scene.sh_degree));
+  for_each_array([&](const char*, std::size_t values, auto& array) { array.reserve(values * count); }, scene);
+  content.ids.reserve(count);
+  for_each(first, count, [&](const Record& r) {
+    scene.means.push_back(r.mean), scene.scales.push_back(r.scale), scene.rotations.push_back(r.rotation);
+    scene.opacities.push_back(r.opacity), scene.sh0.push_back(r.sh0);
+    scene.sh_rest.insert(scene.sh_rest.end(), r.sh_rest, r.sh_rest + each);
+    content.ids.push_back(r.id);
+  });
+  return content;
+}
+
+std::pair<Records, Records> Records::split(std::size_t left, BuildFolder& folder) {
+  // The box that decides is of most means alone, as strays would make halves that are long and thin.
+  std::vector<float> values(size_);
+  int axis = 0;
+  float longest = -1;
+  const std::size_t step = size_ / block_records + 1;
+  std::vector<vec3> sample;
+  std::size_t number = 0;
+  for_each(0, size_, [&](const Record& r) {
+    if (number++ % step == 0) sample.push_back(r.mean);
+  });
+  for (int k = 0; k < 3; ++k) {
+    std::sort(sample.begin(), sample.end(), [k](const vec3& a, const vec3& b) { return a[k] < b[k]; });
+    const std::size_t outside = sample.size() / 20;
+    const float length = sample[sample.size() - 1 - outside][k] - sample[outside][k];
+    if (length > longest) longest = length, axis = k;
+  }
+
+  number = 0;
+  for_each(0, size_, [&](const Record& r) { values[number++] = r.mean[axis]; });
+  const auto border = values.begin() + std::ptrdiff_t(left);
+  std::nth_element(values.begin(), border, values.end());
+  const float first_right = *border;
+  auto equal_left = std::size_t(std::count(values.begin(), border, first_right));
+  std::pair<Records, Records> halves{Records(folder.next_file()), Records(folder.next_file())};
+  std::vector<Record> blocks[2];
+  for (auto& block : blocks) block.reserve(block_records);
+  for_each(0, size_, [&](const Record& r) {
+    const float value = r.mean[axis];
+    const bool is_left =
+        value < first_right || (value == first_right && equal_left != 0 && equal_left-- != 0);
+    is_left ? halves.first.add(blocks[0], r) : halves.second.add(blocks[1], r);
+  });
+  halves.first.flush(blocks[0]), halves.second.flush(blocks[1]);
+  return halves;
+}
+
+}  // namespace swiftgs::pages

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <utility>
+#include <vector>
+
+#include <swiftgs/pages/paged_scene.hpp>
+#include <swiftgs/scene.hpp>
+
+#include "page_writer.hpp"
+
+namespace swiftgs::pages {
+
+/// A folder for temporary files, which is gone with this object. Only its own files are removed.
+class BuildFolder {
+ public:
+  /// Throws `InvalidArgument` if it is there already.
+  explicit BuildFolder(std::filesystem::path path);
+  ~BuildFolder();
+  BuildFolder(const BuildFolder&) = delete;
+  BuildFolder& operator=(const BuildFolder&) = delete;
+
+  std::filesystem::path next_file();
+
+ private:
+  std::filesystem::path path_;
+  std::size_t files_ = 0;
+};
+
+/// Gaussians in a temporary file, each a row of floats and its number in the source.
+class Records {
+ public:
+  explicit Records(std::filesystem::path path) : path_(std::move(path)), file_(open_file(path_, "w+b")) {}
+  ~Records();
+  Records(Records&& other) = default;
+
+  std::size_t size() const { return size_; }
+
+  /// Adds Gaussians of degree 3 or less, numbered from `first_id` on.
+  void append(const Scene& scene, std::uint32_t first_id);
+
+  /// Gaussians [first, first + count), like those of the scene `like`.
+  PageContent read(std::size_t first, std::size_t count, const Scene& like);
+
+  /// Moves the `left` Gaussians that are first along the axis on which they spread farthest to one file, and
+  /// the others to another. Both keep their order. Takes four bytes a Gaussian.
+  std::pair<Records, Records> split(std::size_t left, BuildFolder& folder);
+
+ private:
+  struct Record {
+    vec3 mean, scale;
+    Quaternion rotation;
+    float opacity;
+    vec3 sh0;
+    float sh_rest[45];
+    std::uint32_t id;
+  };
+  static_assert(sizeof(Record) == 240);
+
+  /// f(record) of each from number `first` on.
+  template <class F>
+  void for_each(std::size_t first, std::size_t count, const F& f);
+  void add(std::vector<Record>& block, const Record& record);
+  void flush(std::vector<Record>& block);
+
+  std::filesystem::path path_;
+  File file_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace swiftgs::pages

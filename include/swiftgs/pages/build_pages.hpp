@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/io/scene_file.hpp>
+
+namespace swiftgs {
+
+struct PageBuildOptions {
+  std::uint32_t page_size = 16'384;  ///< Gaussians or nodes of a page: a multiple of `chunk_size`
+  /// Puts neighbours in space into one page, as an external sort does. Otherwise pages are ranges of the
+  /// source, and a frame of all leaves has the bits of the source.
+  bool order = false;
+  /// What the builder takes at most, 64 MiB or more. A scene that cannot be read in parts takes what its
+  /// format takes besides: any but a PLY and a `.splat`. @units{bytes}
+  std::size_t memory = std::size_t(1) << 30;
+  int threads = 0;          ///< 0: one a processor
+  SceneReadOptions read{};  ///< of each source, its `part` and `progress` excepted
+  Progress progress{};
+};
+
+/// What `build_pages` wrote.
+struct BuiltPages {
+  std::uint64_t gaussians = 0;
+  std::size_t pages = 0, leaves = 0;
+  std::uint64_t bytes = 0;  ///< of the file
+  std::vector<std::string> notes{};
+};
+
+/// Writes the page file `out` of all Gaussians of `sources`, one behind the other, with the origin of the
+/// first. Each is what `read_scene` takes. Beside `out` it needs a folder for 240 bytes a Gaussian, twice
+/// that with `order`: `out` with `.building` behind it, which is gone afterwards. The new file takes the
+/// place of an old one when it is whole.
+///
+/// Throws `InvalidArgument` for an option that is not valid, sources without Gaussians, with features or of
+/// several rendering models, and for a folder that is there already, `CapacityError` beyond 2^32 - 1
+/// Gaussians, what `read_scene` throws, `Cancelled`, and `FileError` if something cannot be written.
+SWIFTGS_API BuiltPages build_pages(const std::vector<std::filesystem::path>& sources,
+                                   const std::filesystem::path& out, const PageBuildOptions& options = {});
+
+/// The same of a scene in memory.
+SWIFTGS_API BuiltPages build_pages(const Scene& scene, const std::filesystem::path& out,
+                                   const PageBuildOptions& options = {});
+
+}  // namespace swiftgs

@@ -1,0 +1,145 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/error.hpp>
+#include <swiftgs/io/scene_file.hpp>
+
+#include "pages/scenes.hpp"
+
+namespace swiftgs::test::build_of_pages {
+namespace {
+
+TEST_CASE("pages: leaves keep the Gaussians of the source in their order") {
+  const TemporaryFolder folder;
+  const Scene scene = ordered_scene(5000);
+  const PagedScene pages = pages_of(folder, scene);
+  CHECK(pages.gaussians() == 5000);
+  CHECK(pages.pages().size == 2 * 20 - 1);
+  check_same(read_leaves(pages), scene);
+  CHECK(files_in(folder.path()) == std::set<std::string>{"scene.sgp"});
+}
+
+TEST_CASE("pages: ordered leaves have all Gaussians once and tell their numbers") {
+  const TemporaryFolder folder;
+  const Scene scene = make_builtin_scene(30000);
+  PageBuildOptions options = small_pages();
+  options.order = true, options.memory = 4 << 20;  // too little for the scene, which files split
+  const PagedScene pages = pages_of(folder, scene, options);
+  std::vector<std::uint32_t> ids;
+  for (std::uint32_t i = 0; i < pages.pages().size; ++i)
+    if (pages.pages()[i].is_leaf()) {
+      const PageContent content = pages.read(i);
+      ids.insert(ids.end(), content.ids.begin(), content.ids.end());
+    }
+  check_same(read_leaves(pages), subset(scene, ids));
+  std::sort(ids.begin(), ids.end());
+  std::vector<std::uint32_t> all(scene.size());
+  std::iota(all.begin(), all.end(), 0u);
+  CHECK(ids == all);
+  // Neighbours share pages: leaves are much smaller than the scene.
+  const auto side = [](const Page& page) {
+    const vec3 sides = page.bounds.high - page.bounds.low;
+    return std::cbrt(double(sides.x) * double(sides.y) * double(sides.z));
+  };
+  std::vector<double> sides;
+  for (const Page& page : pages.pages())
+    if (page.is_leaf()) sides.push_back(side(page));
+  std::nth_element(sides.begin(), sides.begin() + 60, sides.end());
+  CHECK(sides[60] < 0.1 * side(pages.pages()[pages.root()]));
+}
+
+TEST_CASE("pages: little memory and many threads make the same file") {
+  const TemporaryFolder folder;
+  const Scene scene = ordered_scene(20000);
+  PageBuildOptions options = small_pages();
+  options.threads = 1, options.memory = 64 << 20;
+  build_pages(scene, folder / "a.sgp", options);
+  options.threads = 3, options.memory = 4 << 20;
+  build_pages(scene, folder / "b.sgp", options);
+  CHECK(content_of(folder / "a.sgp") == content_of(folder / "b.sgp"));
+}
+
+TEST_CASE("pages: a parent has half as many nodes of about the same mass and mean") {
+  const TemporaryFolder folder;
+  const PagedScene pages = pages_of(folder, ordered_scene(4000));
+  const auto area = [](const vec3& s) { return double(s.x * s.y + s.y * s.z + s.z * s.x); };
+  const auto mean = [&](const Scene& scene) {
+    dvec3 sum(0.0);
+    double mass = 0;
+    for (std::size_t i = 0; i < scene.size(); ++i) {
+      const double m = double(scene.opacities[i]) * area(scene.scales[i]);
+      sum += m * dvec3(scene.means[i]), mass += m;
+    }
+    return sum / mass;
+  };
+  for (const Page& page : pages.pages()) {
+    if (page.is_leaf()) continue;
+    const Page &left = pages.pages()[page.left], &right = pages.pages()[page.right];
+    CHECK(page.count == (left.count + right.count + 1) / 2);
+    CHECK(page.error_at(1e-3) > 0);
+    for (std::size_t k = 0; k < Page::error_count; ++k)
+      CHECK(page.errors[k] <= glm::distance(page.bounds.low, page.bounds.high));
+  }
+  const Scene root = pages.read(pages.root()).scene, leaves = read_leaves(pages);
+  CHECK(glm::distance(mean(root), mean(leaves)) < 20);  // of a scene of 190 m to each side
+  for (const Quaternion& q : root.rotations)
+    CHECK(q.w * q.w + q.x * q.x + q.y * q.y + q.z * q.z == doctest::Approx(1));
+}
+
+TEST_CASE("pages: Gaussians that show nothing or lie on each other can be merged") {
+  const TemporaryFolder folder;
+  Scene scene = ordered_scene(1000);
+  for (std::size_t i = 0; i < 500; ++i) scene.opacities[i] = 0, scene.scales[i] = vec3(0);
+  for (std::size_t i = 400; i < 700; ++i) scene.means[i] = scene.means[400];
+  const PagedScene pages = pages_of(folder, scene);
+  for (std::uint32_t i = 0; i < pages.pages().size; ++i) validate_numbers(pages.read(i).scene);
+}
+
+TEST_CASE("pages: several files become one with the origin of the first") {
+  const TemporaryFolder folder;
+  write_scene(folder / "a.ply", with_degree(ordered_scene(700), 1));
+  write_scene(folder / "b.ply", ordered_scene(500));
+  const BuiltPages built =
+      build_pages({folder / "a.ply", folder / "b.ply"}, folder / "ab.sgp", small_pages());
+  CHECK(built.gaussians == 1200);
+  CHECK(built.leaves == 5);
+  CHECK(built.bytes == std::filesystem::file_size(folder / "ab.sgp"));
+  Scene a = load_scene(folder / "a.ply");
+  append(a, load_scene(folder / "b.ply"));
+  check_same(read_leaves(open_pages(folder / "ab.sgp")), a);
+}
+
+TEST_CASE("pages: a build that is cancelled or refused leaves nothing behind") {
+  const TemporaryFolder folder;
+  const Scene scene = ordered_scene(3000);
+  PageBuildOptions options = small_pages();
+  int calls = 0;
+  options.progress = [&](double part) {
+    CHECK(part >= 0);
+    CHECK(part <= 1);
+    return ++calls < 4;
+  };
+  CHECK_THROWS_AS(build_pages(scene, folder / "a.sgp", options), Cancelled);
+  const auto refused = [&](const Scene& of, const PageBuildOptions& with) {
+    CHECK_THROWS_AS(build_pages(of, folder / "a.sgp", with), InvalidArgument);
+  };
+  refused(Scene(), small_pages());
+  refused(scene, {.page_size = 100});
+  refused(scene, {.memory = 1 << 20});
+  Scene featured = scene;
+  featured.feature_channels = 1, featured.features.resize(scene.size());
+  refused(featured, small_pages());
+  CHECK(files_in(folder.path()).empty());
+  std::filesystem::create_directory(folder / "a.sgp.building");
+  refused(scene, small_pages());
+  CHECK(files_in(folder.path()) == std::set<std::string>{"a.sgp.building"});
+}
+
+}  // namespace
+}  // namespace swiftgs::test::build_of_pages
