@@ -84,6 +84,8 @@ class SWIFTGS_API PagedScene {
   /// All pages. Parents come behind their children, so the last is the root.
   Span<const Page> pages() const { return {state_->pages.data(), state_->pages.size()}; }
   std::uint32_t root() const { return std::uint32_t(state_->pages.size() - 1); }
+  /// Whether both are one file that was opened once.
+  bool operator==(const PagedScene&) const = default;
 
   /// Reads a page. Throws `FormatError` where its content is not what was written, and what its source
   /// throws. Safe from several threads at once.

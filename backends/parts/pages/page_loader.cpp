@@ -1,0 +1,124 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <condition_variable>
+#include <deque>
+#include <exception>
+#include <mutex>
+#include <utility>
+
+#include <swiftgs/pages/page_loader.hpp>
+
+namespace swiftgs::detail {
+
+struct PageLoader::State {
+  std::vector<PagedScene> files;
+  std::size_t most_bytes = 0;
+
+  std::mutex mutex;
+  std::condition_variable asked, read;
+  std::deque<PageKey> queue;
+  std::vector<PageKey> reading;
+  std::vector<LoadedPage> loaded;
+  std::size_t loaded_bytes = 0, kept_bytes = 0;
+  std::size_t jobs = 0;  ///< that an executor has
+  bool stop = false;
+
+  bool can_read() const { return !queue.empty() && loaded_bytes + kept_bytes < most_bytes; }
+
+  /// Reads the first page of the queue, if there is room for it. `lock` is open meanwhile.
+  void read_next(std::unique_lock<std::mutex>& lock) {
+    if (stop || !can_read()) return;
+    LoadedPage page{queue.front(), {}, {}};
+    queue.pop_front();
+    reading.push_back(page.key);
+    lock.unlock();
+    try {
+      page.content = files[page.key.file].read(page.key.page);
+    } catch (const std::exception& error) {
+      page.failure = error.what();
+    } catch (...) {
+      page.failure = "a source threw what is no exception of the standard library";
+    }
+    lock.lock();
+    std::erase(reading, page.key);
+    if (page.failure.empty()) loaded_bytes += files[page.key.file].pages()[page.key.page].bytes;
+    loaded.push_back(std::move(page));
+    read.notify_all();
+  }
+};
+
+PageLoader::PageLoader(std::vector<PagedScene> files, std::size_t most_bytes, PageExecutor executor)
+    : state_(std::make_shared<State>()), executor_(std::move(executor)) {
+  state_->files = std::move(files), state_->most_bytes = std::max<std::size_t>(most_bytes, 1);
+  if (executor_) return;
+  thread_ = std::thread([state = state_] {
+    std::unique_lock lock(state->mutex);
+    for (;;) {
+      state->asked.wait(lock, [&] { return state->stop || state->can_read(); });
+      if (state->stop) return;
+      state->read_next(lock);
+    }
+  });
+}
+
+PageLoader::~PageLoader() {
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->stop = true, state_->queue.clear();
+  }
+  state_->asked.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+void PageLoader::request(const std::vector<PageKey>& keys) {
+  constexpr std::size_t most_jobs = 8;
+  std::size_t jobs = 0;
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->queue.clear();
+    const auto is_known = [&](const PageKey& key) {
+      const auto has_key = [&](const LoadedPage& page) { return page.key == key; };
+      return std::find(state_->reading.begin(), state_->reading.end(), key) != state_->reading.end() ||
+             std::any_of(state_->loaded.begin(), state_->loaded.end(), has_key);
+    };
+    for (const PageKey& key : keys)
+      if (!is_known(key)) state_->queue.push_back(key);
+    if (executor_ && state_->can_read() && state_->jobs < most_jobs)
+      jobs = std::min(most_jobs - state_->jobs, state_->queue.size());
+    state_->jobs += jobs;
+  }
+  state_->asked.notify_all();
+  for (; jobs != 0; --jobs)
+    executor_([state = state_] {
+      std::unique_lock lock(state->mutex);
+      state->read_next(lock);
+      --state->jobs;
+      state->read.notify_all();
+    });
+}
+
+std::vector<LoadedPage> PageLoader::take() {
+  std::vector<LoadedPage> loaded;
+  {
+    const std::lock_guard lock(state_->mutex);
+    loaded.swap(state_->loaded);
+    state_->kept_bytes += std::exchange(state_->loaded_bytes, 0);
+  }
+  return loaded;
+}
+
+void PageLoader::keep(std::size_t bytes) {
+  const std::lock_guard lock(state_->mutex);
+  state_->kept_bytes = bytes;  // `request` follows and tells the thread
+}
+
+void PageLoader::wait() {
+  std::unique_lock lock(state_->mutex);
+  state_->read.wait(lock, [&] {
+    const bool busy =
+        !state_->reading.empty() || state_->jobs != 0 || (thread_.joinable() && state_->can_read());
+    return !state_->loaded.empty() || !busy;
+  });
+}
+
+}  // namespace swiftgs::detail

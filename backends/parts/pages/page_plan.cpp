@@ -1,0 +1,193 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+#include <cmath>
+#include <queue>
+#include <utility>
+
+#include <swiftgs/frame/view_constants.hpp>
+#include <swiftgs/pages/page_plan.hpp>
+#include <swiftgs/project/chunks.hpp>
+
+namespace swiftgs::detail {
+
+/// A page that may be replaced by its children.
+struct PagePlan::Candidate {
+  double error;  ///< @units{pixels}
+  std::size_t scene;
+  std::uint32_t page;
+
+  /// The largest error comes first; ties are for the first page, so that frames do not depend on chance.
+  bool operator<(const Candidate& other) const {
+    return error != other.error ? error < other.error
+                                : std::pair(scene, page) > std::pair(other.scene, other.page);
+  }
+};
+
+/// The cameras of a frame as a placed scene sees them.
+class PagePlan::Eyes {
+ public:
+  Eyes(const PlacedPages& placed, Span<const View> views) {
+    PlacedScene like{{}, placed.world_from_scene, placed.opacity, placed.clip, placed.tint};
+    like.scene.model = placed.pages.model();
+    eyes_.reserve(views.size);
+    for (const View& view : views) eyes_.push_back(eye(view.camera, like));
+    for (const ViewConstants& each : eyes_) cullers_.emplace_back(each);
+  }
+
+  /// Whether some view may show the page. Its error is then the largest in any. @units{pixels}
+  bool shows(const Page& page, double& error) const {
+    error = 0;
+    bool shown = false;
+    for (std::size_t i = 0; i < eyes_.size(); ++i) {
+      if (cullers_[i].hides(page.bounds)) continue;
+      shown = true;
+      if (page.is_leaf()) break;
+      const double pixel = pixel_at(eyes_[i], page.bounds);
+      error = std::max(error, page.error_at(pixel) / pixel);
+    }
+    return shown;
+  }
+
+ private:
+  /// Size of a pixel at the nearest point of a box. @units{scene}
+  static double pixel_at(const ViewConstants& v, const ChunkBounds& box) {
+    const double focal = std::max(v.fx, v.fy);
+    if (traits_of(v.lens.model).parallel_rays) return 1 / focal;
+    double squares = 0;
+    for (int k = 0; k < 3; ++k) {
+      const double outside =
+          std::max({double(box.low[k]) - v.centre[k], v.centre[k] - double(box.high[k]), 0.0});
+      squares += outside * outside;
+    }
+    const double nearest = std::max(double(v.near_plane), 1e-6) / v.depth_scale;
+    return std::max(std::sqrt(squares), nearest) / focal;
+  }
+
+  std::vector<ViewConstants> eyes_;
+  std::vector<ChunkCuller> cullers_;
+};
+
+PagePlan::PagePlan(std::vector<PlacedPages> placed, std::size_t most_bytes)
+    : placed_(std::move(placed)), most_bytes_(most_bytes) {
+  if (placed_.empty()) throw InvalidArgument("page pool: no pages, expected one paged scene or more");
+  for (const PlacedPages& each : placed_) {
+    validate_placing(each.world_from_scene, each.opacity, each.clip, each.tint);
+    const auto known = std::find(files_.begin(), files_.end(), each.pages);
+    file_of_.push_back(std::uint32_t(known - files_.begin()));
+    if (known == files_.end()) files_.push_back(each.pages);
+    seen_.emplace_back(each.pages.pages().size);
+  }
+  std::size_t roots = 0;
+  for (const PagedScene& file : files_) {
+    std::vector<PageState>& states = states_.emplace_back(file.pages().size);
+    for (std::uint32_t i = 0; i < states.size(); ++i)
+      if (const Page& page = file.pages()[i]; !page.is_leaf())
+        states[page.left].parent = states[page.right].parent = i;
+    roots += resident_bytes(file.pages()[file.root()]);
+  }
+  if (roots > most_bytes_)
+    refuse("page pool: ", most_bytes_, " bytes, expected ", roots, " or more for the roots of all scenes");
+}
+
+PagePlan::Wanted PagePlan::choose(Span<const View> views, const CutGoal& goal) {
+  if (!(goal.pixels >= 0)) refuse("cut: an error of ", goal.pixels, " pixels, expected 0 or more");
+  for (const View& view : views)
+    if (view.shows.first != 0 || view.shows.count != ShownScenes().count)
+      throw InvalidArgument("cut: a view of some scenes, expected views that show all");
+  ++frame_;
+  Wanted wanted;
+  std::size_t bytes = 0;
+  std::vector<Eyes> eyes;
+  std::priority_queue<Candidate> candidates;
+  for (std::uint32_t file = 0; file < files_.size(); ++file) {
+    const PageKey root{file, files_[file].root()};
+    state(root).used = frame_, bytes += resident_bytes(row(root));
+  }
+  for (std::size_t scene = 0; scene < placed_.size(); ++scene) {
+    const PageKey root{file_of_[scene], files_[file_of_[scene]].root()};
+    eyes.emplace_back(placed_[scene], views);
+    double error = 0;
+    if (!eyes.back().shows(row(root), error)) continue;
+    seen_[scene][root.page].shown = frame_;
+    wanted.splats += row(root).count;
+    candidates.push({error, scene, root.page});
+  }
+
+  while (!candidates.empty()) {
+    const Candidate next = candidates.top();
+    candidates.pop();
+    const std::uint32_t file = file_of_[next.scene];
+    const Page& page = row({file, next.page});
+    if (page.is_leaf()) continue;
+    if (next.error <= goal.pixels) break;  // as are all others, but for leaves
+    std::uint64_t splats = wanted.splats - page.count;
+    std::size_t more = 0;
+    Candidate children[2] = {{0, next.scene, page.left}, {0, next.scene, page.right}};
+    bool shown[2];
+    for (int k = 0; k < 2; ++k) {
+      const PageKey child{file, children[k].page};
+      shown[k] = eyes[next.scene].shows(row(child), children[k].error);
+      if (!shown[k]) continue;
+      splats += row(child).count;
+      if (!is_wanted(child)) more += resident_bytes(row(child));
+    }
+    if (splats > goal.splats || bytes + more > most_bytes_) {
+      wanted.pixels = next.error;
+      break;
+    }
+    seen_[next.scene][next.page].refined = frame_;
+    wanted.splats = splats, bytes += more;
+    for (int k = 0; k < 2; ++k) {
+      if (!shown[k]) continue;
+      const PageKey child{file, children[k].page};
+      seen_[next.scene][child.page].shown = frame_;
+      if (!is_wanted(child) && !is_resident(child)) wanted.missing.push_back(child);
+      state(child).used = frame_;
+      candidates.push(children[k]);
+    }
+  }
+  wanted.pixels = std::max(wanted.pixels, goal.pixels);
+  return wanted;
+}
+
+void PagePlan::draw(std::size_t scene, std::uint32_t number, std::vector<Drawn>& to) const {
+  const std::vector<Seen>& seen = seen_[scene];
+  const std::uint32_t file = file_of_[scene];
+  const Page& page = row({file, number});
+  const auto shows = [&](std::uint32_t child) { return seen[child].shown == frame_; };
+  const auto is_ready = [&](std::uint32_t child) { return !shows(child) || is_resident({file, child}); };
+  if (seen[number].refined != frame_ || !is_ready(page.left) || !is_ready(page.right))
+    return to.push_back({scene, number});
+  for (const std::uint32_t child : {page.left, page.right})
+    if (shows(child)) draw(scene, child, to);
+}
+
+std::vector<PagePlan::Drawn> PagePlan::drawn() const {
+  std::vector<Drawn> all;
+  for (std::size_t scene = 0; scene < placed_.size(); ++scene) {
+    const std::uint32_t root = placed_[scene].pages.root();
+    if (seen_[scene][root].shown == frame_) draw(scene, root, all);
+  }
+  return all;
+}
+
+void PagePlan::set_resident(PageKey key, bool resident) {
+  PageState& page = state(key);
+  page.resident = resident;
+  if (page.parent == Page::none) return;
+  int& children = state(parent_of(key)).children;
+  resident ? ++children : --children;
+}
+
+bool PagePlan::find_victim(PageKey& victim) const {
+  std::uint64_t oldest = frame_;
+  for (std::uint32_t file = 0; file < files_.size(); ++file)
+    for (std::uint32_t i = 0; i < states_[file].size(); ++i) {
+      const PageState& page = states_[file][i];
+      const bool can_go = page.resident && page.children == 0 && page.parent != Page::none;
+      if (can_go && page.used < oldest) oldest = page.used, victim = {file, i};
+    }
+  return oldest != frame_;
+}
+
+}  // namespace swiftgs::detail

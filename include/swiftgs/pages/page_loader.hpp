@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/pages/paged_scene.hpp>
+
+namespace swiftgs {
+
+/// Runs a function once, at any time and in any thread.
+using PageExecutor = std::function<void(std::function<void()> load)>;
+
+}  // namespace swiftgs
+
+namespace swiftgs::detail {
+
+/// A page of a file.
+struct PageKey {
+  std::uint32_t file = 0, page = 0;
+  auto operator<=>(const PageKey&) const = default;
+};
+
+/// A page that was read, or why it was not.
+struct LoadedPage {
+  PageKey key;
+  PageContent content;
+  std::string failure;  ///< empty if it was read
+};
+
+/// Reads pages in a thread of its own or by an executor. No function but `wait` blocks: the lock is held
+/// while a few numbers move.
+class SWIFTGS_API PageLoader {
+ public:
+  /// Reads no further while pages that were read take `most_bytes` or more, those included that `keep` tells.
+  PageLoader(std::vector<PagedScene> files, std::size_t most_bytes, PageExecutor executor);
+  ~PageLoader();
+  PageLoader(const PageLoader&) = delete;
+  PageLoader& operator=(const PageLoader&) = delete;
+
+  /// What to read from now on, first things first, in place of what was asked for before.
+  void request(const std::vector<PageKey>& keys);
+  /// Pages that were read since.
+  std::vector<LoadedPage> take();
+  /// Of the pages that were taken, so many bytes still wait for their upload.
+  void keep(std::size_t bytes);
+  /// Returns when there is something to take, or nothing is being read or asked for.
+  void wait();
+
+ private:
+  struct State;
+  std::shared_ptr<State> state_;  ///< jobs of an executor may outlive the loader
+  PageExecutor executor_;
+  std::thread thread_;
+};
+
+}  // namespace swiftgs::detail

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/span.hpp>
+#include <swiftgs/frame/views.hpp>
+#include <swiftgs/pages/cut.hpp>
+#include <swiftgs/pages/page_loader.hpp>
+#include <swiftgs/pages/paged_scene.hpp>
+
+namespace swiftgs::detail {
+
+/// Memory that a page takes once it is uploaded, at most. @units{bytes}
+inline std::size_t resident_bytes(const Page& page) {
+  return page.bytes + (page.count + chunk_size - 1) / chunk_size * sizeof(ChunkBounds);
+}
+
+/// Decides which pages a frame wants, which it draws, and which memory forgets first. Knows which pages are
+/// resident, and that the parent of a resident page is.
+class SWIFTGS_API PagePlan {
+ public:
+  explicit PagePlan(std::vector<PlacedPages> placed, std::size_t most_bytes);
+
+  const std::vector<PlacedPages>& placed() const { return placed_; }
+  const std::vector<PagedScene>& files() const { return files_; }  ///< each once
+  std::uint32_t file_of(std::size_t scene) const { return file_of_[scene]; }
+  const Page& row(PageKey key) const { return files_[key.file].pages()[key.page]; }
+
+  struct Wanted {
+    std::uint64_t splats = 0;
+    double pixels = 0;
+    std::vector<PageKey> missing;  ///< coarse before fine
+  };
+  /// Chooses the pages of a frame: the largest error is mended first, until all are at most the goal's, or
+  /// the next would exceed the budget of splats or memory.
+  Wanted choose(Span<const View> views, const CutGoal& goal);
+
+  struct Drawn {
+    std::size_t scene;
+    std::uint32_t page;
+  };
+  /// The pages to draw for the choice, in the order of leaves: of a page that lacks a child that shows,
+  /// itself.
+  std::vector<Drawn> drawn() const;
+
+  bool is_wanted(PageKey key) const { return state(key).used == frame_; }
+  bool is_resident(PageKey key) const { return state(key).resident; }
+  PageKey parent_of(PageKey key) const { return {key.file, state(key).parent}; }  ///< not of a root
+  void set_resident(PageKey key, bool resident);
+  /// The page that was not wanted for the longest time, of those without resident children. False: none.
+  bool find_victim(PageKey& victim) const;
+
+ private:
+  struct PageState {
+    std::uint64_t used = 0;  ///< last frame that wanted it
+    std::uint32_t parent = Page::none;
+    bool resident = false;
+    int children = 0;  ///< that are resident
+  };
+  /// A page of a placed scene, as the last frame saw it.
+  struct Seen {
+    std::uint64_t refined = 0;  ///< frame that chose its children
+    std::uint64_t shown = 0;    ///< frame in which a view may show it
+  };
+  struct Candidate;
+  class Eyes;
+
+  PageState& state(PageKey key) { return states_[key.file][key.page]; }
+  const PageState& state(PageKey key) const { return states_[key.file][key.page]; }
+  void draw(std::size_t scene, std::uint32_t page, std::vector<Drawn>& to) const;
+
+  std::vector<PlacedPages> placed_;
+  std::size_t most_bytes_;
+  std::vector<PagedScene> files_;
+  std::vector<std::uint32_t> file_of_;
+  std::vector<std::vector<PageState>> states_;  ///< of each file
+  std::vector<std::vector<Seen>> seen_;         ///< of each placed scene
+  std::uint64_t frame_ = 0;
+};
+
+}  // namespace swiftgs::detail

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+/// @file
+/// Pages in the memory of a backend: paged scenes drawn within a budget.
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <swiftgs/error.hpp>
+#include <swiftgs/frame/backend.hpp>
+#include <swiftgs/frame/span.hpp>
+#include <swiftgs/pages/cut.hpp>
+#include <swiftgs/pages/page_loader.hpp>
+#include <swiftgs/pages/page_plan.hpp>
+#include <swiftgs/pages/paged_scene.hpp>
+#include <swiftgs/placed_scene.hpp>
+
+namespace swiftgs {
+
+struct PagePoolOptions {
+  std::size_t bytes = 2'000'000'000;        ///< of all pages in the backend's memory @units{bytes}
+  std::size_t upload_per_frame = 16 << 20;  ///< a frame uploads one page at least @units{bytes}
+  std::size_t waiting = 64 << 20;           ///< of pages that were read and not uploaded @units{bytes}
+  PageExecutor executor{};                  ///< none: a thread of the pool reads pages
+};
+
+/// Pages of placed scenes in the memory of backend `B`, which outlives the pool. A thread reads them; `cut`
+/// uploads what was read and tells what to draw. Pages come and go: a page is drawn in place of those below
+/// it until all of them that show are there, so a frame has no holes.
+///
+/// Memory of a page is given back when no cut has it. Use a pool from one thread at a time.
+template <class B>
+class PagePool {
+ public:
+  /// Reads and uploads the roots, which stay. Throws `InvalidArgument` where memory does not hold them, for
+  /// placings that are not valid and for no pages, and what `PagedScene::read` throws.
+  PagePool(B& backend, std::vector<PlacedPages> placed, const PagePoolOptions& options = {})
+      : backend_(backend),
+        options_(options),
+        used_(std::make_shared<std::atomic<std::size_t>>(0)),
+        plan_(std::move(placed), options.bytes),
+        loader_(plan_.files(), options.waiting, options.executor) {
+    for (std::uint32_t file = 0; file < plan_.files().size(); ++file) {
+      const detail::PageKey root{file, plan_.files()[file].root()};
+      upload({root, plan_.files()[file].read(root.page), {}});
+    }
+  }
+  PagePool(B& backend, const PagedScene& pages, const PagePoolOptions& options = {})
+      : PagePool(backend, std::vector<PlacedPages>{{pages}}, options) {}
+
+  /// What to draw for all views of a frame, which show all placed scenes. Uploads pages that were read, at
+  /// most `upload_per_frame`, and asks for others. Makes no call that waits for a file, a thread or a device,
+  /// but what an upload does. Which pages it draws depends on the views, the goal and the pages in memory
+  /// alone. Throws `InvalidArgument` for a goal that is not valid, and what `upload` of the backend throws.
+  Cut cut(Span<const View> views, const CutGoal& goal = {}) {
+    bool stuck = false;
+    return cut(views, goal, options_.upload_per_frame, stuck);
+  }
+
+  /// Makes `cut` complete: returns when no page is missing but those that fail, or memory that other cuts
+  /// keep has no room for the rest.
+  void wait(Cut& cut) {
+    const std::vector<View> views = std::move(cut.views_);
+    const CutGoal goal = cut.goal_;
+    for (;;) {
+      bool stuck = false;
+      cut = {};  // which gives back memory
+      cut = this->cut({views.data(), views.size()}, goal, options_.bytes, stuck);
+      if (stuck || cut.missing_ == cut.blocked_) return;
+      loader_.wait();
+    }
+  }
+
+  /// Of pages that are uploaded, those included that only cuts still have. @units{bytes}
+  std::size_t bytes() const { return *used_; }
+  std::size_t resident() const { return resident_.size(); }  ///< pages
+
+ private:
+  using SceneOn = decltype(std::declval<B&>().upload(std::declval<Scene>()));
+
+  /// A page in the backend's memory.
+  struct Resident {
+    SceneOn scene;
+    std::vector<std::uint32_t> ids;
+    PagedScene file;  ///< which has its row
+    std::size_t bytes;
+    std::shared_ptr<std::atomic<std::size_t>> used;
+    ~Resident() { *used -= bytes; }
+  };
+
+  Cut cut(Span<const View> views, const CutGoal& goal, std::size_t most_uploaded, bool& stuck) {
+    note_loaded();
+    const detail::PagePlan::Wanted wanted = plan_.choose(views, goal);
+    Cut cut;
+    cut.wanted_ = wanted.splats, cut.pixels_ = wanted.pixels;
+    cut.views_.assign(views.begin(), views.end()), cut.goal_ = goal;
+    loader_.request(bring(wanted.missing, most_uploaded, cut, stuck));
+    draw(cut);
+    return cut;
+  }
+
+  void note_loaded() {
+    ++cuts_;
+    for (detail::LoadedPage& page : loader_.take()) {
+      if (page.failure.empty()) {
+        failures_.erase(page.key);
+        waiting_[page.key] = std::move(page);
+        continue;
+      }
+      Failure& failure = failures_[page.key];
+      failure.reason = std::move(page.failure);
+      // Seldom tried again if it fails often, so that it does not take the place of others.
+      failure.try_again = cuts_ + (std::uint64_t(8) << std::min(failure.times++, 10));
+    }
+  }
+
+  /// Uploads pages of `missing` that were read, parents before children, and returns what to ask for. Pages
+  /// below one that fails have to wait for it. Sets `stuck` if memory has no room for one.
+  std::vector<detail::PageKey> bring(const std::vector<detail::PageKey>& missing, std::size_t most_uploaded,
+                                     Cut& cut, bool& stuck) {
+    std::map<detail::PageKey, detail::LoadedPage> read;
+    read.swap(waiting_);
+    std::set<detail::PageKey> blocked;
+    std::vector<detail::PageKey> asked;
+    std::size_t uploaded = 0;
+    bool full = false;
+    for (const detail::PageKey& key : missing) {
+      const bool waits = blocked.contains(plan_.parent_of(key));
+      const auto failure = failures_.find(key);
+      const bool fails = failure != failures_.end();
+      if (fails) cut.failed_.push_back({scene_of(key), key.page, failure->second.reason});
+      if (waits || fails) blocked.insert(key);
+      ++cut.missing_;
+      if (const auto page = read.find(key); page != read.end() && !waits) {
+        const std::size_t bytes = detail::resident_bytes(plan_.row(key));
+        full = full || (uploaded != 0 && uploaded + bytes > most_uploaded);
+        if (!full && plan_.is_resident(plan_.parent_of(key)) && !(stuck = !make_room(bytes))) {
+          upload(std::move(page->second));
+          uploaded += bytes, --cut.missing_;
+        } else {
+          full = full || stuck;
+          waiting_.insert(read.extract(page));
+        }
+      } else if (!waits && (!fails || cuts_ >= failure->second.try_again)) {
+        asked.push_back(key);
+      }
+    }
+    cut.blocked_ = blocked.size();
+    loader_.keep(waiting_bytes());
+    return asked;
+  }
+
+  std::size_t waiting_bytes() const {
+    std::size_t bytes = 0;
+    for (const auto& page : waiting_) bytes += plan_.row(page.first).bytes;
+    return bytes;
+  }
+
+  bool make_room(std::size_t bytes) {
+    detail::PageKey victim;
+    while (*used_ + bytes > options_.bytes) {
+      if (!plan_.find_victim(victim)) return false;
+      plan_.set_resident(victim, false);
+      resident_.erase(victim);
+    }
+    return true;
+  }
+
+  void upload(detail::LoadedPage page) {
+    const std::size_t bytes = detail::resident_bytes(plan_.row(page.key));
+    SceneOn scene = backend_.upload(std::move(page.content.scene));
+    *used_ += bytes;
+    resident_[page.key] = std::shared_ptr<const Resident>(new Resident{
+        std::move(scene), std::move(page.content.ids), plan_.files()[page.key.file], bytes, used_});
+    plan_.set_resident(page.key, true);
+  }
+
+  void draw(Cut& cut) const {
+    for (const detail::PagePlan::Drawn& drawn : plan_.drawn()) {
+      const PlacedPages& placed = plan_.placed()[drawn.scene];
+      const detail::PageKey key{plan_.file_of(drawn.scene), drawn.page};
+      const auto& page = resident_.at(key);
+      cut.scenes_.push_back(
+          {page->scene.view(), placed.world_from_scene, placed.opacity, placed.clip, placed.tint});
+      cut.drawn_.push_back({drawn.scene, drawn.page, &plan_.row(key), &page->ids, page});
+      cut.splats_ += plan_.row(key).count;
+    }
+  }
+
+  /// The first placed scene of a page.
+  std::size_t scene_of(detail::PageKey key) const {
+    std::size_t scene = 0;
+    while (plan_.file_of(scene) != key.file) ++scene;
+    return scene;
+  }
+
+  struct Failure {
+    std::string reason;
+    int times = 0;
+    std::uint64_t try_again = 0;  ///< cut that may ask for it
+  };
+
+  B& backend_;
+  PagePoolOptions options_;
+  std::shared_ptr<std::atomic<std::size_t>> used_;
+  detail::PagePlan plan_;
+  detail::PageLoader loader_;
+  std::map<detail::PageKey, detail::LoadedPage> waiting_;
+  std::map<detail::PageKey, std::shared_ptr<const Resident>> resident_;
+  std::map<detail::PageKey, Failure> failures_;
+  std::uint64_t cuts_ = 0;
+};
+
+}  // namespace swiftgs
