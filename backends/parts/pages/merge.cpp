@@ -207,12 +207,17 @@ void set_errors(Page& page, const Nodes& nodes) {
   std::iota(order.begin(), order.end(), 0u);
   std::sort(order.begin(), order.end(),
             [&](std::uint32_t a, std::uint32_t b) { return nodes.spread[a] < nodes.spread[b]; });
-  const double median = std::sqrt(double(nodes.spread[order[count / 2]]));
+  const auto merged =
+      std::partition_point(order.begin(), order.end(), [&](std::uint32_t i) { return nodes.spread[i] == 0; });
+  const auto middle = merged + (order.end() - merged) / 2;
+  const double median = middle == order.end() ? 0 : std::sqrt(double(nodes.spread[*middle]));
   page.finest = std::clamp(float(median / 8), 1e-20f, 1e20f);
   double pixel = page.finest;
   for (float& error : page.errors) {
-    // A pixel shows of a node what lies in it, so small nodes count more where pixels are large.
+    // A pixel shows of a node what lies in it, so small nodes count more where pixels are large. Large
+    // Gaussians that did not merge would hide how far off the others are.
     const auto shown = [&](std::uint32_t i) {
+      if (nodes.spread[i] == 0) return 0.0;
       return double(nodes.scene.opacities[i]) * (shown_area(nodes.scene.scales[i]) + pixel * pixel);
     };
     double all = 0, below = 0;
