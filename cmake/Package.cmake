@@ -16,7 +16,7 @@ set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY ">=")
 set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
 # Where our libraries find each other while what they need of the system is computed.
 foreach(folder IN ITEMS . cpu cuda vulkan bindings/c bridges/gl bridges/cuda_vulkan parts/builtin parts/io
-        parts/reference)
+        parts/pages parts/reference)
   list(APPEND CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS "${PROJECT_BINARY_DIR}/backends/${folder}")
 endforeach()
 # Writes what each package says of its licences and changes.

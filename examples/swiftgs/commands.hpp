@@ -16,6 +16,7 @@ void add_conform(CLI::App& app);
 void add_convert(CLI::App& app);
 void add_info(CLI::App& app);
 void add_list(CLI::App& app);
+void add_pages(CLI::App& app);
 void add_prune(CLI::App& app);
 void add_render(CLI::App& app);
 void add_report(CLI::App& app);

@@ -140,6 +140,7 @@ int run_command(int argc, char** argv) {
   add_check(app);
   add_conform(app);
   add_convert(app);
+  add_pages(app);
   add_prune(app);
   add_bench(app);
   add_report(app);

@@ -21,6 +21,7 @@ FEATURES = {
     "loops over functors": ["functor/*"],
     "policies": ["bounds/*", "sort/*", "raster/*"],
     "files, edits and judges": ["io/*", "edit/*", "edit.hpp", "stress.hpp", "reference.hpp", "metrics.hpp", "c/*"],
+    "pages": ["pages/*"],
     "scenes in memory": ["memory/*", "scene_arrays.hpp", "serial.hpp"],
     "tools": ["tools/*"],
 }

@@ -46,19 +46,19 @@ void validate(const PageBuildOptions& options) {
 /// Gaussians of all sources in a temporary file, and what they have in common.
 class Gathered {
  public:
-  Gathered(BuildFolder& folder) : records_(folder.next_file()) {}
+  Gathered(BuildFolder& folder, std::string model) : records_(folder.next_file()), model_(std::move(model)) {}
 
-  void add(Scene scene, const std::string& name) {
+  void add(const Scene& scene, const std::string& name) {
     if (scene.size() == 0) return;
     if (scene.feature_channels != 0)
       detail::refuse(name, ": a scene with features, expected none: pages do not hold them");
-    if (records_.size() == 0) like_ = empty_like(scene);
-    if (scene.model != like_.model)
+    const RenderingModel model = model_.empty() ? scene.model : model_from(model_, scene.model);
+    if (records_.size() == 0) like_ = empty_like(scene), like_.model = model;
+    if (model != like_.model)
       detail::refuse(name, ": another rendering model than that of the first scene, expected the same");
-    if (records_.size() + scene.size() > std::numeric_limits<std::uint32_t>::max())
-      throw CapacityError("Gaussians in a page file", records_.size() + scene.size(),
-                          std::numeric_limits<std::uint32_t>::max());
-    if (scene.origin != like_.origin) scene = with_origin(std::move(scene), like_.origin);
+    const std::size_t most = std::numeric_limits<std::uint32_t>::max(), all = records_.size() + scene.size();
+    if (all > most) throw CapacityError("Gaussians in a page file", all, most);
+    if (scene.origin != like_.origin) return add(with_origin(scene, like_.origin), name);
     like_.sh_degree = std::max(like_.sh_degree, scene.sh_degree);
     records_.append(scene, std::uint32_t(records_.size()));
   }
@@ -68,6 +68,7 @@ class Gathered {
 
  private:
   Records records_;
+  std::string model_;
   Scene like_;
 };
 
@@ -169,6 +170,7 @@ class Builder {
 template <class Gather>
 BuiltPages build(const std::filesystem::path& out, const PageBuildOptions& options, const Gather& gather) {
   validate(options);
+  if (!options.model.empty()) (void)model_from(options.model);  // before a large file is read
   require_replaceable(out);
   const auto part_of_progress = [&](double begin, double end) -> Progress {
     return [&options, begin, end, out](double part) {
@@ -179,7 +181,7 @@ BuiltPages build(const std::filesystem::path& out, const PageBuildOptions& optio
   constexpr double read = 0.3;  // part of the time that reading takes, roughly
   std::filesystem::path beside = out;
   BuildFolder folder(beside += ".building");
-  Gathered gathered(folder);
+  Gathered gathered(folder, options.model);
   BuiltPages built;
   gather(gathered, part_of_progress(0, read), built.notes);
   built.gaussians = gathered.records().size();
@@ -221,7 +223,7 @@ BuiltPages build_pages(const std::vector<std::filesystem::path>& sources, const 
         SceneFile file = read_scene(sources[k], read);
         for (const std::string& note : file.notes)
           if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
-        to.add(std::move(file.scene), sources[k].string());
+        to.add(file.scene, sources[k].string());
       }
     }
   });

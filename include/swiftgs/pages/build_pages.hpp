@@ -20,6 +20,7 @@ struct PageBuildOptions {
   /// What the builder takes at most, 64 MiB or more. A scene that cannot be read in parts takes what its
   /// format takes besides: any but a PLY and a `.splat`. @units{bytes}
   std::size_t memory = std::size_t(1) << 30;
+  std::string model{};      ///< what `model_from` takes, in place of what the sources say
   int threads = 0;          ///< 0: one a processor
   SceneReadOptions read{};  ///< of each source, its `part` and `progress` excepted
   Progress progress{};
