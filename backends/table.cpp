@@ -18,9 +18,23 @@
 #if defined(SWIFTGS_HAS_CUDA)
 #include <swiftgs/cuda.hpp>
 #endif
+#if defined(SWIFTGS_HAS_VULKAN)
+#include <swiftgs/vulkan.hpp>
+#endif
 
 namespace swiftgs {
 namespace {
+
+/// What the library was built without, if `name` or its first word is a backend that needs it; else empty.
+std::string_view lacking_for([[maybe_unused]] std::string_view name) {
+#if !defined(SWIFTGS_HAS_CUDA)
+  if (name.substr(0, name.find('/')) == "cuda") return "CUDA";
+#endif
+#if !defined(SWIFTGS_HAS_VULKAN)
+  if (name.substr(0, name.find('/')) == "vulkan") return "Vulkan";
+#endif
+  return {};
+}
 
 template <class B>
 ContributionsEntry entry_of() {
@@ -52,9 +66,8 @@ const ContributionsEntry& contribution_backend(std::string_view backend) {
     if (entry.backend == backend || (backend.empty() && entry.usable)) return entry;
     names += (names.empty() ? "" : ", ") + std::string(entry.backend);
   }
-#if !defined(SWIFTGS_HAS_CUDA)
-  if (backend == "cuda") throw InvalidArgument("backend 'cuda': the library was built without CUDA");
-#endif
+  if (const std::string_view lacking = lacking_for(backend); !lacking.empty())
+    detail::refuse("backend '", backend, "': the library was built without ", lacking);
   detail::refuse("backend '", backend, "' is not known; expected ", names);
 }
 
@@ -63,6 +76,9 @@ namespace {
 std::vector<RendererEntry> all_renderers() {
   std::vector<RendererEntry> table;
   append_renderers<Serial>(table, AllSorts{}, AllRasters{}, AllBounds{});
+#if defined(SWIFTGS_HAS_VULKAN)
+  append_renderers<Vulkan>(table, AllSorts{}, AllRasters{}, AllBounds{});
+#endif
 #if defined(SWIFTGS_HAS_CPU)
   append_renderers<Cpu>(table, AllSorts{}, AllRasters{}, AllBounds{});
 #endif
@@ -95,10 +111,8 @@ bool is_usual(const RendererEntry& entry, std::string_view backend) {
 
 InvalidArgument unknown(std::string_view name, const std::string& alternative) {
   const std::string begin = "renderer '" + std::string(name) + "'";
-#if !defined(SWIFTGS_HAS_CUDA)
-  if (name == "cuda" || name.starts_with("cuda/"))
-    return InvalidArgument(begin + ": the library was built without CUDA");
-#endif
+  if (const std::string_view lacking = lacking_for(name); !lacking.empty())
+    return InvalidArgument(begin + ": the library was built without " + std::string(lacking));
   return InvalidArgument(begin + " is not known; expected " + alternative +
                          "BACKEND/SORT/RASTER/BOUNDS with BACKEND of " + words_at(0) + "; SORT of " +
                          words_at(1) + "; RASTER of " + words_at(2) + "; BOUNDS of " + words_at(3));

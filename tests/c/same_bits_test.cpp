@@ -211,10 +211,10 @@ bool same_planes_of(const Frame& a, const Frame& b) {
 
 }  // namespace
 
-TEST_CASE("c: frames have the bits of the C++ interface on every backend of the host") {
+TEST_CASE("c: frames have the bits of the C++ interface on every backend that draws into memory of the host") {
   std::set<std::string> backends;
   for (const RendererEntry& entry : renderers()) {
-    if (!entry.usable || entry.on_device) continue;
+    if (!entry.usable || entry.name.starts_with("cuda/")) continue;
     const std::string backend(entry.name.substr(0, entry.name.find('/')));
     if (!backends.insert(backend).second) continue;
     CAPTURE(backend);
@@ -423,8 +423,7 @@ TEST_CASE("c: the table has the renderers of the C++ interface in their order") 
     REQUIRE(swiftgs_renderers_get(i, &entry) == SWIFTGS_OK);
     CHECK(std::string_view(entry.name) == renderers()[i].name);
     CHECK((entry.usable != 0) == renderers()[i].usable);
-    CHECK((entry.on_device != 0) == renderers()[i].on_device);
-    CHECK(renderers()[i].on_device == renderers()[i].name.starts_with("cuda/"));
+    CHECK((entry.on_device != 0) == renderers()[i].name.starts_with("cuda/"));
   }
 }
 

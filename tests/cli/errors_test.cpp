@@ -86,7 +86,12 @@ TEST_CASE("cli errors: arguments that are not known or missing") {
   fails(place, "RENDER builtin", {"command 'RENDER' is not known, did you mean 'render'?"});
   fails(place, "render", {"swiftgs: render: expected SCENE (see swiftgs render --help)"});
   fails(place, "prune builtin --out a.ply", {"swiftgs: prune: expected --keep (see"});
-  if (!contains(run(place, "list").out, "cuda/")) {
+  const std::string list = run(place, "list").out;
+  if (!contains(list, "vulkan/")) {
+    fails(place, "render builtin:10 --renderer vulkan/early/per-pixel/ellipse", {"built without Vulkan"});
+    fails(place, "check builtin:10 --renderers 'vulkan/*'", {"built without Vulkan"});
+  }
+  if (!contains(list, "cuda/")) {
     fails(place, "render builtin:10 --renderer cuda/early/per-pixel/ellipse", {"built without CUDA"});
     fails(place, "check builtin:10 --renderers 'cuda/*'", {"built without CUDA"});
     fails(place, "prune builtin:20 --keep 0.5 --backend cuda --out a.ply", {"built without CUDA"});

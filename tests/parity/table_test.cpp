@@ -16,11 +16,14 @@ using namespace swiftgs;
 
 namespace {
 
-#if defined(SWIFTGS_HAS_CUDA)
-const std::string_view backends[] = {"serial", "cpu", "cuda"};
-#else
-const std::string_view backends[] = {"serial", "cpu"};
+const std::string_view backends[] = {"serial",
+#if defined(SWIFTGS_HAS_VULKAN)
+                                     "vulkan",
 #endif
+#if defined(SWIFTGS_HAS_CUDA)
+                                     "cuda",
+#endif
+                                     "cpu"};
 const std::string_view sorts[] = {"standard", "early", "adaptive"};
 const std::string_view rasters[] = {"per-pixel",
                                     "axis-shared-half-split",
@@ -38,7 +41,8 @@ TEST_CASE("table: every combination of policies is there once under its composed
   for (const RendererEntry& entry : renderers()) {
     names.insert(std::string(entry.name));
     // Whether a device is there depends on the machine.
-    if (!entry.name.starts_with("cuda/")) CHECK(entry.usable);
+    if (!entry.on_device) CHECK(entry.usable);
+    CHECK(entry.on_device == (entry.name.starts_with("cuda/") || entry.name.starts_with("vulkan/")));
   }
   CHECK(renderers().size() == std::size(backends) * AllSorts::size * AllRasters::size * AllBounds::size);
   CHECK(names.size() == renderers().size());

@@ -77,7 +77,7 @@ void in_stream_order(const swiftgs_renderer& renderer, const swiftgs_gaussians& 
 }
 
 bool lie_where_drawn(const swiftgs_renderer& renderer, const swiftgs_gaussians& from) {
-  return (from.memory == SWIFTGS_DEVICE) == (renderer.host_frames != nullptr);
+  return renderer.draws_in == (from.memory == SWIFTGS_DEVICE ? DrawsIn::cuda : DrawsIn::host);
 }
 
 void require_where_drawn(const std::string& call, const swiftgs_renderer& renderer,
@@ -85,7 +85,10 @@ void require_where_drawn(const std::string& call, const swiftgs_renderer& render
   if (lie_where_drawn(renderer, from)) return;
   const bool on_device = from.memory == SWIFTGS_DEVICE;
   refuse(call, ": the arrays lie on ", on_device ? "a device" : "the host", ", expected them on ",
-         on_device ? "the host" : "the device", ", where '", renderer.name, "' draws");
+         renderer.draws_in == DrawsIn::host   ? "the host"
+         : renderer.draws_in == DrawsIn::cuda ? "the device"
+                                              : "the Vulkan device",
+         ", where '", renderer.name, "' draws");
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 #include <swiftgs/any_renderer.hpp>
 
 /// @file
-/// What needs a device. A build without CUDA has no device.
+/// What needs a device: one of CUDA, but for frames of `vulkan`. A build without CUDA has no device.
 
 namespace swiftgs::c {
 
@@ -35,7 +35,8 @@ class HostFrames {
   virtual void trim() = 0;
 };
 
-/// For renderers that are made with `options`. Null in a build without CUDA.
-std::unique_ptr<HostFrames> make_host_frames(const BackendOptions& options);
+/// For renderers of `cuda` or `vulkan` that are made with `options`. Null in a build without the backend.
+std::unique_ptr<HostFrames> make_cuda_frames(const BackendOptions& options);
+std::unique_ptr<HostFrames> make_vulkan_frames(const BackendOptions& options);
 
 }  // namespace swiftgs::c

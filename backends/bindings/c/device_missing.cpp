@@ -19,6 +19,6 @@ void free_memory(void*) {}
 void copy_memory(void*, const void*, std::size_t, void*) {}
 void order_streams(void*, void*) {}
 
-std::unique_ptr<HostFrames> make_host_frames(const BackendOptions&) { return nullptr; }
+std::unique_ptr<HostFrames> make_cuda_frames(const BackendOptions&) { return nullptr; }
 
 }  // namespace swiftgs::c

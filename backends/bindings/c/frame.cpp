@@ -50,6 +50,7 @@ extern "C" {
 swiftgs_status swiftgs_renderer_render_into(swiftgs_renderer* renderer, const swiftgs_frame* frame) {
   return guarded([&] {
     const Turn any = of(renderer);
+    require_reachable("render_into", *renderer);
     const swiftgs_frame asked = read_frame(frame);
     any->render_into(views_of(*renderer, asked), measures_of(asked));
   });
@@ -71,6 +72,7 @@ swiftgs_status swiftgs_renderer_reserve(swiftgs_renderer* renderer, const swiftg
                                         const swiftgs_capacity* capacity) {
   return guarded([&] {
     const Turn any = of(renderer);
+    require_reachable("reserve", *renderer);
     const swiftgs_capacity asked_capacity = read_options(capacity, "swiftgs_capacity");
     require_zero(asked_capacity.reserved, "swiftgs_capacity");
     const swiftgs_frame asked = read_frame(frame);

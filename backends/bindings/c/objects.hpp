@@ -7,6 +7,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <swiftgs/any_renderer.hpp>
@@ -66,10 +67,21 @@ void set_planes(FrameView& frame, const From& from) {
 /// Puts the views of `frame` in place of those in `views`. Throws `InvalidArgument`.
 void read_views(const swiftgs_frame& frame, std::vector<View>& views);
 
+/// Where renderers draw.
+enum class DrawsIn { host, cuda, vulkan };
+
+/// By the renderer's name.
+inline DrawsIn where_draws(std::string_view name) {
+  return name.starts_with("cuda/")     ? DrawsIn::cuda
+         : name.starts_with("vulkan/") ? DrawsIn::vulkan
+                                       : DrawsIn::host;
+}
+
 }  // namespace swiftgs::c
 
 struct swiftgs_renderer {
   std::string name, device_name;
+  swiftgs::c::DrawsIn draws_in{};
   std::unique_ptr<swiftgs::AnyRenderer> renderer;
   std::unique_ptr<swiftgs::c::HostFrames> host_frames{};  ///< null: the backend reaches the host's memory
   void* stream = nullptr;                                 ///< of a device
@@ -95,6 +107,13 @@ class Turn {
 inline Turn of(const swiftgs_renderer* renderer) {
   require_pointer(renderer, "renderer");
   return Turn(*renderer);
+}
+
+/// Throws `Unavailable` where the planes of `call` would lie in memory that C does not reach.
+inline void require_reachable(const char* call, const swiftgs_renderer& renderer) {
+  if (renderer.draws_in == DrawsIn::vulkan)
+    throw Unavailable(std::string(call) + ": renderer '" + renderer.name +
+                      "' draws in memory of Vulkan, expected swiftgs_renderer_render");
 }
 
 static_assert(int(SplatOrder::depth) == SWIFTGS_ORDER_DEPTH &&

@@ -33,7 +33,8 @@ HarmonicsKept to_harmonics(const swiftgs_renderer_options& from) {
 }
 
 void write_entry(swiftgs_renderer_entry* to, const RendererEntry& from) {
-  write_struct(to, {0, from.usable, from.name.c_str(), from.on_device, 0}, "swiftgs_renderer_entry");
+  write_struct(to, {0, from.usable, from.name.c_str(), where_draws(from.name) == DrawsIn::cuda, 0},
+               "swiftgs_renderer_entry");
 }
 
 }  // namespace
@@ -74,8 +75,10 @@ swiftgs_status swiftgs_renderer_create(const char* name, const swiftgs_renderer_
     made->renderer = swiftgs::make_renderer(name, given);
     made->name = name;
     made->device_name = made->renderer->device_name();
-    if (made->renderer->device_memory())
-      made->host_frames = make_host_frames(given), made->stream = given.stream;
+    made->draws_in = where_draws(made->name);
+    if (made->draws_in == DrawsIn::cuda)
+      made->host_frames = make_cuda_frames(given), made->stream = given.stream;
+    if (made->draws_in == DrawsIn::vulkan) made->host_frames = make_vulkan_frames(given);
     *renderer = made.release();
   });
 }
@@ -110,7 +113,8 @@ swiftgs_status swiftgs_renderer_share_scene(swiftgs_renderer* renderer, const sw
     require_pointer(renderer, "renderer");
     require_pointer(other, "renderer");
     const std::scoped_lock turns(renderer->turn, other->turn);
-    if (renderer->host_frames && other->host_frames) order_streams(other->stream, renderer->stream);
+    if (renderer->draws_in == DrawsIn::cuda && other->draws_in == DrawsIn::cuda)
+      order_streams(other->stream, renderer->stream);
     if (!renderer->renderer->share_scene(*other->renderer))
       refuse("share_scene: renderer '", other->name,
              "' has no scene or another backend, expected a scene of that of '", renderer->name, "'");

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include <fnmatch.h>
 
@@ -29,8 +30,9 @@ std::vector<RendererEntry> renderers_matching(const std::string& patterns) {
     for (std::size_t i = 0; i < chosen.size(); ++i)
       if (renderers()[i].usable && fnmatch(pattern.c_str(), renderers()[i].name.c_str(), 0) == 0)
         found = chosen[i] = true;
-    if (!found && pattern.starts_with("cuda") && !has_backend("cuda/"))
-      throw std::invalid_argument("--renderers '" + pattern + "': built without CUDA");
+    for (const auto& [backend, needs] : {std::pair("cuda", "CUDA"), std::pair("vulkan", "Vulkan")})
+      if (!found && pattern.starts_with(backend) && !has_backend(backend))
+        throw std::invalid_argument("--renderers '" + pattern + "': built without " + needs);
     if (!found)
       throw std::invalid_argument("--renderers '" + pattern +
                                   "': no renderer that can run here matches; expected a name from 'swiftgs "

@@ -25,7 +25,7 @@ typedef struct swiftgs_renderer_entry {
   uint32_t size;      ///< `sizeof(swiftgs_renderer_entry)`
   int32_t usable;     ///< 1: it can run on this machine
   const char* name;   ///< BACKEND/SORT/RASTER/BOUNDS; valid as long as the library is loaded
-  int32_t on_device;  ///< 1: it draws in the memory of a CUDA device; 0: in the host's
+  int32_t on_device;  ///< 1: it draws in the memory of a CUDA device; 0: in the host's, or of `vulkan` in Vulkan's
   uint32_t reserved;  ///< 0
 } swiftgs_renderer_entry;
 
@@ -34,7 +34,7 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderers_count(size_t* count);
 /// Fills `entry`, whose size is set. `SWIFTGS_INVALID_ARGUMENT` beyond the last.
 SWIFTGS_C_API swiftgs_status swiftgs_renderers_get(size_t index, swiftgs_renderer_entry* entry);
 /// Fills `entry`, whose size is set, with the renderer called `name`; or where `name` is a backend alone
-/// (`serial`, `cpu`, `cuda`), with its usual one; or where `name` is NULL, with that of the quickest backend
+/// (`serial`, `vulkan`, `cpu`, `cuda`), with its usual one; or where `name` is NULL, with that of the quickest backend
 /// that can run here. `SWIFTGS_INVALID_ARGUMENT` for any other name.
 SWIFTGS_C_API swiftgs_status swiftgs_renderers_find(const char* name, swiftgs_renderer_entry* entry);
 
