@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
 # Whether swiftgs::vulkan is built: it takes the headers of Vulkan, and compiles its shaders by glslangValidator.
-# Off unless asked for, while it draws pinhole frames alone.
+# Off unless asked for.
 set(SWIFTGS_BUILD_VULKAN OFF CACHE STRING "")
 find_package(Vulkan QUIET COMPONENTS glslangValidator)
 swiftgs_auto_option(SWIFTGS_BUILD_VULKAN "Build swiftgs::vulkan (needs the headers of Vulkan and glslangValidator)"

@@ -12,6 +12,7 @@ namespace {
 #include "emit.comp.hpp"
 #include "fill.comp.hpp"
 #include "footprints.comp.hpp"
+#include "pick.comp.hpp"
 #include "project.comp.hpp"
 #include "ranges.comp.hpp"
 #include "ranges_clear.comp.hpp"

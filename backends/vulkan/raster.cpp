@@ -6,6 +6,7 @@
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame/float_pair.hpp>
 #include <swiftgs/functor/count_on_host.hpp>
+#include <swiftgs/pick.hpp>
 #include <swiftgs/vulkan/stages.hpp>
 
 #include "commands.hpp"
@@ -34,6 +35,7 @@ struct RasterView {
   std::uint32_t width, height, format, conversion, over, stored_as_depth, feature_channels;
   float alpha_min, alpha_max, stop_below, first_below;
   vec3 background;
+  vec2 middle;
 
   explicit RasterView(const View& view)
       : colour(view.frame.colour),
@@ -64,7 +66,8 @@ struct RasterView {
         alpha_max(view.rules.alpha_max),
         stop_below(view.rules.stop_below),
         first_below(view.rules.first_below),
-        background(view.background) {}
+        background(view.background),
+        middle(0.5f * view.camera.width, 0.5f * view.camera.height) {}
 };
 
 /// Shaders write words: a pixel may not begin within one.
@@ -89,12 +92,14 @@ void rasterize(Vulkan& b, RasterKind kind, const RasterJob& job) {
     // The views of a frame do not overlap in memory.
     commands.run(
         Kernel::raster,
-        {kind.exponent, kind.threshold, std::uint32_t(job.sums_depth(view)), std::uint32_t(job.picks(view)),
-         std::uint32_t(bool(frame.occluder)), std::uint32_t(frame.conversion != Conversion::as_is),
-         job.attributes.rows * AttributeRow::channels, std::uint32_t(!job.only_attributes)},
+        {kind.exponent, kind.threshold, std::uint32_t(job.sums_depth(view) && !view.camera.depth_along_ray),
+         std::uint32_t(job.picks(view)), std::uint32_t(bool(frame.occluder)),
+         std::uint32_t(frame.conversion != Conversion::as_is), job.attributes.rows * AttributeRow::channels,
+         std::uint32_t(!job.only_attributes), std::uint32_t(view.camera.depth_along_ray)},
         Push(commands.constants(Span<const RasterView>{&words, 1}), job.splats.shapes.data,
              job.colours.each.data, job.splats.gaussians.data, job.lists.ids.data, job.lists.ranges.data,
-             commands.constants(Span<const AttributeList>{&list, 1}), job.attributes.data),
+             commands.constants(Span<const AttributeList>{&list, 1}), job.attributes.data,
+             job.attributes.first_row, job.attributes.first_stride * AttributeRow::channels),
         {(std::uint32_t(frame.width) + side - 1) / side, (std::uint32_t(frame.height) + side - 1) / side,
          commands.subgroup()},
         {});
@@ -105,6 +110,20 @@ void rasterize(Vulkan& b, RasterKind kind, const RasterJob& job) {
 }  // namespace swiftgs::vulkan
 
 namespace swiftgs {
+
+void pick_pixels(Vulkan& b, const PickJob& job) {
+  static_assert(sizeof(PickedPixel) == 20 && PickedPixel::nothing == 0xffffffff);
+  const vulkan::RasterView view(job.view);
+  vulkan::Commands commands(b);
+  commands.run(
+      vulkan::Kernel::pick, {},
+      vulkan::Push(commands.constants(Span<const vulkan::RasterView>{&view, 1}), job.splats.shapes.data,
+                   job.colours.data, job.splats.gaussians.data, job.lists.ids.data, job.lists.ranges.data,
+                   job.to, std::uint32_t(job.x), std::uint32_t(job.y), std::uint32_t(job.width),
+                   std::uint32_t(job.height), std::uint32_t(job.pitch)),
+      vulkan::Commands::Shape::of(std::size_t(job.width) * std::size_t(job.height)), {});
+  commands.submit();
+}
 
 FrameCounted count_frame(const Vulkan& b, const RasterJob& job, CountRasterBlock count) {
   return count_on_host(b, job, count);

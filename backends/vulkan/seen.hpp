@@ -100,13 +100,14 @@ struct AttributeList {
     std::uint32_t of = 0, channel = 0;
   } each[AttributesView::most];
   float most = 0;
-  std::uint32_t has_normal = 0, count = 0;
+  std::uint32_t has_normal = 0, has_ray_depth = 0, count = 0;
 
   AttributeList() = default;
   /// Rows of those from `first` on that `view` is asked for.
   AttributeList(const View& view, int first, unsigned rows)
       : most(most_attribute(view.rules.alpha_max)),
-        has_normal(view.request.normal),
+        has_normal(first == 0 && view.request.normal),
+        has_ray_depth(first == 0 && asks_for_ray_depth(view)),
         count(rows * AttributeRow::channels) {
     for (int k = 0; k < int(AttributesView::most); ++k) {
       const Attribute from = attribute(view, view.request, first + k);

@@ -18,20 +18,6 @@ namespace swiftgs {
 namespace vulkan {
 namespace {
 
-[[noreturn]] void refuse_view(const char* what, const char* expected) {
-  throw Unavailable(detail::message("backend vulkan: ", what, ", expected ", expected));
-}
-
-/// Throws `Unavailable` for what is not drawn yet.
-void check_supported(const FramePlan& plan) {
-  for (const View& view : plan.views) {
-    if (view.camera.order_is_distance) refuse_view("a view is ordered by distance", "order by depth");
-    if (view.camera.through_lens || view.camera.depth_is_distance)
-      refuse_view("a view has a lens that is no pinhole or depth as distance", "a pinhole and depth as z");
-    if (view.camera.depth_along_ray) refuse_view("a view takes depth along the ray", "depth of means");
-  }
-}
-
 /// Workgroups of projection that have the Gaussians of placed scenes, view by view.
 template <class F>
 std::size_t for_each_part(const FramePlan& plan, const F& f) {
@@ -49,7 +35,6 @@ std::size_t for_each_part(const FramePlan& plan, const F& f) {
 
 void project(Vulkan& b, const FramePlan& plan, BoundsKind bounds, ProjectScratch<Vulkan>& scratch,
              Splats<Vulkan>& splats, Footprints<Vulkan>& footprints) {
-  check_supported(plan);
   const std::size_t candidates = plan.candidates(), views = plan.views.size();
   if (candidates > 0xffffffff - usual_threads)
     throw CapacityError("Gaussians in all views", candidates, 0xffffffff - usual_threads);
@@ -72,7 +57,7 @@ void project(Vulkan& b, const FramePlan& plan, BoundsKind bounds, ProjectScratch
   for_each_part(plan, [&](std::size_t v, std::size_t s, const StoredScene& placed, std::size_t first) {
     const std::size_t n = placed.size();
     Projected* const projected = scratch.projected.data() + first * usual_threads;
-    commands.run(Kernel::project, {},
+    commands.run(Kernel::project, {Eye::lens_of(plan.views[v].camera)},
                  Push(seen + v * scenes + s, projected, places + first, std::uint32_t(n)),
                  Commands::Shape::of(n),
                  {writes(projected, n * sizeof(Projected)),
@@ -191,9 +176,9 @@ void gather_attributes(Vulkan& b, const SplatAttributes& from, const StoredScene
   vulkan::Commands commands(b);
   std::vector<vulkan::AttributeList> lists;
   for (const View& view : views) lists.emplace_back(view, from.first, from.rows);
-  commands.run(vulkan::Kernel::attributes, {},
-               vulkan::Push(vulkan::all_seen(commands, views, scenes), splats.gaussians.data, splats.of_view,
-                            splats.depths.data,
+  commands.run(vulkan::Kernel::attributes, {from.along_ray(views.each)},
+               vulkan::Push(vulkan::all_seen(commands, views, scenes), splats.shapes.data,
+                            splats.gaussians.data, splats.of_view, splats.depths.data,
                             commands.constants(Span<const vulkan::AttributeList>{lists.data(), lists.size()}),
                             to, splats.count(), std::uint32_t(scenes.size())),
                vulkan::Commands::Shape::of(splats.size()),

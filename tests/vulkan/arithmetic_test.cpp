@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The shaders' arithmetic against that of the library, without a device.
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -13,12 +14,16 @@
 #include <swiftgs/bounds/all.hpp>
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/conventions.hpp>
+#include <swiftgs/edit.hpp>
 #include <swiftgs/frame/bounds.hpp>
 #include <swiftgs/lens/view.hpp>
+#include <swiftgs/plane/attribute_stage.hpp>
 #include <swiftgs/project/project.hpp>
 #include <swiftgs/tools/policy_lists.hpp>
 
 #include "eye.hpp"
+#include "policies/lenses.hpp"
+#include "policies/planes.hpp"
 #include "policies/random_splats.hpp"
 #include "vulkan/glsl.hpp"
 
@@ -80,7 +85,7 @@ TEST_CASE("vulkan arithmetic: projection has the bits of the library but for tie
     for (std::size_t i = 0; i < gaussians.size(); ++i) {
       const Gaussian g = gaussian(gaussians, i);
       const ProjectedShape expected = project_through_pinhole<double>(camera, g);
-      const glsl::ProjectedShape found = glsl::project_shape(eye, in_glsl(g));
+      const glsl::ProjectedShape found = glsl::project_through_pinhole(eye, in_glsl(g));
       REQUIRE(found.visible == expected.visible);
       if (!expected.visible) continue;
       ++splats;
@@ -101,6 +106,54 @@ TEST_CASE("vulkan arithmetic: projection has the bits of the library but for tie
   MESSAGE(other, " of ", splats, " splats have other bits");
   CHECK(splats > 10000);
   CHECK(other * 1000 < splats);
+}
+
+TEST_CASE("vulkan arithmetic: lenses and depths along the ray are those of the library") {
+  const Scene scene = order_spatially(make_builtin_scene(20'000));
+  const SceneView gaussians = view(scene);
+  std::vector<Camera> cameras = cameras_of_lenses(320, 160);
+  for (Camera& camera : cameras) {
+    CAPTURE(name_of(camera.lens.model));
+    for (const bool by_distance : {false, true}) {
+      Conventions conventions = along_ray();
+      conventions.order = by_distance ? SplatOrder::distance : SplatOrder::depth;
+      if (by_distance) conventions.depth = Conventions::Depth::z;
+      const ViewConstants constants = view_constants(camera, conventions);
+      const glsl::Eye eye = in_glsl(vulkan::Eye(constants));
+      std::size_t splats = 0, other_visible = 0;
+      double mean_error = 0, factor_error = 0, depth_error = 0;
+      for (std::size_t i = 0; i < gaussians.size(); ++i) {
+        const Gaussian g = gaussian(gaussians, i);
+        const ProjectedShape expected = project_shape(constants, g);
+        const glsl::ProjectedShape found = glsl::project_through(eye.lens, eye, in_glsl(g));
+        other_visible += found.visible != expected.visible;
+        if (!expected.visible || !found.visible) continue;
+        ++splats;
+        const SplatShape shape = from_glsl(found.shape);
+        const auto mean = shape.exact_mean(), wanted = expected.shape.exact_mean();
+        mean_error = std::max({mean_error, std::fabs(mean.x - wanted.x), std::fabs(mean.y - wanted.y)});
+        const float largest = std::max(std::fabs(expected.shape.l0), std::fabs(expected.shape.l1));
+        for (const float error : {shape.l0 - expected.shape.l0, shape.l1 - expected.shape.l1})
+          factor_error = std::max(factor_error, double(std::fabs(error) / largest));
+        REQUIRE(ulps(found.depth, expected.depth) <= 1);
+        const float depth = drawn_depth(constants, gaussians, i, expected.depth);
+        REQUIRE(ulps(glsl::drawn_depth(eye, g.mean, found.depth), depth) <= 1);
+        const RayDepth slopes = ray_depth(constants, g, expected.shape.exact_mean(), depth, 1e30f);
+        const vec3 of_shader = glsl::ray_depth(eye, in_glsl(g), found.shape, depth, 1e30f);
+        const double around = std::fabs(slopes.x) * 320 + std::fabs(slopes.y) * 160 + std::fabs(depth);
+        depth_error = std::max({depth_error, std::fabs(of_shader.x - slopes.middle) / around,
+                                std::fabs(of_shader.y - slopes.x) * 320 / around,
+                                std::fabs(of_shader.z - slopes.y) * 160 / around});
+      }
+      MESSAGE(name_of(camera.lens.model), ": ", splats, " splats, means off by ", mean_error,
+              " px, factors by ", factor_error, ", depths by ", depth_error);
+      CHECK(splats > 500);
+      CHECK(other_visible == 0);
+      CHECK(mean_error < 1e-6);
+      CHECK(factor_error < 2e-7);
+      CHECK(depth_error < 1e-6);
+    }
+  }
 }
 
 TEST_CASE("vulkan arithmetic: bounds list the tiles of the library") {

@@ -26,12 +26,15 @@ inline float inversesqrt(float x) { return 1 / std::sqrt(x) * (1 + 0x1p-22f); }
 
 #define FUNCTION inline
 #define PRECISE
+#define INOUT(T) T&
 // clang-format off
 #include "pairs.glsl"
 #include "project.glsl"
 #include "bounds.glsl"
+#include "lens.glsl"
 // clang-format on
 #undef FUNCTION
 #undef PRECISE
+#undef INOUT
 
 }  // namespace swiftgs::test::glsl

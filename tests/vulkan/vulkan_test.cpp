@@ -275,22 +275,13 @@ SWIFTGS_VULKAN_CASE("vulkan: a frame beyond its capacity is drawn again and time
   CHECK(renderer.memory().total() == 0);
 }
 
-SWIFTGS_VULKAN_CASE("vulkan: what is not drawn yet is refused by name") {
+SWIFTGS_VULKAN_CASE("vulkan: what it cannot do yet is refused by name") {
   UsualVulkan renderer;
-  const Camera camera = forward_camera(40, 30);
-  const VulkanScene scene = renderer.backend().upload(random_scene(50, 0, 1));
-  const auto refuses = [&](const RenderSettings& settings, const Camera& of, const char* what) {
-    CHECK_THROWS_WITH_AS(renderer.render(scene, of, settings), doctest::Contains(what), Unavailable);
-  };
-  RenderSettings settings;
-  settings.conventions.depth_at = Conventions::DepthAt::ray;
-  settings.outputs.depth = true;
-  refuses(settings, camera, "backend vulkan: a view takes depth along the ray");
-  Camera fisheye = camera;
-  fisheye.lens.model = LensModel::fisheye;
-  refuses({}, fisheye, "backend vulkan: a view has a lens that is no pinhole");
-  CHECK_THROWS_WITH_AS(renderer.pick(0, 0), "backend vulkan: expected a function pick_pixels", Unavailable);
-  CHECK(renderer.render(scene, camera).pixels() == 1200);
+  renderer.set_scene(std::make_shared<const Scene>(random_scene(50, 0, 1)));
+  CHECK_THROWS_WITH_AS(renderer.update_scene(0, 0, {}), "backend vulkan: expected a function update",
+                       Unavailable);
+  CHECK_THROWS_WITH_AS(renderer.set_scene(SceneArrays()),
+                       "backend vulkan: expected a function upload of scenes to keep", Unavailable);
 }
 
 TEST_CASE("vulkan: a device without handles or features is refused by name") {

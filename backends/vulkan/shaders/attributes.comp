@@ -5,9 +5,13 @@
 #include "frame.glsl"
 #include "attributes.glsl"
 
+// Whether a view takes depths along the ray.
+layout(constant_id = 2) const bool ALONG_RAY = false;
+
 // Gathers rows of attributes of splats, as `SplatAttributes` does.
 layout(push_constant, scalar) uniform Push {
   Seens seen;  // by view, then by placed scene
+  Shapes shapes;
   Uints gaussians;
   uvec2 of_view;
   Floats depths;
@@ -31,7 +35,16 @@ vec3 normal_of(Eye eye, Gaussian g) {
     normal[row] = dot(vec3(eye.rotation[3u * row].high, eye.rotation[3u * row + 1u].high, eye.rotation[3u * row + 2u].high),
                       world);
   const PairVector ray = to_camera(eye, g.mean);
-  return dot(normal, vec3(ray.x.high, ray.y.high, ray.z.high)) > 0.0 ? -normal : normal;
+  const bool away =
+      eye.lens == orthographic ? normal.z > 0.0 : dot(normal, vec3(ray.x.high, ray.y.high, ray.z.high)) > 0.0;
+  return away ? -normal : normal;
+}
+
+// As `RayDepth::square`.
+float square(vec3 d, uint k) {
+  const float with[6] = float[6](d.x, 2.0 * d.y, 2.0 * d.z, d.y, 2.0 * d.z, d.z);
+  const float of[6] = float[6](d.x, d.x, d.x, d.y, d.y, d.z);
+  return with[k] * of[k];
 }
 
 void main() {
@@ -41,14 +54,20 @@ void main() {
   const uint g = gaussians.at[i] - seen.at[of].first_gaussian;
   const float most = lists.at[view].most;
   Floats features = Floats(element(seen.at[of].scene.features, g, seen.at[of].scene.features_stride));
-  vec3 normal = vec3(0.0);
-  if (lists.at[view].has_normal != 0u) normal = normal_of(seen.at[of].eye, gaussian_of(seen, of, g));
+  const Eye eye = seen.at[of].eye;
+  const Gaussian drawn = gaussian_of(seen, of, g);
+  const float depth = drawn_depth(eye, drawn.mean, depths.at[i]);
+  vec3 normal = vec3(0.0), along_ray = vec3(0.0);
+  if (lists.at[view].has_normal != 0u) normal = normal_of(eye, drawn);
+  if (ALONG_RAY && lists.at[view].has_ray_depth != 0u) along_ray = ray_depth(eye, drawn, shapes.at[i], depth, most);
   const uint attributes = lists.at[view].count;
   for (uint k = 0u; k < attributes; ++k) {
     const Attribute from = lists.at[view].each[k];
     float value = 0.0;
+    if (from.of == of_ray_depth) value = along_ray[from.channel];
     if (from.of == of_normal) value = normal[from.channel];
-    if (from.of == of_squared_depth) value = min(depths.at[i] * depths.at[i], most);
+    if (from.of == of_squared_depth) value = min(depth * depth, most);
+    if (from.of == of_squared_ray_depth) value = square(along_ray, from.channel);
     if (from.of == of_feature) value = features.at[from.channel];
     // A number that is not finite counts as 0.
     to.at[i * attributes + k] = abs(value) <= 3.4028234663852886e38 ? clamp(value, -most, most) : 0.0;

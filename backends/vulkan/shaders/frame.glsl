@@ -4,6 +4,7 @@
 
 #include "pairs.glsl"
 #include "project.glsl"
+#include "lens.glsl"
 #include "bounds.glsl"
 
 // Arrays of a scene: `SceneView`.

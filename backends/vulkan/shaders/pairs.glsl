@@ -7,6 +7,7 @@
 #ifndef __cplusplus
 #define FUNCTION
 #define PRECISE precise
+#define INOUT(T) inout T
 #endif
 
 struct FloatPair {

@@ -15,6 +15,7 @@ struct RasterView {
   uint width, height, format, conversion, over, stored_as_depth, feature_channels;
   float alpha_min, alpha_max, stop_below, first_below;
   vec3 background;
+  vec2 middle;  // of the image
 };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer RasterViews { RasterView at[]; };
 

@@ -4,6 +4,8 @@
 #include "common.glsl"
 #include "frame.glsl"
 
+layout(constant_id = 2) const uint LENS = pinhole;
+
 // Projects the Gaussians of a placed scene. The visible ones of a workgroup lie side by side, and their number in
 // `counts`.
 layout(push_constant, scalar) uniform Push {
@@ -33,7 +35,7 @@ void main() {
   shape.visible = false;
   if (i < gaussians) {
     const Gaussian g = gaussian_of(seen, 0u, i);
-    if (shows(g.mean)) shape = project_shape(seen.at[0].eye, g);
+    if (shows(g.mean)) shape = project_through(LENS, seen.at[0].eye, g);
   }
   uint visible;
   const uint place = workgroup() * THREADS + sum_before(shape.visible ? 1u : 0u, visible);

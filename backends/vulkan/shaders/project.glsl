@@ -10,10 +10,13 @@ struct Eye {
   FloatPair fx, fy, cx, cy, depth_scale;
   FloatPair least_u, most_u, least_v, most_v;  // limits of tangents
   FloatPair log2_alpha_min;
+  FloatPair radial[4], rational[3], tangential[2], prism[2];  // of the lens
+  FloatPair fold_squared, most_cosecant;
+  FloatPair turn, panorama_middle;  // of panoramas
   float blur, opacity, alpha_min, min_compensation;
   float near_plane, far_plane, width, height;
   float left, top, right, bottom;
-  uint antialiased;
+  uint antialiased, lens, depth_is_distance, order_is_distance;
 };
 
 struct Gaussian {
@@ -35,33 +38,41 @@ struct ProjectedShape {
   bool visible;
 };
 
-// As `SplatShape`.
-FUNCTION float from_mean(float mean, uint low, float at) {
-  PRECISE float from_float = at - mean;
-  PRECISE float lacks = 5.9604644775390625e-8f * float(low & 0xffffu);
-  PRECISE float distance = from_float - lacks;
-  return distance;
+// What the mean has beyond its floats, and how it is stored: the only functions that know its encoding.
+FUNCTION vec2 low_of_mean(Shape s) {
+  PRECISE float x = 5.9604644775390625e-8f * float(s.low & 0xffffu);
+  PRECISE float y = 5.9604644775390625e-8f * float(s.low >> 16);
+  return vec2(x, y);
 }
-FUNCTION float right_of_mean(Shape s, float x) { return from_mean(s.mean.x, s.low, x); }
-FUNCTION float below_mean(Shape s, float y) { return from_mean(s.mean.y, s.low >> 16, y); }
-
-struct Mean {
-  float down;
-  uint low;
-};
-FUNCTION Mean round_down(FloatPair x) {
-  Mean mean;
-  mean.down = x.high;
+// Sets `mean` to the largest float that is not above x, and returns what it lacks.
+FUNCTION uint round_down(FloatPair x, INOUT(float) mean) {
+  mean = x.high;
   float lacks = x.low;
   if (lacks < 0.0f) {
-    mean.down = uintBitsToFloat(floatBitsToUint(x.high) + (x.high > 0.0f ? 0xffffffffu : 1u));
-    PRECISE float step = x.high - mean.down;
+    mean = uintBitsToFloat(floatBitsToUint(x.high) + (x.high > 0.0f ? 0xffffffffu : 1u));
+    PRECISE float step = x.high - mean;
     PRECISE float sum = lacks + step;
     lacks = sum;
   }
   float units = 16777216.0f * lacks;
-  mean.low = uint(roundEven(!(units <= 65535.0f) ? 65535.0f : units));
-  return mean;
+  return uint(roundEven(!(units <= 65535.0f) ? 65535.0f : units));
+}
+FUNCTION void set_mean(INOUT(Shape) s, FloatPair x, FloatPair y) {
+  float column, row;
+  s.low = round_down(x, column);
+  s.low = s.low | (round_down(y, row) << 16);
+  s.mean = vec2(column, row);
+}
+
+FUNCTION float right_of_mean(Shape s, float x) {
+  PRECISE float from_float = x - s.mean.x;
+  PRECISE float from_mean = from_float - low_of_mean(s).x;
+  return from_mean;
+}
+FUNCTION float below_mean(Shape s, float y) {
+  PRECISE float from_float = y - s.mean.y;
+  PRECISE float from_mean = from_float - low_of_mean(s).y;
+  return from_mean;
 }
 
 FUNCTION float root(float x) {
@@ -155,13 +166,16 @@ FUNCTION Factor factor_of(PairVector mx, PairVector my, float blur) {
   return f;
 }
 
+// The camera's axis to the right, down or ahead.
+FUNCTION PairVector eye_axis(Eye eye, uint k) {
+  return pair_vector(eye.rotation[3u * k], eye.rotation[3u * k + 1u], eye.rotation[3u * k + 2u]);
+}
+
 FUNCTION PairVector to_camera(Eye eye, vec3 mean) {
   FloatPair x = float_minus(mean.x, eye.centre[0]), y = float_minus(mean.y, eye.centre[1]),
             z = float_minus(mean.z, eye.centre[2]);
   PairVector d = pair_vector(x, y, z);
-  return pair_vector(dot_pairs(pair_vector(eye.rotation[0], eye.rotation[1], eye.rotation[2]), d),
-                     dot_pairs(pair_vector(eye.rotation[3], eye.rotation[4], eye.rotation[5]), d),
-                     dot_pairs(pair_vector(eye.rotation[6], eye.rotation[7], eye.rotation[8]), d));
+  return pair_vector(dot_pairs(eye_axis(eye, 0u), d), dot_pairs(eye_axis(eye, 1u), d), dot_pairs(eye_axis(eye, 2u), d));
 }
 
 FUNCTION ProjectedShape visible_shape(Eye eye, FloatPair mean_x, FloatPair mean_y, Factor f, float opacity, float depth) {
@@ -174,9 +188,7 @@ FUNCTION ProjectedShape visible_shape(Eye eye, FloatPair mean_x, FloatPair mean_
   if (!(drawn >= eye.alpha_min)) return p;
 
   Shape s;
-  Mean column = round_down(mean_x), row = round_down(mean_y);
-  s.mean = vec2(column.down, row.down);
-  s.low = column.low | (row.low << 16);
+  set_mean(s, mean_x, mean_y);
   s.l0 = f.l0;
   s.l1 = f.l1;
   s.l2 = f.l2;
@@ -198,26 +210,38 @@ FUNCTION ProjectedShape visible_shape(Eye eye, FloatPair mean_x, FloatPair mean_
   return p;
 }
 
-FUNCTION ProjectedShape project_shape(Eye eye, Gaussian g) {
+FUNCTION bool is_opaque_enough(Eye eye, float opacity) { return opacity >= eye.alpha_min && opacity <= 3.402823e38f; }
+FUNCTION bool is_between_planes(Eye eye, float depth) { return depth > eye.near_plane && depth <= eye.far_plane; }
+
+// How the image moves with a Gaussian's own unit sphere.
+struct ImageRows {
+  PairVector x, y;
+};
+// Linearised within the limits of the conventions.
+FUNCTION ImageRows pinhole_rows(Eye eye, PairVector p, Gaussian g) {
+  FloatPair inverse_z = inverse_pair(p.z), u = times(p.x, inverse_z), v = times(p.y, inverse_z);
+  LocalAxes axes = local_axes(g.rotation);
+  PairVector ahead = eye_axis(eye, 2u);
+  PairVector seen_x = along(eye_axis(eye, 0u), negative(clamped(u, eye.least_u, eye.most_u)), ahead);
+  PairVector seen_y = along(eye_axis(eye, 1u), negative(clamped(v, eye.least_v, eye.most_v)), ahead);
+  ImageRows rows;
+  rows.x = image_row(seen_x, times(eye.fx, inverse_z), g.scale, axes);
+  rows.y = image_row(seen_y, times(eye.fy, inverse_z), g.scale, axes);
+  return rows;
+}
+
+FUNCTION ProjectedShape project_through_pinhole(Eye eye, Gaussian g) {
   ProjectedShape nothing;
   nothing.visible = false;
   float opacity = eye.opacity * g.opacity;
-  if (!(opacity >= eye.alpha_min && opacity <= 3.402823e38f)) return nothing;
+  if (!is_opaque_enough(eye, opacity)) return nothing;
   PairVector p = to_camera(eye, g.mean);
   float depth = times(eye.depth_scale, p.z).high;
-  if (!(depth > eye.near_plane && depth <= eye.far_plane)) return nothing;
+  if (!is_between_planes(eye, depth)) return nothing;
   FloatPair inverse_z = inverse_pair(p.z), u = times(p.x, inverse_z), v = times(p.y, inverse_z);
-
-  // Linearise within the limits of the conventions.
-  LocalAxes axes = local_axes(g.rotation);
-  PairVector right = pair_vector(eye.rotation[0], eye.rotation[1], eye.rotation[2]);
-  PairVector down = pair_vector(eye.rotation[3], eye.rotation[4], eye.rotation[5]);
-  PairVector ahead = pair_vector(eye.rotation[6], eye.rotation[7], eye.rotation[8]);
-  PairVector seen_x = along(right, negative(clamped(u, eye.least_u, eye.most_u)), ahead);
-  PairVector seen_y = along(down, negative(clamped(v, eye.least_v, eye.most_v)), ahead);
-  Factor f = factor_of(image_row(seen_x, times(eye.fx, inverse_z), g.scale, axes),
-                       image_row(seen_y, times(eye.fy, inverse_z), g.scale, axes), eye.blur);
-  return visible_shape(eye, multiply_add(eye.fx, u, eye.cx), multiply_add(eye.fy, v, eye.cy), f, opacity, depth);
+  ImageRows rows = pinhole_rows(eye, p, g);
+  return visible_shape(eye, multiply_add(eye.fx, u, eye.cx), multiply_add(eye.fy, v, eye.cy),
+                       factor_of(rows.x, rows.y, eye.blur), opacity, depth);
 }
 
 // Unit direction from the camera towards `mean`. The largest component is scaled to 1 first, so that no square leaves

@@ -5,14 +5,11 @@
 #include "frame.glsl"
 #include "attributes.glsl"
 #include "pixels.glsl"
+#include "alpha.glsl"
 
 // Blends the splats of a warp block of 8x8 pixels, which a subgroup shares: each lane has every SUBGROUP-th pixel. It
 // tests a splat a lane against the block, then blends the splats that touch it, one after the other.
 
-// The exponent representation, and whether pixels compare the exponent with the splat's cutoff.
-const uint half_split = 0u, float_split = 1u, float_cholesky = 2u;
-layout(constant_id = 2) const uint EXPONENT = float_cholesky;
-layout(constant_id = 3) const bool THRESHOLD = true;
 // What the view asks for beside colour and alpha.
 layout(constant_id = 4) const bool DEPTH = false;
 layout(constant_id = 5) const bool PICKS = false;
@@ -22,6 +19,8 @@ layout(constant_id = 7) const bool CONVERTS = false;
 // unrolled by each pixel they would take a minute to compile.
 layout(constant_id = 8) const uint ATTRIBUTES = 0u;
 layout(constant_id = 9) const bool IS_BASE = true;
+// Whether depths are those along the ray: the first attributes of a splat.
+layout(constant_id = 10) const bool ALONG_RAY = false;
 
 layout(push_constant, scalar) uniform Push {
   RasterViews views;  // this view alone
@@ -30,6 +29,8 @@ layout(push_constant, scalar) uniform Push {
   Uints gaussians, ids, ranges;
   AttributeLists attributes_of;  // this view alone
   Floats attributes;
+  Floats ray_depths;  // the first of the frame's attributes
+  uint ray_depth_stride;
 };
 
 const uint SIDE = 8u, EACH = SIDE * SIDE / SUBGROUP;
@@ -41,24 +42,14 @@ uvec2 place_of(uint p) {
   return uvec2(n % SIDE, n / SIDE);
 }
 
-// 2^-s for s >= 0, a unit in the last place, by the series of the remainder of an integer.
-float exp2_negative(float s) {
-  const float whole = roundEven(s);
-  if (!(whole <= 126.0)) return 0.0;
-  precise float x = whole - s;
-  precise float p6 = x * 1.540353039e-4;
-  precise float p5 = p6 + 1.333355815e-3;
-  precise float t5 = x * p5;
-  precise float p4 = t5 + 9.618129108e-3;
-  precise float t4 = x * p4;
-  precise float p3 = t4 + 5.550410866e-2;
-  precise float t3 = x * p3;
-  precise float p2 = t3 + 2.402265070e-1;
-  precise float t2 = x * p2;
-  precise float p1 = t2 + 6.931471806e-1;
-  precise float t1 = x * p1;
-  precise float p0 = t1 + 1.0;
-  return p0 * uintBitsToFloat((127u - uint(whole)) << 23);
+// The depth of splat `id` along the ray of a pixel, `place` from the middle of the image.
+float ray_depth_at(uint id, vec2 place) {
+  const uint at = id * ray_depth_stride;
+  precise float x = ray_depths.at[at + 1u] * place.x;
+  precise float y = ray_depths.at[at + 2u] * place.y;
+  precise float slopes = x + y;
+  precise float depth = ray_depths.at[at] + slopes;
+  return depth;
 }
 
 // As `box_touched` of `Cuda`: whether the ellipse s <= cutoff meets the box of the block's pixel centres.
@@ -75,66 +66,9 @@ bool box_touched(Shape s, vec2 first) {
   return u * u + v * v <= s.cutoff * 1.0001;
 }
 
-// Terms of `FloatSplit`, measured from the centre of the raster block.
-struct Split {
-  float a, b, c, d, e, g;
-};
-Split split_of(Shape s, vec2 centre) {
-  precise float x = right_of_mean(s, centre.x);
-  precise float y = below_mean(s, centre.y);
-  precise float u = s.l0 * x + s.l1 * y;
-  precise float v = s.l2 * y;
-  precise float a = s.l0 * s.l0;
-  precise float b = 2.0 * s.l0 * s.l1;
-  precise float c = s.l1 * s.l1 + s.l2 * s.l2;
-  precise float d = 2.0 * s.l0 * u;
-  precise float e = 2.0 * (s.l1 * u + s.l2 * v);
-  precise float g = u * u + v * v;
-  return Split(a, b, c, d, e, g);
-}
-
-float exponent_of(Shape s, Split split, vec2 centre, vec2 at) {
-  if (EXPONENT == float_split) {
-    const float x = at.x - centre.x, y = at.y - centre.y;
-    precise float of_x = (split.a * x + split.d) * x;
-    precise float of_y = (split.c * y + split.e) * y + split.g;
-    precise float mixed = split.b * x;
-    precise float exponent = of_x + of_y + mixed * y;
-    return exponent < 0.0 ? 0.0 : exponent;
-  }
-  const float dx = right_of_mean(s, at.x), dy = below_mean(s, at.y);
-  if (EXPONENT == half_split) {
-    precise float of_x = s.l0 * s.l0 * dx * dx;
-    precise float mixed = 2.0 * s.l0 * s.l1 * dx;
-    precise float of_y = (s.l1 * s.l1 + s.l2 * s.l2) * dy * dy;
-    precise float exponent = from_half(to_half(of_x)) + from_half(to_half(of_y)) +
-                             from_half(to_half(mixed)) * from_half(to_half(dy));
-    return exponent;
-  }
-  precise float p = s.l0 * dx;
-  precise float q = s.l1 * dy;
-  precise float u = p + q;
-  precise float v = s.l2 * dy;
-  precise float uu = u * u;
-  precise float vv = v * v;
-  precise float exponent = uu + vv;
-  return exponent;
-}
-
-// 0 where the pixel skips the splat.
-float alpha_of(Shape s, float exponent, RasterView view) {
-  if (!(exponent >= 0.0) || (THRESHOLD && !(exponent <= s.cutoff))) return 0.0;
-  precise float alpha = s.opacity * exp2_negative(exponent);
-  if (!THRESHOLD && !(alpha >= view.alpha_min)) return 0.0;
-  return min(alpha, view.alpha_max);
-}
-
-float dimmed(float transmittance, float alpha) {
-  precise float left = 1.0 - alpha;
-  precise float by_rest = transmittance * left;
-  precise float taken = alpha * transmittance;
-  precise float by_taken = transmittance - taken;
-  return alpha > 0.5 ? by_rest : by_taken;
+float picked_depth(uint id, vec2 place) {
+  if (id == NONE) return 0.0;
+  return ALONG_RAY ? ray_depth_at(id, place) : colours.at[id].w;
 }
 
 void main() {
@@ -143,6 +77,7 @@ void main() {
   const uvec2 block = gl_WorkGroupID.xy * SIDE;
   const ivec2 first_pixel = ivec2(grid.first_column, grid.first_row) * grid.side + ivec2(block);
   const vec2 first_centre = vec2(first_pixel) + 0.5;
+  const vec2 first_place = first_centre - view.middle;
   const vec2 raster_centre = vec2(first_pixel - ivec2(block & 8u)) + 8.0;
   const uint tile = tile_number(grid, first_pixel.x / grid.side, first_pixel.y / grid.side);
   const uint begin = ranges.at[2u * tile], end = ranges.at[2u * tile + 1u];
@@ -188,16 +123,20 @@ void main() {
       s.cutoff = subgroupShuffle(shape.cutoff, lane);
       s.low = subgroupShuffle(shape.low, lane);
       const vec4 rgb_depth = subgroupShuffle(of_mine, lane);
-      const uint id = PICKS || ATTRIBUTES != 0u ? subgroupShuffle(mine, lane) : NONE;
+      const uint id = PICKS || ALONG_RAY || ATTRIBUTES != 0u ? subgroupShuffle(mine, lane) : NONE;
       Split split;
       if (EXPONENT == float_split) split = split_of(s, raster_centre);
       all_stopped = true;
       for (uint p = 0u; p < EACH; ++p) {
         const vec2 at = first_centre + vec2(place_of(p));
-        const float alpha = alpha_of(s, exponent_of(s, split, raster_centre, at), view);
+        float alpha = alpha_of(s, exponent_of(s, split, raster_centre, at), view);
+        // Depths along the ray do not ascend in a list: the pixel skips a hidden splat.
+        if (ALONG_RAY && OCCLUDER && alpha != 0.0 &&
+            ray_depth_at(id, first_place + vec2(place_of(p))) >= occluded_from[p])
+          alpha = 0.0;
         if (!stopped[p] && alpha != 0.0) {
           const float next = dimmed(transmittance[p], alpha);
-          if (next < view.stop_below || (OCCLUDER && rgb_depth.w >= occluded_from[p])) {
+          if (next < view.stop_below || (OCCLUDER && !ALONG_RAY && rgb_depth.w >= occluded_from[p])) {
             stopped[p] = true;
           } else {
             precise float weight = alpha * transmittance[p];
@@ -227,10 +166,23 @@ void main() {
   for (uint p = 0u; p < EACH; ++p) {
     const uvec2 at = block + place_of(p);
     if (at.x >= view.width || at.y >= view.height) continue;
+    const vec2 place = first_place + vec2(place_of(p));
     precise float alpha = 1.0 - transmittance[p];
     for (uint k = 0u; ATTRIBUTES != 0u && k < attributes_of.at[0].count; ++k) {
       const Attribute to = attributes_of.at[0].each[k];
-      const float sum = sums[p * SUMS + k];
+      const uint from = p * SUMS + k;
+      const float sum = sums[from];
+      if (to.of == of_ray_depth && to.channel == 0u && !is_null(view.depth.data)) {
+        precise float slopes = sums[from + 1u] * place.x + sums[from + 2u] * place.y;
+        floats_of(view.depth, at, 1u).at[0] = alpha > 0.0 ? (sum + slopes) / alpha : 0.0;
+      }
+      if (to.of == of_squared_ray_depth && to.channel == 0u) {  // as `sum_of_squares`
+        precise float linear = sums[from + 1u] * place.x + sums[from + 2u] * place.y;
+        precise float by_x = sums[from + 3u] * place.x + sums[from + 4u] * place.y;
+        precise float by_y = sums[from + 5u] * place.y;
+        precise float square = sum + (linear + (by_x * place.x + by_y * place.y));
+        floats_of(view.squared_depth, at, 1u).at[0] = alpha > 0.0 ? square / alpha : 0.0;
+      }
       if (to.of == of_normal) floats_of(view.normal, at, 3u).at[to.channel] = sum;
       if (to.of == of_squared_depth) floats_of(view.squared_depth, at, 1u).at[0] = alpha > 0.0 ? sum / alpha : 0.0;
       if (to.of == of_feature) floats_of(view.features, at, view.feature_channels).at[to.channel] = sum;
@@ -249,9 +201,9 @@ void main() {
     if (DEPTH) floats_of(view.depth, at, 1u).at[0] = alpha > 0.0 ? depth[p] / alpha : 0.0;
     if (PICKS) {
       if (!is_null(view.first_depth.data))
-        floats_of(view.first_depth, at, 1u).at[0] = first[p] == NONE ? 0.0 : colours.at[first[p]].w;
+        floats_of(view.first_depth, at, 1u).at[0] = picked_depth(first[p], place);
       if (!is_null(view.median_depth.data))
-        floats_of(view.median_depth, at, 1u).at[0] = median[p] == NONE ? 0.0 : colours.at[median[p]].w;
+        floats_of(view.median_depth, at, 1u).at[0] = picked_depth(median[p], place);
       if (!is_null(view.id.data)) words_of(view.id, at, 1u).at[0] = largest[p] == NONE ? NONE : gaussians.at[largest[p]];
       if (!is_null(view.median_id.data))
         words_of(view.median_id, at, 1u).at[0] = median[p] == NONE ? NONE : gaussians.at[median[p]];

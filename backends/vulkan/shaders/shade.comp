@@ -77,7 +77,8 @@ void main() {
   if (!is_null(scene.labels)) number = half_word(scene.labels, g);
   const Row row = Row(element(scene.sh_rest, number, scene.sh_stride), scene.sh_format, scene.sh_scale);
 
-  const vec3 direction = view_direction(seen.at[of].eye, vector_at(scene.means, g, scene.means_stride));
+  const vec3 mean = vector_at(scene.means, g, scene.means_stride);
+  const vec3 direction = view_direction(seen.at[of].eye, mean);
   vec3 colour = colour_of(scene.sh_degree, sh0, row, direction, 1.0);
   if (!is_finite(colour)) colour = colour_of(scene.sh_degree, sh0, row, direction, 0.015625) / 0.015625;
   if (!is_finite(colour)) {
@@ -88,5 +89,5 @@ void main() {
   colour = max(colour, vec3(0.0));
   const float amount = seen.at[of].tint_amount;
   if (amount != 0.0) colour = min(amount * seen.at[of].tint + (1.0 - amount) * colour, vec3(LARGEST));
-  colours.at[i] = vec4(colour, depths.at[i]);
+  colours.at[i] = vec4(colour, drawn_depth(seen.at[of].eye, mean, depths.at[i]));
 }

@@ -20,6 +20,7 @@
 #include <swiftgs/frame/sort.hpp>
 #include <swiftgs/frame/splats.hpp>
 #include <swiftgs/functor/bounds_stages.hpp>
+#include <swiftgs/pick.hpp>
 #include <swiftgs/plane/attribute_stage.hpp>
 #include <swiftgs/raster/all.hpp>
 #include <swiftgs/sort/early.hpp>
@@ -155,7 +156,6 @@ SWIFTGS_API void find_ranges(Vulkan& b, const FootprintsView& footprints, Count 
 SWIFTGS_API void rasterize(Vulkan& b, RasterKind kind, const RasterJob& job);
 }  // namespace vulkan
 
-/// Throws `Unavailable` by name for what views ask for and this backend does not draw.
 template <vulkan::KnownBounds Bounds>
 void project(Vulkan& b, const FramePlan& plan, const Bounds&, ProjectScratch<Vulkan>& scratch,
              Splats<Vulkan>& splats, Footprints<Vulkan>& footprints) {
@@ -223,6 +223,9 @@ void rasterize(Vulkan& b, Raster, const RasterJob& job) {
 
 /// Downloads what `job` was rasterized from, and counts on all cores of the host. Waits.
 SWIFTGS_API FrameCounted count_frame(const Vulkan& b, const RasterJob& job, CountRasterBlock count);
+
+/// A thread finds a pixel's Gaussians.
+SWIFTGS_API void pick_pixels(Vulkan& b, const PickJob& job);
 
 SWIFTGS_API void gather_attributes(Vulkan& b, const SplatAttributes& from, const StoredScenes& scenes,
                                    const Views& views, AttributeRow* to);

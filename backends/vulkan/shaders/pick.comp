@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "common.glsl"
+#include "frame.glsl"
+#include "pixels.glsl"
+#include "alpha.glsl"
+
+// Picks at the pixels of a rectangle, as `PickPixel` does.
+layout(push_constant, scalar) uniform Push {
+  RasterViews views;  // this view alone
+  Shapes shapes;
+  Colours colours;
+  Uints gaussians, ids, ranges;
+  uvec2 to;  // the first of the rectangle's `PickedPixel`s, of 20 bytes
+  uint x, y, width, height, pitch;
+};
+
+const uint NONE = 0xffffffffu;
+
+void main() {
+  const uint i = invocation();
+  if (i >= width * height) return;
+  const RasterView view = views.at[0];
+  const TileGrid grid = view.grid;
+  const ivec2 pixel = ivec2(grid.first_column, grid.first_row) * grid.side + ivec2(x + i % width, y + i / width);
+  const uint tile = tile_number(grid, pixel.x / grid.side, pixel.y / grid.side);
+  const uint begin = ranges.at[2u * tile], end = ranges.at[2u * tile + 1u];
+
+  float transmittance = 1.0, largest = 0.0, depth = 0.0, median_depth = 0.0;
+  uint gaussian = NONE, median = NONE;
+  bool found = false;
+  // Two loops, since lavapipe ends loops after 65,535 rounds.
+  for (uint from = begin; from < end && !found; from += 4096u)
+    for (uint at = from; at < min(end, from + 4096u) && !found; ++at) {
+      const uint id = ids.at[at];
+      const Shape s = shapes.at[id];
+      const float of_splat = colours.at[id].w;
+      if (!(of_splat > 0.0)) continue;
+      Split split;
+      const vec2 centre = vec2(pixel) + 0.5;
+      const float alpha = alpha_of(s, exponent_of(s, split, centre, centre), view);
+      if (alpha == 0.0) continue;
+      const float next = dimmed(transmittance, alpha);
+      precise float weight = alpha * transmittance;
+      found = next < view.stop_below;
+      if (found) break;
+      if (weight > largest) {
+        gaussian = gaussians.at[id];
+        largest = weight;
+        depth = of_splat;
+      }
+      if (transmittance >= 0.5 && next < 0.5) {
+        median = gaussians.at[id];
+        median_depth = of_splat;
+      }
+      transmittance = next;
+      found = next < 0.5 && next <= largest;  // no later splat weighs more
+    }
+
+  const uvec2 row = element(to, i / width, 20u * pitch);
+  Uints picked = Uints(element(row, i % width, 20u));
+  picked.at[0] = gaussian;
+  picked.at[1] = floatBitsToUint(largest);
+  picked.at[2] = floatBitsToUint(depth);
+  picked.at[3] = median;
+  picked.at[4] = floatBitsToUint(median_depth);
+}
