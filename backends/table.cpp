@@ -53,6 +53,9 @@ const std::vector<ContributionsEntry>& contribution_backends() {
 #if defined(SWIFTGS_HAS_CPU)
         entry_of<Cpu>(),
 #endif
+#if defined(SWIFTGS_HAS_VULKAN)
+        entry_of<Vulkan>(),
+#endif
         entry_of<Serial>()
   };
   return table;

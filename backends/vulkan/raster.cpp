@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <swiftgs/contribution.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame/float_pair.hpp>
 #include <swiftgs/functor/count_on_host.hpp>
@@ -78,28 +79,36 @@ void check_colours(const FrameView& frame) {
                    " bytes, expected multiples of 4");
 }
 
-}  // namespace
+/// Whether a view is drawn for nothing. Launches over the largest image would take software minutes.
+bool has_no_planes(const FrameView& frame) {
+  bool none = true;
+  for_each_plane([&](std::size_t, const auto& plane) { none = none && !plane.data; }, frame);
+  return none;
+}
 
-void rasterize(Vulkan& b, RasterKind kind, const RasterJob& job) {
+/// Blends the views one by one, and adds weights to `contributions` where those are given.
+void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* contributions) {
   raster_blocks_of(job);  // checks the number of lists
-  for (const View& view : job.views) check_colours(view.frame);
   Commands commands(b);
   constexpr std::uint32_t side = 8;
   for (const View& view : job.views) {
+    if (!contributions && has_no_planes(view.frame)) continue;
     const RasterView words(view);
     const FrameView& frame = view.frame;
     const AttributeList list(view, job.attributes.first, job.attributes.rows);
-    // The views of a frame do not overlap in memory.
+    const bool is_base = !contributions && !job.only_attributes;
+    const auto asks = [](bool yes) { return std::uint32_t(yes); };
+    // The views of a frame do not overlap in memory, and sums are added by atomics.
     commands.run(
         Kernel::raster,
-        {kind.exponent, kind.threshold, std::uint32_t(job.sums_depth(view) && !view.camera.depth_along_ray),
-         std::uint32_t(job.picks(view)), std::uint32_t(bool(frame.occluder)),
-         std::uint32_t(frame.conversion != Conversion::as_is), job.attributes.rows * AttributeRow::channels,
-         std::uint32_t(!job.only_attributes), std::uint32_t(view.camera.depth_along_ray)},
+        {kind.exponent, asks(kind.threshold), asks(job.sums_depth(view) && !view.camera.depth_along_ray),
+         asks(job.picks(view)), asks(bool(frame.occluder)), asks(frame.conversion != Conversion::as_is),
+         job.attributes.rows * AttributeRow::channels, asks(is_base), asks(view.camera.depth_along_ray),
+         asks(contributions != nullptr), asks(!contributions || job.colours.each.data)},
         Push(commands.constants(Span<const RasterView>{&words, 1}), job.splats.shapes.data,
              job.colours.each.data, job.splats.gaussians.data, job.lists.ids.data, job.lists.ranges.data,
              commands.constants(Span<const AttributeList>{&list, 1}), job.attributes.data,
-             job.attributes.first_row, job.attributes.first_stride * AttributeRow::channels),
+             job.attributes.first_row, contributions, job.attributes.first_stride * AttributeRow::channels),
         {(std::uint32_t(frame.width) + side - 1) / side, (std::uint32_t(frame.height) + side - 1) / side,
          commands.subgroup()},
         {});
@@ -107,9 +116,26 @@ void rasterize(Vulkan& b, RasterKind kind, const RasterJob& job) {
   commands.submit();
 }
 
+}  // namespace
+
+void rasterize(Vulkan& b, RasterKind kind, const RasterJob& job) {
+  for (const View& view : job.views) check_colours(view.frame);
+  blend(b, kind, job, nullptr);
+}
+
 }  // namespace swiftgs::vulkan
 
 namespace swiftgs {
+
+void add_contributions(Vulkan& b, const ContributionJob& job) {
+  vulkan::blend(b, vulkan::KindOf<AxisSharedThreshold<FloatCholesky>>::kind, job.raster, job.sums);
+}
+
+void clear_sums(Vulkan& b, std::uint64_t* sums, std::size_t count) {
+  vulkan::Commands commands(b);
+  commands.fill(sums, 2 * count, 0);
+  commands.submit();
+}
 
 void pick_pixels(Vulkan& b, const PickJob& job) {
   static_assert(sizeof(PickedPixel) == 20 && PickedPixel::nothing == 0xffffffff);

@@ -85,6 +85,12 @@ struct SWIFTGS_API ClearSums {
   SWIFTGS_HD void operator()(std::size_t i) const { sums[i] = 0; }
 };
 
+/// Sets `count` sums to 0. Backends without functors overload this.
+template <FunctorBackend B>
+void clear_sums(B& b, std::uint64_t* sums, std::size_t count) {
+  b.for_each(count, ClearSums{sums});
+}
+
 /// Blends one raster block, pixel by pixel, on a host, and adds the weights to their Gaussians, with one
 /// atomic addition for each splat and raster block.
 struct AddRasterBlockContributions {
@@ -164,7 +170,7 @@ requires(bool(B::reaches_host_memory)) void add_contributions(B& b, const Contri
 ///
 /// Stages and memory are a renderer's. Frames do not draw Gaussians whose colour is not finite. To leave
 /// these Gaussians out too, it evaluates colours, but not for a scene alone with numbers below 1e36.
-template <FunctorBackend B>
+template <BackendPolicy B>
 class Contributions {
  public:
   /// Uploads `scene` to `backend`. Throws as `upload` does, and `CapacityError` beyond 2^32 - 1 Gaussians.
@@ -228,7 +234,7 @@ class Contributions {
     for (const PlacedScene& placed : scenes_) n += placed.size();
     if (n > most) throw CapacityError("Gaussians", n, most);
     sums_.reset(n);
-    stages_.backend().for_each(n, ClearSums{sums_.data()});
+    clear_sums(stages_.backend(), sums_.data(), n);
   }
 
   static bool centre_is_extreme(const ViewConstants& camera) {

@@ -35,7 +35,7 @@ class SWIFTGS_API AnyContributions {
 };
 
 /// `AnyContributions` on backend `B`.
-template <FunctorBackend B>
+template <BackendPolicy B>
 class ContributionsOn final : public AnyContributions {
  public:
   explicit ContributionsOn(std::shared_ptr<const Scene> scene) : contributions_(std::move(scene)) {}

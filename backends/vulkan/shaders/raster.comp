@@ -15,12 +15,19 @@ layout(constant_id = 4) const bool DEPTH = false;
 layout(constant_id = 5) const bool PICKS = false;
 layout(constant_id = 6) const bool OCCLUDER = false;
 layout(constant_id = 7) const bool CONVERTS = false;
-// Most attributes of a pass, and whether it draws all other planes too. Loops over attributes count to a number in memory:
-// unrolled by each pixel they would take a minute to compile.
+// Attributes of a pass, in rows of four, and whether it draws all other planes too. Loops over them count to a number in
+// memory: unrolled by each pixel they would take a minute to compile. They are few, since lavapipe ends all loops of a thread
+// after 65,535 rounds together.
 layout(constant_id = 8) const uint ATTRIBUTES = 0u;
 layout(constant_id = 9) const bool IS_BASE = true;
 // Whether depths are those along the ray: the first attributes of a splat.
 layout(constant_id = 10) const bool ALONG_RAY = false;
+
+// Whether the weights are added to `contributions` and nothing is drawn, and whether colours tell who is hidden.
+layout(constant_id = 11) const bool CONTRIBUTES = false;
+layout(constant_id = 12) const bool HAS_COLOURS = true;
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer AttributeRows { vec4 at[]; };
 
 layout(push_constant, scalar) uniform Push {
   RasterViews views;  // this view alone
@@ -28,13 +35,14 @@ layout(push_constant, scalar) uniform Push {
   Colours colours;
   Uints gaussians, ids, ranges;
   AttributeLists attributes_of;  // this view alone
-  Floats attributes;
-  Floats ray_depths;  // the first of the frame's attributes
+  AttributeRows attributes;
+  Floats ray_depths;    // the first of the frame's attributes
+  Uints contributions;  // 64-bit sums of Gaussians, by halves
   uint ray_depth_stride;
 };
 
 const uint SIDE = 8u, EACH = SIDE * SIDE / SUBGROUP;
-const uint NONE = 0xffffffffu, SUMS = ATTRIBUTES == 0u ? 1u : ATTRIBUTES;
+const uint NONE = 0xffffffffu, ROWS = ATTRIBUTES == 0u ? 1u : ATTRIBUTES / 4u;
 
 // Place of pixel `p` of this lane in the block.
 uvec2 place_of(uint p) {
@@ -71,6 +79,17 @@ float picked_depth(uint id, vec2 place) {
   return ALONG_RAY ? ray_depth_at(id, place) : colours.at[id].w;
 }
 
+// Adds to the sum of Gaussian `g` what the lanes have, in halves of 16 bits. All lanes call it.
+void contribute(uint g, uint low_bits, uint high_bits) {
+  const uint low = subgroupAdd(low_bits), high = subgroupAdd(high_bits);
+  if (gl_SubgroupInvocationID != 0u || (low | high) == 0u) return;
+  uint carry;
+  const uint parts = uaddCarry(high << 16, low, carry);
+  const uint before = atomicAdd(contributions.at[2u * g], parts);
+  if (before + parts < before) ++carry;
+  if ((high >> 16) + carry != 0u) atomicAdd(contributions.at[2u * g + 1u], (high >> 16) + carry);
+}
+
 void main() {
   const RasterView view = views.at[0];
   const TileGrid grid = view.grid;
@@ -85,7 +104,7 @@ void main() {
 
   float transmittance[EACH], depth[EACH], weight_of_largest[EACH], occluded_from[EACH];
   vec3 colour[EACH];
-  float sums[EACH * SUMS];
+  vec4 sums[EACH * ROWS];
   uint first[EACH], median[EACH], largest[EACH];
   bool stopped[EACH];
   bool all_stopped = true;
@@ -95,7 +114,7 @@ void main() {
     transmittance[p] = 1.0;
     colour[p] = vec3(0.0);
     if (ATTRIBUTES != 0u)
-      for (uint k = 0u; k < attributes_of.at[0].count; ++k) sums[p * SUMS + k] = 0.0;
+      for (uint r = 0u; r < attributes_of.at[0].count / 4u; ++r) sums[p * ROWS + r] = vec4(0.0);
     depth[p] = 0.0;
     first[p] = median[p] = largest[p] = NONE;
     weight_of_largest[p] = 0.0;
@@ -108,7 +127,7 @@ void main() {
     const uint i = from + gl_SubgroupInvocationID;
     const uint mine = ids.at[i < end ? i : begin];
     const Shape shape = shapes.at[mine];
-    const vec4 of_mine = colours.at[mine];
+    const vec4 of_mine = HAS_COLOURS ? colours.at[mine] : vec4(1.0);
     uvec4 touching = subgroupBallot(i < end && of_mine.w > 0.0 && box_touched(shape, first_centre));
     while ((touching.x | touching.y) != 0u) {
       const uint lane = touching.x != 0u ? uint(findLSB(touching.x)) : 32u + uint(findLSB(touching.y));
@@ -123,10 +142,11 @@ void main() {
       s.cutoff = subgroupShuffle(shape.cutoff, lane);
       s.low = subgroupShuffle(shape.low, lane);
       const vec4 rgb_depth = subgroupShuffle(of_mine, lane);
-      const uint id = PICKS || ALONG_RAY || ATTRIBUTES != 0u ? subgroupShuffle(mine, lane) : NONE;
+      const uint id = CONTRIBUTES || PICKS || ALONG_RAY || ATTRIBUTES != 0u ? subgroupShuffle(mine, lane) : NONE;
       Split split;
       if (EXPONENT == float_split) split = split_of(s, raster_centre);
       all_stopped = true;
+      uint low_bits = 0u, high_bits = 0u;
       for (uint p = 0u; p < EACH; ++p) {
         const vec2 at = first_centre + vec2(place_of(p));
         float alpha = alpha_of(s, exponent_of(s, split, raster_centre, at), view);
@@ -140,13 +160,18 @@ void main() {
             stopped[p] = true;
           } else {
             precise float weight = alpha * transmittance[p];
+            if (CONTRIBUTES) {
+              const uint parts = uint(weight * 2147483648.0);
+              low_bits += parts & 0xffffu;
+              high_bits += parts >> 16;
+            }
             precise vec3 more = weight * rgb_depth.rgb;
             precise vec3 sum = colour[p] + more;
             colour[p] = sum;
             if (DEPTH) depth[p] += weight * rgb_depth.w;
             if (ATTRIBUTES != 0u)
-              for (uint k = 0u; k < attributes_of.at[0].count; ++k)
-                sums[p * SUMS + k] += weight * attributes.at[id * ATTRIBUTES + k];
+              for (uint r = 0u; r < attributes_of.at[0].count / 4u; ++r)
+                sums[p * ROWS + r] += weight * attributes.at[id * ROWS + r];
             transmittance[p] = next;
             if (PICKS) {
               if (weight > weight_of_largest[p]) {
@@ -160,6 +185,7 @@ void main() {
         }
         all_stopped = all_stopped && stopped[p];
       }
+      if (CONTRIBUTES) contribute(gaussians.at[id], low_bits, high_bits);
     }
   }
 
@@ -168,20 +194,22 @@ void main() {
     if (at.x >= view.width || at.y >= view.height) continue;
     const vec2 place = first_place + vec2(place_of(p));
     precise float alpha = 1.0 - transmittance[p];
+    float squares[6];
     for (uint k = 0u; ATTRIBUTES != 0u && k < attributes_of.at[0].count; ++k) {
       const Attribute to = attributes_of.at[0].each[k];
-      const uint from = p * SUMS + k;
-      const float sum = sums[from];
+      const float sum = sums[p * ROWS + k / 4u][k % 4u];
       if (to.of == of_ray_depth && to.channel == 0u && !is_null(view.depth.data)) {
-        precise float slopes = sums[from + 1u] * place.x + sums[from + 2u] * place.y;
-        floats_of(view.depth, at, 1u).at[0] = alpha > 0.0 ? (sum + slopes) / alpha : 0.0;
+        const vec4 terms = sums[p * ROWS];  // the first attributes
+        precise float slopes = terms.y * place.x + terms.z * place.y;
+        floats_of(view.depth, at, 1u).at[0] = alpha > 0.0 ? (terms.x + slopes) / alpha : 0.0;
       }
-      if (to.of == of_squared_ray_depth && to.channel == 0u) {  // as `sum_of_squares`
-        precise float linear = sums[from + 1u] * place.x + sums[from + 2u] * place.y;
-        precise float by_x = sums[from + 3u] * place.x + sums[from + 4u] * place.y;
-        precise float by_y = sums[from + 5u] * place.y;
-        precise float square = sum + (linear + (by_x * place.x + by_y * place.y));
-        floats_of(view.squared_depth, at, 1u).at[0] = alpha > 0.0 ? square / alpha : 0.0;
+      if (to.of == of_squared_ray_depth) {  // as `sum_of_squares`, which no row holds alone
+        squares[to.channel] = sum;
+        precise float linear = squares[1] * place.x + squares[2] * place.y;
+        precise float by_x = squares[3] * place.x + squares[4] * place.y;
+        precise float by_y = squares[5] * place.y;
+        precise float square = squares[0] + (linear + (by_x * place.x + by_y * place.y));
+        if (to.channel == 5u) floats_of(view.squared_depth, at, 1u).at[0] = alpha > 0.0 ? square / alpha : 0.0;
       }
       if (to.of == of_normal) floats_of(view.normal, at, 3u).at[to.channel] = sum;
       if (to.of == of_squared_depth) floats_of(view.squared_depth, at, 1u).at[0] = alpha > 0.0 ? sum / alpha : 0.0;

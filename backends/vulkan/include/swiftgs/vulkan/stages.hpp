@@ -12,6 +12,7 @@
 #include <utility>
 
 #include <swiftgs/bounds/all.hpp>
+#include <swiftgs/contribution.hpp>
 #include <swiftgs/drivers/statistics.hpp>
 #include <swiftgs/frame/api.hpp>
 #include <swiftgs/frame/bounds.hpp>
@@ -226,6 +227,9 @@ SWIFTGS_API FrameCounted count_frame(const Vulkan& b, const RasterJob& job, Coun
 
 /// A thread finds a pixel's Gaussians.
 SWIFTGS_API void pick_pixels(Vulkan& b, const PickJob& job);
+
+SWIFTGS_API void add_contributions(Vulkan& b, const ContributionJob& job);
+SWIFTGS_API void clear_sums(Vulkan& b, std::uint64_t* sums, std::size_t count);
 
 SWIFTGS_API void gather_attributes(Vulkan& b, const SplatAttributes& from, const StoredScenes& scenes,
                                    const Views& views, AttributeRow* to);
