@@ -7,6 +7,7 @@ namespace swiftgs::vulkan {
 namespace {
 // clang-format off
 #include "attributes.comp.hpp"
+#include "attributes_ray.comp.hpp"
 #include "copy.comp.hpp"
 #include "compact.comp.hpp"
 #include "emit.comp.hpp"
@@ -14,6 +15,7 @@ namespace {
 #include "footprints.comp.hpp"
 #include "pick.comp.hpp"
 #include "project.comp.hpp"
+#include "project_lens.comp.hpp"
 #include "ranges.comp.hpp"
 #include "ranges_clear.comp.hpp"
 #include "raster.comp.hpp"

@@ -57,7 +57,8 @@ void project(Vulkan& b, const FramePlan& plan, BoundsKind bounds, ProjectScratch
   for_each_part(plan, [&](std::size_t v, std::size_t s, const StoredScene& placed, std::size_t first) {
     const std::size_t n = placed.size();
     Projected* const projected = scratch.projected.data() + first * usual_threads;
-    commands.run(Kernel::project, {Eye::lens_of(plan.views[v].camera)},
+    const ViewConstants& camera = plan.views[v].camera;
+    commands.run(camera.through_lens ? Kernel::project_lens : Kernel::project, {Eye::lens_of(camera)},
                  Push(seen + v * scenes + s, projected, places + first, std::uint32_t(n)),
                  Commands::Shape::of(n),
                  {writes(projected, n * sizeof(Projected)),
@@ -176,7 +177,7 @@ void gather_attributes(Vulkan& b, const SplatAttributes& from, const StoredScene
   vulkan::Commands commands(b);
   std::vector<vulkan::AttributeList> lists;
   for (const View& view : views) lists.emplace_back(view, from.first, from.rows);
-  commands.run(vulkan::Kernel::attributes, {from.along_ray(views.each)},
+  commands.run(from.along_ray(views.each) ? vulkan::Kernel::attributes_ray : vulkan::Kernel::attributes, {},
                vulkan::Push(vulkan::all_seen(commands, views, scenes), splats.shapes.data,
                             splats.gaussians.data, splats.of_view, splats.depths.data,
                             commands.constants(Span<const vulkan::AttributeList>{lists.data(), lists.size()}),

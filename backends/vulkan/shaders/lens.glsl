@@ -227,8 +227,7 @@ FUNCTION FloatPair nearest_copy(Eye eye, FloatPair x) {
   return multiply_add(eye.turn, pair(turns < 0.0f ? whole : -whole, 0.0f), x);
 }
 
-FUNCTION ProjectedShape project_through(uint lens, Eye eye, Gaussian g) {
-  if (lens == pinhole) return project_through_pinhole(eye, g);
+FUNCTION ProjectedShape project_through_lens(uint lens, Eye eye, Gaussian g) {
   ProjectedShape nothing;
   nothing.visible = false;
   float opacity = eye.opacity * g.opacity;

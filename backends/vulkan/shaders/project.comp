@@ -1,48 +1,4 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 #extension GL_GOOGLE_include_directive : require
-#include "common.glsl"
-#include "frame.glsl"
-
-layout(constant_id = 2) const uint LENS = pinhole;
-
-// Projects the Gaussians of a placed scene. The visible ones of a workgroup lie side by side, and their number in
-// `counts`.
-layout(push_constant, scalar) uniform Push {
-  Seens seen;
-  Projecteds projected;  // of this scene
-  Uints counts;
-  uint gaussians;
-};
-
-// As `Clip::shows`.
-bool shows(vec3 mean) {
-  for (uint k = 0u; k < seen.at[0].half_space_count; ++k) {
-    const vec4 h = seen.at[0].half_spaces[k];
-    FloatPair sum = add(two_product(h.x, mean.x), add(two_product(h.y, mean.y), add(two_product(h.z, mean.z), pair(h.w, 0.0))));
-    if (!(sum.high >= 0.0)) return false;
-  }
-  const float radius = seen.at[0].clip_radius;
-  if (!(radius <= 3.4e38)) return true;
-  const vec3 from = mean - seen.at[0].clip_centre;
-  return dot(from, from) <= radius * radius;
-}
-
-void main() {
-  if (workgroup() * THREADS >= gaussians) return;
-  const uint i = invocation();
-  ProjectedShape shape;
-  shape.visible = false;
-  if (i < gaussians) {
-    const Gaussian g = gaussian_of(seen, 0u, i);
-    if (shows(g.mean)) shape = project_through(LENS, seen.at[0].eye, g);
-  }
-  uint visible;
-  const uint place = workgroup() * THREADS + sum_before(shape.visible ? 1u : 0u, visible);
-  if (shape.visible) {
-    projected.at[place].shape = shape.shape;
-    projected.at[place].depth = shape.depth;
-    projected.at[place].gaussian = i;
-  }
-  if (thread() == 0u) counts.at[workgroup()] = visible;
-}
+#include "project_gaussians.glsl"
