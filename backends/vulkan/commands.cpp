@@ -14,40 +14,52 @@ constexpr std::uint32_t scan_part = 8 * usual_threads;
 constexpr std::uint32_t most_workgroups = 65535;
 
 CommandSlot& next_slot(Vulkan::State& b) {
+  if (b.recording) return *b.recording;
   CommandSlot& slot = b.slots[b.next_slot++ % b.slots.size()];
   b.device.state().wait(slot.done_at);
+  slot.block = slot.used = 0;
   return slot;
 }
 
-void barrier(const VulkanDevice::State& device, VkCommandBuffer commands, VkPipelineStageFlags to_stages,
-             VkAccessFlags to) {
+/// Stages, and how they access memory.
+struct Scope {
+  VkPipelineStageFlags stages;
+  VkAccessFlags accesses;
+};
+constexpr Scope shaders_write{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT};
+constexpr Scope shaders{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                        VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
+
+void barrier(const VulkanDevice::State& device, VkCommandBuffer commands, Scope from, Scope to) {
   VkMemoryBarrier memory{};
   memory.sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER;
-  memory.srcAccessMask = VK_ACCESS_SHADER_WRITE_BIT, memory.dstAccessMask = to;
-  device.vk.vkCmdPipelineBarrier(commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, to_stages, 0, 1, &memory, 0,
-                                 nullptr, 0, nullptr);
+  memory.srcAccessMask = from.accesses, memory.dstAccessMask = to.accesses;
+  device.vk.vkCmdPipelineBarrier(commands, from.stages, to.stages, 0, 1, &memory, 0, nullptr, 0, nullptr);
 }
 
 }  // namespace
 
 Commands::Commands(const Vulkan& b) : b_(b.state()), device_(b_.device.state()), slot_(next_slot(b_)) {
-  VkCommandBufferBeginInfo begin{};
-  begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
-  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-  check(device_.vk.vkBeginCommandBuffer(slot_.commands, &begin), "vkBeginCommandBuffer");
+  if (!b_.recording) {
+    VkCommandBufferBeginInfo begin{};
+    begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
+    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+    check(device_.vk.vkBeginCommandBuffer(slot_.commands, &begin), "vkBeginCommandBuffer");
+  }
   // Behind the commands of other recordings, whose accesses are not known here.
-  barrier(device_, slot_.commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-          VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
+  barrier(device_, slot_.commands, shaders_write, shaders);
 }
 
 const void* Commands::copy(const void* from, std::size_t bytes) {
   constexpr std::size_t least = 1 << 16, alignment = 64;
-  while (block_ < slot_.blocks.size() && slot_.blocks[block_].bytes - used_ < bytes) ++block_, used_ = 0;
-  if (block_ == slot_.blocks.size()) slot_.blocks.push_back(device_.allocate_block(std::max(bytes, least)));
-  const HostBlock& block = slot_.blocks[block_];
-  std::memcpy(block.host + used_, from, bytes);
-  const void* const to = block.device + used_;
-  used_ = std::min((used_ + bytes + alignment - 1) / alignment * alignment, block.bytes);
+  while (slot_.block < slot_.blocks.size() && slot_.blocks[slot_.block].bytes - slot_.used < bytes)
+    ++slot_.block, slot_.used = 0;
+  if (slot_.block == slot_.blocks.size())
+    slot_.blocks.push_back(device_.allocate_block(std::max(bytes, least)));
+  const HostBlock& block = slot_.blocks[slot_.block];
+  std::memcpy(block.host + slot_.used, from, bytes);
+  const void* const to = block.device + slot_.used;
+  slot_.used = std::min((slot_.used + bytes + alignment - 1) / alignment * alignment, block.bytes);
   return to;
 }
 
@@ -61,9 +73,7 @@ void Commands::run(Kernel kernel, const std::vector<std::uint32_t>& constants, c
                    const Shape& shape, std::initializer_list<Access> accesses) {
   if (shape.columns == 0) return;
   const VkPipeline pipeline = device_.pipeline(kernel, shape.threads, constants);
-  if (hazards_.next(accesses))
-    barrier(device_, slot_.commands, VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-            VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT);
+  if (hazards_.next(accesses)) barrier(device_, slot_.commands, shaders_write, shaders);
   const Functions& vk = device_.vk;
   vk.vkCmdBindPipeline(slot_.commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
   vk.vkCmdPushConstants(slot_.commands, device_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, push.size(),
@@ -95,10 +105,19 @@ void Commands::timestamp(std::uint32_t query) {
 }
 
 void Commands::release_to_host() {
-  barrier(device_, slot_.commands, VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT);
+  barrier(device_, slot_.commands, shaders_write, {VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT});
+}
+
+void Commands::follow_program() {
+  barrier(device_, slot_.commands, {VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_ACCESS_MEMORY_WRITE_BIT}, shaders);
+}
+void Commands::precede_program() {
+  barrier(device_, slot_.commands, shaders_write,
+          {VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT});
 }
 
 std::uint64_t Commands::submit() {
+  if (b_.recording) return b_.last;
   check(device_.vk.vkEndCommandBuffer(slot_.commands), "vkEndCommandBuffer");
   return b_.last = slot_.done_at = device_.submit(slot_.commands);
 }

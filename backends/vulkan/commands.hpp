@@ -57,7 +57,8 @@ inline constexpr std::uint32_t usual_threads = 128;
 struct CommandSlot {
   VkCommandBuffer commands = VK_NULL_HANDLE;
   std::vector<HostBlock> blocks;
-  std::uint64_t done_at = 0;  ///< value of the timeline
+  std::size_t block = 0, used = 0;  ///< where the next copy goes
+  std::uint64_t done_at = 0;        ///< value of the timeline
 };
 
 /// Points of `Vulkan::now` that can be read.
@@ -77,7 +78,8 @@ struct Vulkan::State {
   VkQueryPool times = VK_NULL_HANDLE;
   std::array<vulkan::CommandSlot, 16> slots{};
   std::size_t next_slot = 0;
-  std::uint64_t last = 0;  ///< value of the timeline when all is done
+  vulkan::CommandSlot* recording = nullptr;  ///< of the program: takes all commands
+  std::uint64_t last = 0;                    ///< value of the timeline when all is done
   std::uint64_t serial = 0;
   std::array<std::uint64_t, vulkan::time_points> reached_at{};  ///< values of the timeline of time points
   vulkan::HostBlock report;                                     ///< a `FrameReport`
@@ -89,7 +91,8 @@ struct Vulkan::State {
 
 namespace vulkan {
 
-/// Records commands behind all submitted ones. Barriers follow from what each dispatch reads and writes.
+/// Records commands behind all submitted ones, or into those of the program that `Vulkan::record` was given.
+/// Barriers follow from what each dispatch reads and writes.
 class Commands {
  public:
   explicit Commands(const Vulkan& b);
@@ -122,6 +125,10 @@ class Commands {
   /// Takes the memory of scans of so many values. Call it before the first command of a recording.
   void reserve_scan(std::size_t values);
 
+  /// All commands of the program before, and these; and the other way round.
+  void follow_program();
+  void precede_program();
+
   void timestamp(std::uint32_t query);
   /// Lets the host read what the commands wrote.
   void release_to_host();
@@ -134,7 +141,6 @@ class Commands {
   Vulkan::State& b_;
   VulkanDevice::State& device_;
   CommandSlot& slot_;
-  std::size_t block_ = 0, used_ = 0;
   Hazards hazards_;
 };
 

@@ -20,6 +20,11 @@ namespace swiftgs {
 namespace {
 /// Memory through which copies between the host and the device go.
 constexpr std::size_t staging_bytes = std::size_t(1) << 22;
+
+/// Throws `OrderError` where `call` would have to wait for commands that the program has not submitted.
+void refuse_while_recording(const Vulkan::State& b, const char* call) {
+  if (b.recording) throw OrderError(std::string("vulkan: ") + call + " within record, expected it before");
+}
 }  // namespace
 
 Vulkan::State::State(const VulkanDevice& on, const std::optional<MemoryHook>& memory)
@@ -82,8 +87,38 @@ Vulkan& Vulkan::operator=(Vulkan&&) noexcept = default;
 std::string Vulkan::device_name() const { return state_->device.state().name; }
 const MemoryHook& Vulkan::memory_hook() const { return state_->hook; }
 
+struct VulkanRecording::Kept {
+  VulkanDevice device;
+  vulkan::CommandSlot slot;
+
+  Kept(const VulkanDevice& on, VkCommandBuffer commands) : device(on) { slot.commands = commands; }
+  ~Kept() {
+    for (vulkan::HostBlock& block : slot.blocks) device.state().release(block);
+  }
+};
+VulkanRecording::VulkanRecording(std::unique_ptr<Kept> kept) : kept_(std::move(kept)) {}
+VulkanRecording::~VulkanRecording() = default;
+VulkanRecording::VulkanRecording(VulkanRecording&&) noexcept = default;
+VulkanRecording& VulkanRecording::operator=(VulkanRecording&&) noexcept = default;
+
+VulkanRecording Vulkan::record(VkCommandBuffer_T* commands, const std::function<void()>& draw) {
+  State& b = *state_;
+  refuse_while_recording(b, "record");
+  auto kept = std::make_unique<VulkanRecording::Kept>(b.device, commands);
+  const struct Recording {
+    State& b;
+    Recording(State& of, vulkan::CommandSlot& slot) : b(of) { b.recording = &slot; }
+    ~Recording() { b.recording = nullptr; }
+  } recording(b, kept->slot);
+  vulkan::Commands(*this).follow_program();
+  draw();
+  vulkan::Commands(*this).precede_program();
+  return VulkanRecording(std::move(kept));
+}
+
 void Vulkan::write(const void* from, void* to, std::size_t bytes) const {
   State& b = *state_;
+  refuse_while_recording(b, "write");
   if (bytes == 0) return;
   if (!b.staging.host) b.staging = b.device.state().allocate_block(staging_bytes);
   for (std::size_t at = 0; at < bytes; at += staging_bytes) {
@@ -101,6 +136,7 @@ void Vulkan::write(const void* from, void* to, std::size_t bytes) const {
 
 void Vulkan::read(const void* from, void* to, std::size_t bytes) const {
   State& b = *state_;
+  refuse_while_recording(b, "read");
   if (bytes == 0) return wait();
   if (!b.staging.host) b.staging = b.device.state().allocate_block(staging_bytes);
   for (std::size_t at = 0; at < bytes; at += staging_bytes) {

@@ -12,14 +12,17 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/contribution.hpp>
 #include <swiftgs/drivers/renderer_table.hpp>
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/reference.hpp>
 #include <swiftgs/serial.hpp>
 #include <swiftgs/swiftgs.hpp>
 
+#include "commands.hpp"
 #include "hazards.hpp"
 #include "policies/images.hpp"
+#include "policies/lenses.hpp"
 #include "policies/random_splats.hpp"
 #include "vulkan/device.hpp"
 
@@ -273,6 +276,82 @@ SWIFTGS_VULKAN_CASE("vulkan: a frame beyond its capacity is drawn again and time
   }
   renderer.trim();
   CHECK(renderer.memory().total() == 0);
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: contributions are those of Serial but for roundings at thresholds") {
+  const auto scene = std::make_shared<const Scene>(random_scene(2000, 1, 11));
+  Contributions<Vulkan> found(scene);
+  Contributions<Serial> expected(scene);
+  for (const Camera& camera : {forward_camera(90, 60), forward_camera(64, 64, 40)}) {
+    found.add(camera, {}), expected.add(camera, {});
+    const std::vector<std::uint64_t> sums = found.sums(), wanted = expected.sums();
+    REQUIRE(sums.size() == scene->size());
+    double total = 0;
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+      const double weight = weight_of_parts(wanted[i]);
+      REQUIRE(std::fabs(weight_of_parts(sums[i]) - weight) <= 1e-4 * weight + 1.0 / 255);
+      total += weight;
+    }
+    CHECK(total > 2000);
+  }
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: every lens is drawn as Serial draws it, at centres and along the ray") {
+  const auto scene = std::make_shared<const Scene>(make_builtin_scene(2000));
+  UsualVulkan renderer;
+  UsualSerial serial;
+  const VulkanScene there = renderer.backend().upload(scene);
+  const auto here = serial.backend().upload(scene);
+  RenderSettings settings;
+  settings.outputs.alpha = settings.outputs.depth = true;
+  for (const Camera& camera : cameras_of_lenses(96, 56)) {
+    CAPTURE(name_of(camera.lens.model));
+    for (const Conventions::DepthAt at : {Conventions::DepthAt::centre, Conventions::DepthAt::ray}) {
+      settings.conventions.depth_at = at;
+      check_like(renderer.render(there, camera, settings), serial.render(here, camera, settings));
+    }
+  }
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: a frame within commands of the program has the bits of one that is submitted") {
+  const int width = 90, height = 50;
+  UsualVulkan renderer;
+  Vulkan& b = renderer.backend();
+  VulkanDevice::State& device = b.state().device.state();
+  const VulkanScene scene = b.upload(random_scene(1000, 1, 4));
+  VulkanBuffer<float> colours;
+  VulkanBuffer<FrameReport> report;
+  colours.reset(3 * width * height), report.reset(1);
+  FrameView frame{.width = width, .height = height};
+  frame.colour = {colours.data(), 12 * width};
+  const View view = make_view(forward_camera(width, height), {}, frame);
+  renderer.render_into(scene, {&view, 1});
+  const std::vector<float> expected = to_host(b, std::as_const(colours).span());
+  const std::vector<float> nothing(expected.size());
+  b.write(nothing.data(), colours.data(), 4 * nothing.size());
+  renderer.reserve(scene, {&view, 1});
+
+  VkCommandBufferAllocateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
+  info.commandPool = b.state().pool, info.commandBufferCount = 1;
+  VkCommandBuffer commands = VK_NULL_HANDLE;
+  REQUIRE(device.vk.vkAllocateCommandBuffers(device.device, &info, &commands) == VK_SUCCESS);
+  VkCommandBufferBeginInfo begin{};
+  begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
+  REQUIRE(device.vk.vkBeginCommandBuffer(commands, &begin) == VK_SUCCESS);
+  const VulkanRecording recording = b.record(commands, [&] {
+    renderer.record(scene.view(), report.data());
+    CHECK_THROWS_WITH_AS(b.read(report.data(), &frame, 24), "vulkan: read within record, expected it before",
+                         OrderError);
+  });
+  REQUIRE(device.vk.vkEndCommandBuffer(commands) == VK_SUCCESS);
+  CHECK(same_bits(to_host(b, std::as_const(colours).span()), nothing));
+  for (int again = 0; again < 2; ++again) {
+    device.wait(device.submit(commands));
+    CHECK(same_bits(to_host(b, std::as_const(colours).span()), expected));
+    CHECK(to_host(b, std::as_const(report).span())[0].visible == renderer.statistics().visible);
+    b.write(nothing.data(), colours.data(), 4 * nothing.size());
+  }
 }
 
 SWIFTGS_VULKAN_CASE("vulkan: what it cannot do yet is refused by name") {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,6 +38,21 @@ class VulkanScene {
  private:
   std::shared_ptr<Arrays> arrays_;
   SceneView view_;
+};
+
+/// What a program's command buffer reads beside memory of the renderer, from `Vulkan::record`. Keep it until
+/// the commands are done or dropped.
+class SWIFTGS_API VulkanRecording {
+ public:
+  struct Kept;
+
+  explicit VulkanRecording(std::unique_ptr<Kept> kept);
+  ~VulkanRecording();
+  VulkanRecording(VulkanRecording&&) noexcept;
+  VulkanRecording& operator=(VulkanRecording&&) noexcept;
+
+ private:
+  std::unique_ptr<Kept> kept_;
 };
 
 /// A GPU by Vulkan's compute shaders. Its stages run no functors of C++, and pointers that they take are
@@ -96,6 +112,13 @@ class SWIFTGS_API Vulkan {
   /// `values`, using the spare arrays.
   void sort_pairs(Pairs<Vulkan, std::uint32_t>& pairs, Count n, int bits);
   void sort_pairs(Pairs<Vulkan, std::uint64_t>& pairs, Count n, int bits);
+
+  /// Calls `draw`, which records a reserved frame of a renderer on this backend, and puts the frame into
+  /// `commands` instead of submitting it: commands that the program has begun, outside of a render pass, for
+  /// the device's queue. It neither submits nor waits. The frame sees what all commands before it wrote, and
+  /// all commands behind it see the frame; the compute pipeline and push constants are then other ones. The
+  /// renderer stays as it is until the commands are done. If `draw` throws, drop the commands.
+  VulkanRecording record(VkCommandBuffer_T* commands, const std::function<void()>& draw);
 
   /// Gives back the memory that scans and sorts keep.
   void trim();

@@ -13,6 +13,7 @@ struct VkInstance_T;
 struct VkPhysicalDevice_T;
 struct VkDevice_T;
 struct VkQueue_T;
+struct VkCommandBuffer_T;
 struct VkPhysicalDeviceFeatures2;
 
 namespace swiftgs {
