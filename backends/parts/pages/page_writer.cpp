@@ -63,6 +63,7 @@ File open_file(const std::filesystem::path& path, const char* mode) {
 }
 
 void write_bytes(std::FILE* file, std::span<const std::byte> bytes, const std::filesystem::path& path) {
+  if (bytes.empty()) return;  // their address may be null, which `fwrite` does not take
   errno = 0;
   if (std::fwrite(bytes.data(), 1, bytes.size(), file) != bytes.size()) fail(path);
 }
