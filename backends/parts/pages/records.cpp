@@ -3,9 +3,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
-#include <cstring>
-#include <limits>
 #include <string>
 #include <system_error>
 
