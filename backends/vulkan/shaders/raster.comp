@@ -15,9 +15,9 @@ layout(constant_id = 4) const bool DEPTH = false;
 layout(constant_id = 5) const bool PICKS = false;
 layout(constant_id = 6) const bool OCCLUDER = false;
 layout(constant_id = 7) const bool CONVERTS = false;
-// Attributes of a pass, in rows of four, and whether it draws all other planes too. Loops over them count to a number in
-// memory: unrolled by each pixel they would take a minute to compile. They are few, since lavapipe ends all loops of a thread
-// after 65,535 rounds together.
+// Most attributes of a pass, and whether it draws all other planes too. Loops over attributes count to a number in memory:
+// unrolled by each pixel they would take a minute to compile. lavapipe ends all
+// loops of a thread after 65,535 rounds together, so there a block of thousands of splats with attributes is cut short.
 layout(constant_id = 8) const uint ATTRIBUTES = 0u;
 layout(constant_id = 9) const bool IS_BASE = true;
 // Whether depths are those along the ray: the first attributes of a splat.
@@ -27,22 +27,20 @@ layout(constant_id = 10) const bool ALONG_RAY = false;
 layout(constant_id = 11) const bool CONTRIBUTES = false;
 layout(constant_id = 12) const bool HAS_COLOURS = true;
 
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer AttributeRows { vec4 at[]; };
-
 layout(push_constant, scalar) uniform Push {
   RasterViews views;  // this view alone
   Shapes shapes;
   Colours colours;
   Uints gaussians, ids, ranges;
   AttributeLists attributes_of;  // this view alone
-  AttributeRows attributes;
+  Floats attributes;
   Floats ray_depths;    // the first of the frame's attributes
   Uints contributions;  // 64-bit sums of Gaussians, by halves
   uint ray_depth_stride;
 };
 
 const uint SIDE = 8u, EACH = SIDE * SIDE / SUBGROUP;
-const uint NONE = 0xffffffffu, ROWS = ATTRIBUTES == 0u ? 1u : ATTRIBUTES / 4u;
+const uint NONE = 0xffffffffu, SUMS = ATTRIBUTES == 0u ? 1u : ATTRIBUTES;
 
 // Place of pixel `p` of this lane in the block.
 uvec2 place_of(uint p) {
@@ -104,7 +102,7 @@ void main() {
 
   float transmittance[EACH], depth[EACH], weight_of_largest[EACH], occluded_from[EACH];
   vec3 colour[EACH];
-  vec4 sums[EACH * ROWS];
+  float sums[EACH * SUMS];
   uint first[EACH], median[EACH], largest[EACH];
   bool stopped[EACH];
   bool all_stopped = true;
@@ -114,7 +112,7 @@ void main() {
     transmittance[p] = 1.0;
     colour[p] = vec3(0.0);
     if (ATTRIBUTES != 0u)
-      for (uint r = 0u; r < attributes_of.at[0].count / 4u; ++r) sums[p * ROWS + r] = vec4(0.0);
+      for (uint k = 0u; k < attributes_of.at[0].count; ++k) sums[p * SUMS + k] = 0.0;
     depth[p] = 0.0;
     first[p] = median[p] = largest[p] = NONE;
     weight_of_largest[p] = 0.0;
@@ -170,8 +168,8 @@ void main() {
             colour[p] = sum;
             if (DEPTH) depth[p] += weight * rgb_depth.w;
             if (ATTRIBUTES != 0u)
-              for (uint r = 0u; r < attributes_of.at[0].count / 4u; ++r)
-                sums[p * ROWS + r] += weight * attributes.at[id * ROWS + r];
+              for (uint k = 0u; k < attributes_of.at[0].count; ++k)
+                sums[p * SUMS + k] += weight * attributes.at[id * ATTRIBUTES + k];
             transmittance[p] = next;
             if (PICKS) {
               if (weight > weight_of_largest[p]) {
@@ -194,22 +192,20 @@ void main() {
     if (at.x >= view.width || at.y >= view.height) continue;
     const vec2 place = first_place + vec2(place_of(p));
     precise float alpha = 1.0 - transmittance[p];
-    float squares[6];
     for (uint k = 0u; ATTRIBUTES != 0u && k < attributes_of.at[0].count; ++k) {
       const Attribute to = attributes_of.at[0].each[k];
-      const float sum = sums[p * ROWS + k / 4u][k % 4u];
+      const uint from = p * SUMS + k;
+      const float sum = sums[from];
       if (to.of == of_ray_depth && to.channel == 0u && !is_null(view.depth.data)) {
-        const vec4 terms = sums[p * ROWS];  // the first attributes
-        precise float slopes = terms.y * place.x + terms.z * place.y;
-        floats_of(view.depth, at, 1u).at[0] = alpha > 0.0 ? (terms.x + slopes) / alpha : 0.0;
+        precise float slopes = sums[from + 1u] * place.x + sums[from + 2u] * place.y;
+        floats_of(view.depth, at, 1u).at[0] = alpha > 0.0 ? (sum + slopes) / alpha : 0.0;
       }
-      if (to.of == of_squared_ray_depth) {  // as `sum_of_squares`, which no row holds alone
-        squares[to.channel] = sum;
-        precise float linear = squares[1] * place.x + squares[2] * place.y;
-        precise float by_x = squares[3] * place.x + squares[4] * place.y;
-        precise float by_y = squares[5] * place.y;
-        precise float square = squares[0] + (linear + (by_x * place.x + by_y * place.y));
-        if (to.channel == 5u) floats_of(view.squared_depth, at, 1u).at[0] = alpha > 0.0 ? square / alpha : 0.0;
+      if (to.of == of_squared_ray_depth && to.channel == 0u) {  // as `sum_of_squares`
+        precise float linear = sums[from + 1u] * place.x + sums[from + 2u] * place.y;
+        precise float by_x = sums[from + 3u] * place.x + sums[from + 4u] * place.y;
+        precise float by_y = sums[from + 5u] * place.y;
+        precise float square = sum + (linear + (by_x * place.x + by_y * place.y));
+        floats_of(view.squared_depth, at, 1u).at[0] = alpha > 0.0 ? square / alpha : 0.0;
       }
       if (to.of == of_normal) floats_of(view.normal, at, 3u).at[to.channel] = sum;
       if (to.of == of_squared_depth) floats_of(view.squared_depth, at, 1u).at[0] = alpha > 0.0 ? sum / alpha : 0.0;
