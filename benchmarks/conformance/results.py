@@ -4,7 +4,7 @@
     python3 benchmarks/conformance/results.py ROWS.json STORED.json
 
 `verdicts` has a letter a clause, in the order of `clauses`: right, differs, explained by what is nearest, not drawn.
-`nearest` has places in `names`.
+`nearest` has places in `names`; a row in which nothing is nearest has none.
 """
 import json
 import pathlib
@@ -38,8 +38,9 @@ def packed(document):
     rows = [{"renderer": " ".join(filter(None, (renderer, version))), "settings": settings,
              "verdicts": "".join("e" if row.get("explained") else row["verdict"][0] for row in rows),
              "db": [round(row["db"], 1) if "db" in row else None for row in rows],
-             "nearest": [place(row) for row in rows],
-             "nearest_db": [round(row["nearest_db"], 1) if row.get("nearest") else None for row in rows],
+             **({"nearest": [place(row) for row in rows],
+                 "nearest_db": [round(row["nearest_db"], 1) if row.get("nearest") else None for row in rows]}
+                if any(row.get("nearest") for row in rows) else {}),
              "reasons": {row["clause"]: row["reason"] for row in rows if "reason" in row}}
             for (renderer, version, settings), rows in renderers.items()]
     clauses = dict.fromkeys(row["clause"] for row in document["rows"])

@@ -20,12 +20,14 @@ def judged(source, folder, names=FILES):
     for path in [source.path(folder, name) for name in names if source.has(folder, name)]:
         file = source.once(lambda path: read_format(path, "swiftgs-conformance"), path)
         machines.append(file["machine"])
+        nothing = [None] * len(file["clauses"])
         for row in file["rows"]:
             found[row["renderer"], row["settings"]] = [
                 Row({"clause": clause, "verdict": VERDICTS[letter], "explained": letter == "e", "db": db,
                      "nearest": None if place is None else file["names"][place], "nearest_db": nearest_db})
                 for clause, letter, db, place, nearest_db in zip(
-                    file["clauses"], row["verdicts"], row["db"], row["nearest"], row["nearest_db"])]
+                    file["clauses"], row["verdicts"], row["db"], row.get("nearest", nothing),
+                    row.get("nearest_db", nothing))]
     return found, machines
 
 
