@@ -45,9 +45,14 @@ Commands::Commands(const Vulkan& b) : b_(b.state()), device_(b_.device.state()),
     begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
     begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
     check(device_.vk.vkBeginCommandBuffer(slot_.commands, &begin), "vkBeginCommandBuffer");
+    open_ = true;
   }
   // Behind the commands of other recordings, whose accesses are not known here.
   barrier(device_, slot_.commands, shaders_write, shaders);
+}
+
+Commands::~Commands() {
+  if (open_) device_.vk.vkEndCommandBuffer(slot_.commands);
 }
 
 const void* Commands::copy(const void* from, std::size_t bytes) {
@@ -118,6 +123,7 @@ void Commands::precede_program() {
 
 std::uint64_t Commands::submit() {
   if (b_.recording) return b_.last;
+  open_ = false;
   check(device_.vk.vkEndCommandBuffer(slot_.commands), "vkEndCommandBuffer");
   return b_.last = slot_.done_at = device_.submit(slot_.commands);
 }

@@ -91,11 +91,18 @@ struct Vulkan::State {
 
 namespace vulkan {
 
+/// Throws `OrderError` where `call` would have to wait for commands that the program has not submitted.
+void refuse_while_recording(const Vulkan::State& b, const char* call);
+
 /// Records commands behind all submitted ones, or into those of the program that `Vulkan::record` was given.
 /// Barriers follow from what each dispatch reads and writes.
 class Commands {
  public:
   explicit Commands(const Vulkan& b);
+  /// Drops the commands unless `submit` was called.
+  ~Commands();
+  Commands(const Commands&) = delete;
+  Commands& operator=(const Commands&) = delete;
 
   std::uint32_t subgroup() const { return device_.subgroup; }
   /// Threads of a workgroup that sorts.
@@ -125,8 +132,9 @@ class Commands {
   /// Takes the memory of scans of so many values. Call it before the first command of a recording.
   void reserve_scan(std::size_t values);
 
-  /// All commands of the program before, and these; and the other way round.
+  /// Orders these commands behind all earlier ones of the program.
   void follow_program();
+  /// Orders all later commands of the program behind these.
   void precede_program();
 
   void timestamp(std::uint32_t query);
@@ -142,6 +150,7 @@ class Commands {
   VulkanDevice::State& device_;
   CommandSlot& slot_;
   Hazards hazards_;
+  bool open_ = false;  ///< begun and not ended, of the library's own
 };
 
 }  // namespace vulkan

@@ -92,6 +92,10 @@ std::string lacks(const vulkan::Functions& vk, VkPhysicalDevice device) {
   if (of_1_1.subgroupSize < 4 || of_1_1.subgroupSize > 64) return begin + "subgroups of 4 to 64 lanes";
   if (!(of_1_3.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT))
     return begin + "compute shaders that require a size of subgroups";
+  const VkPhysicalDeviceLimits& limits = all.properties.limits;
+  if (limits.maxComputeWorkGroupInvocations < 256 || limits.maxComputeWorkGroupSize[0] < 256 ||
+      of_1_3.maxComputeWorkgroupSubgroups < 32)
+    return begin + "workgroups of 256 threads and 32 subgroups";
   return {};
 }
 
@@ -132,9 +136,10 @@ class OwnDevice {
  private:
   void choose_and_make() {
     std::uint32_t count = 0;
-    vk_.vkEnumeratePhysicalDevices(instance_, &count, nullptr);
+    vulkan::check(vk_.vkEnumeratePhysicalDevices(instance_, &count, nullptr), "vkEnumeratePhysicalDevices");
     std::vector<VkPhysicalDevice> devices(count);
     vk_.vkEnumeratePhysicalDevices(instance_, &count, devices.data());
+    devices.resize(count);
     const auto rank = [&](VkPhysicalDevice device) {
       VkPhysicalDeviceProperties2 of{};
       of.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2;

@@ -21,11 +21,11 @@ namespace {
 /// Memory through which copies between the host and the device go.
 constexpr std::size_t staging_bytes = std::size_t(1) << 22;
 
-/// Throws `OrderError` where `call` would have to wait for commands that the program has not submitted.
-void refuse_while_recording(const Vulkan::State& b, const char* call) {
+}  // namespace
+
+void vulkan::refuse_while_recording(const Vulkan::State& b, const char* call) {
   if (b.recording) throw OrderError(std::string("vulkan: ") + call + " within record, expected it before");
 }
-}  // namespace
 
 Vulkan::State::State(const VulkanDevice& on, const std::optional<MemoryHook>& memory)
     : device(on), hook(memory ? *memory : on.memory_hook()) {
@@ -103,7 +103,7 @@ VulkanRecording& VulkanRecording::operator=(VulkanRecording&&) noexcept = defaul
 
 VulkanRecording Vulkan::record(VkCommandBuffer_T* commands, const std::function<void()>& draw) {
   State& b = *state_;
-  refuse_while_recording(b, "record");
+  vulkan::refuse_while_recording(b, "record");
   auto kept = std::make_unique<VulkanRecording::Kept>(b.device, commands);
   const struct Recording {
     State& b;
@@ -118,7 +118,7 @@ VulkanRecording Vulkan::record(VkCommandBuffer_T* commands, const std::function<
 
 void Vulkan::write(const void* from, void* to, std::size_t bytes) const {
   State& b = *state_;
-  refuse_while_recording(b, "write");
+  vulkan::refuse_while_recording(b, "write");
   if (bytes == 0) return;
   if (!b.staging.host) b.staging = b.device.state().allocate_block(staging_bytes);
   for (std::size_t at = 0; at < bytes; at += staging_bytes) {
@@ -136,7 +136,7 @@ void Vulkan::write(const void* from, void* to, std::size_t bytes) const {
 
 void Vulkan::read(const void* from, void* to, std::size_t bytes) const {
   State& b = *state_;
-  refuse_while_recording(b, "read");
+  vulkan::refuse_while_recording(b, "read");
   if (bytes == 0) return wait();
   if (!b.staging.host) b.staging = b.device.state().allocate_block(staging_bytes);
   for (std::size_t at = 0; at < bytes; at += staging_bytes) {
@@ -151,7 +151,10 @@ void Vulkan::read(const void* from, void* to, std::size_t bytes) const {
   }
 }
 
-void Vulkan::wait() const { state_->device.state().wait(state_->last); }
+void Vulkan::wait() const {
+  vulkan::refuse_while_recording(*state_, "wait");
+  state_->device.state().wait(state_->last);
+}
 
 void Vulkan::trim() {
   wait();
@@ -161,6 +164,7 @@ void Vulkan::trim() {
 
 Vulkan::TimePoint Vulkan::now() {
   State& b = *state_;
+  vulkan::refuse_while_recording(b, "now");
   const TimePoint point{++b.serial};
   if (!b.times) return point;
   const auto query = std::uint32_t(point.serial % vulkan::time_points);

@@ -54,6 +54,23 @@ TEST_CASE("pages: ordered leaves have all Gaussians once and tell their numbers"
   CHECK(sides[60] < 0.1 * side(pages.pages()[pages.root()]));
 }
 
+TEST_CASE("pages: numbers whose squares leave the range of float merge, and the file opens") {
+  const TemporaryFolder folder;
+  Scene scene = make_builtin_scene(1000);
+  for (vec3& mean : scene.means) mean *= 1e25f;
+  const PagedScene pages = pages_of(folder, scene);
+  for (std::uint32_t i = 0; i < pages.pages().size; ++i) CHECK(pages.read(i).scene.size() != 0);
+  check_same(read_leaves(pages), scene);
+}
+
+TEST_CASE("pages: an opacity above 1 is refused by its Gaussian") {
+  const TemporaryFolder folder;
+  Scene scene = make_builtin_scene(300);
+  scene.opacities[7] = 1.5f;
+  CHECK_THROWS_WITH_AS(build_pages(scene, folder / "a.sgp", small_pages()),
+                       "opacities[7] is 1.500000, expected 0 to 1", InvalidArgument);
+}
+
 TEST_CASE("pages: little memory and many threads make the same file") {
   const TemporaryFolder folder;
   const Scene scene = ordered_scene(20000);

@@ -33,11 +33,10 @@ View view_of(const Camera& camera) {
 std::vector<View> front() { return {view_of(builtin_camera(width, height))}; }
 Span<const View> all_of(const std::vector<View>& views) { return {views.data(), views.size()}; }
 
-/// Bytes of a file in memory that a test holds up, breaks and counts.
+/// Bytes of a file in memory that a test holds up and breaks.
 struct TestSource {
   std::string content;
   std::function<void()> before_read = [] {};
-  std::atomic<int> reads = 0;
 
   static std::shared_ptr<TestSource> of(const Scene& scene) {
     const TemporaryFolder folder;
@@ -50,7 +49,6 @@ struct TestSource {
 PagedScene open(const std::shared_ptr<TestSource>& source) {
   return PagedScene(
       [source](std::uint64_t offset, std::span<std::byte> to) {
-        ++source->reads;
         source->before_read();
         std::memcpy(to.data(), source->content.data() + offset, to.size());
       },
@@ -105,6 +103,34 @@ TEST_CASE_TEMPLATE("pages: a complete cut of goal 0 has the bits of the scene", 
                 [&](auto sort) { check_goal_0<B, decltype(sort), Raster, Ellipse>(scene, pages); });
   for_each_type(AllBounds(),
                 [&](auto bounds) { check_goal_0<B, EarlySort, Raster, decltype(bounds)>(scene, pages); });
+}
+
+TEST_CASE("pages: goal 0 draws leaves where all Gaussians lie in one place") {
+  const TemporaryFolder folder;
+  Scene scene = make_builtin_scene(2000);
+  std::fill(scene.means.begin(), scene.means.end(), vec3(0, -0.5f, 0));
+  const PagedScene pages = pages_of(folder, scene);
+  Renderer<Serial> renderer;
+  PagePool<Serial> pool(renderer.backend(), pages);
+  const std::vector<View> views = front();
+  Cut cut = pool.cut(all_of(views), {.pixels = 0});
+  pool.wait(cut);
+  CHECK(cut.splats() == 2000);
+  CHECK(cut.named(0).is_gaussian);
+}
+
+TEST_CASE("pages: a source that throws without a text shows the parent") {
+  const auto source = TestSource::of(ordered_scene(2000));
+  const PagedScene pages = open(source);
+  Renderer<Serial> renderer;
+  PagePool<Serial> pool(renderer.backend(), pages);
+  source->before_read = [] { throw std::runtime_error(""); };
+  const std::vector<View> views = front();
+  Cut cut = pool.cut(all_of(views), {.pixels = 0});
+  pool.wait(cut);
+  REQUIRE_FALSE(cut.failed().empty());
+  CHECK(cut.failed()[0].reason == "a source threw an exception without a text");
+  check_no_hole(cut, pages, views);
 }
 
 TEST_CASE("pages: a first cut draws the root and later ones come closer to the scene") {

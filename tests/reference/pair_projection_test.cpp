@@ -22,20 +22,24 @@ double ulp(float value) { return std::nextafter(std::abs(value), INFINITY) - std
 struct Differences {
   std::size_t visible = 0;                ///< in double
   std::size_t alone = 0;                  ///< visible in one of both
-  std::size_t means = 0, depths = 0;      ///< splats whose bits differ
+  std::size_t means = 0;                  ///< splats whose means differ by more than a unit of what is kept
+  std::size_t depths = 0;                 ///< splats whose depths' bits differ
   double mean_ulps = 0, mean_pixels = 0;  ///< at most; ulps of a thousandth of a pixel at least
   double depth_ulps = 0;                  ///< at most
 
   void add(const ProjectedShape& in_double, const ProjectedShape& in_pairs) {
     visible += in_double.visible, alone += in_double.visible != in_pairs.visible;
     if (!in_double.visible || !in_pairs.visible) return;
-    means += in_double.shape.mean != in_pairs.shape.mean, depths += in_double.depth != in_pairs.depth;
+    depths += in_double.depth != in_pairs.depth;
+    bool differs = false;
     for (int k = 0; k < 2; ++k) {
       const double exact = in_double.shape.exact_mean()[k];
       const double off = std::abs(in_pairs.shape.exact_mean()[k] - exact);
+      differs = differs || off > double(SplatShape::low_unit);
       mean_pixels = std::max(mean_pixels, off);
       mean_ulps = std::max(mean_ulps, off / ulp(float(std::max(std::abs(exact), 1e-3))));
     }
+    means += differs;
     const double off = std::abs(double(in_pairs.depth) - in_double.depth);
     depth_ulps = std::max(depth_ulps, off / ulp(in_double.depth));
   }

@@ -138,7 +138,7 @@ class Builder {
     Page page;
     page.first = written_;
     written_ += count;
-    if (progress_ && !progress_(double(written_) / double(gaussians_))) throw Cancelled("pages");
+    progress_(double(written_) / double(gaussians_));
     return {writer_.add(page, nodes.scene, ids), std::move(nodes)};
   }
 
@@ -232,6 +232,9 @@ BuiltPages build_pages(const Scene& scene, const std::filesystem::path& out,
                        const PageBuildOptions& options) {
   swiftgs::validate(scene);
   validate_numbers(scene);
+  for (std::size_t i = 0; i < scene.opacities.size(); ++i)
+    if (!(scene.opacities[i] >= 0 && scene.opacities[i] <= 1))
+      detail::refuse("opacities[", i, "] is ", scene.opacities[i], ", expected 0 to 1");
   return build(out, options,
                [&](Gathered& to, const Progress&, std::vector<std::string>&) { to.add(scene, "pages"); });
 }

@@ -120,7 +120,10 @@ class Block {
     const float dr = red_[i] - red_[j], dg = green_[i] - green_[j], db = blue_[i] - blue_[j];
     const float moved = dx * dx + dy * dy + dz * dz;
     const float coloured = (dr * dr + dg * dg + db * db) * (variance_[i] + variance_[j]);
-    return mass_[i] / (mass_[i] + mass_[j]) * mass_[j] * (moved + coloured) + gone_[j];
+    // Finite where numbers leave the range of float, so that only nodes that are gone cost more.
+    return std::min(std::numeric_limits<float>::max(),
+                    mass_[i] / (mass_[i] + mass_[j]) * mass_[j] * (moved + coloured)) +
+           gone_[j];
   }
 
   void find_partner(std::size_t i) {
@@ -129,7 +132,6 @@ class Block {
     costs[i] = never;
     const auto least = std::min_element(costs.begin(), costs.begin() + std::ptrdiff_t(count_));
     partner_[i] = std::size_t(least - costs.begin()), cost_[i] = *least;
-    if (partner_[i] == i) partner_[i] = i == 0 ? 1 : 0;  // all costs are beyond the range of float
   }
 
   void copy(Nodes& out, std::size_t to, std::size_t from) const {
@@ -152,7 +154,7 @@ class Block {
     scene.opacities[to] = area > 0 ? float(std::min(1.0, m.mass / area)) : 1.0f;
     scene.sh0[to] = m.sh0;
     std::copy_n(m.sh_rest.begin(), each_, scene.sh_rest.data() + each_ * to);
-    out.spread[to] = float(m.spread);
+    out.spread[to] = float(std::min(m.spread, double(std::numeric_limits<float>::max())));
   }
 
   const Nodes& nodes_;

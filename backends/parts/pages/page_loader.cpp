@@ -35,7 +35,7 @@ struct PageLoader::State {
     try {
       page.content = files[page.key.file].read(page.key.page);
     } catch (const std::exception& error) {
-      page.failure = error.what();
+      page.failure = *error.what() != '\0' ? error.what() : "a source threw an exception without a text";
     } catch (...) {
       page.failure = "a source threw what is no exception of the standard library";
     }
@@ -88,13 +88,19 @@ void PageLoader::request(const std::vector<PageKey>& keys) {
     state_->jobs += jobs;
   }
   state_->asked.notify_all();
-  for (; jobs != 0; --jobs)
-    executor_([state = state_] {
-      std::unique_lock lock(state->mutex);
-      state->read_next(lock);
-      --state->jobs;
-      state->read.notify_all();
-    });
+  const auto job = [state = state_] {
+    std::unique_lock lock(state->mutex);
+    state->read_next(lock);
+    --state->jobs;
+    state->read.notify_all();
+  };
+  try {
+    for (; jobs != 0; --jobs) executor_(job);
+  } catch (...) {
+    const std::lock_guard lock(state_->mutex);
+    state_->jobs -= jobs;  // which nobody runs
+    throw;
+  }
 }
 
 std::vector<LoadedPage> PageLoader::take() {

@@ -4,6 +4,7 @@
 #include <queue>
 #include <utility>
 
+#include <swiftgs/error.hpp>
 #include <swiftgs/frame/view_constants.hpp>
 #include <swiftgs/pages/page_plan.hpp>
 #include <swiftgs/project/chunks.hpp>
@@ -119,7 +120,8 @@ PagePlan::Wanted PagePlan::choose(Span<const View> views, const CutGoal& goal) {
     const std::uint32_t file = file_of_[next.scene];
     const Page& page = row({file, next.page});
     if (page.is_leaf()) continue;
-    if (next.error <= goal.pixels) break;  // as are all others, but for leaves
+    // As are all others. But for goal 0: nodes of Gaussians in one place err by 0.
+    if (goal.pixels > 0 && next.error <= goal.pixels) break;
     std::uint64_t splats = wanted.splats - page.count;
     std::size_t more = 0;
     Candidate children[2] = {{0, next.scene, page.left}, {0, next.scene, page.right}};

@@ -69,7 +69,7 @@ const char* unmet(const Page& page, const FileHeader& header) {
   const ChunkBounds& b = page.bounds;
   if (!detail::is_finite(b.low) || !detail::is_finite(b.high) || !detail::is_finite(b.size) ||
       !(b.size >= 0) || !(b.opacity >= 0 && b.opacity <= 1))
-    return "finite bounds";
+    return "finite bounds and an opacity of 0 to 1";
   for (int k = 0; k < 3; ++k)
     if (!(b.low[k] <= b.high[k])) return "bounds whose first corner is the lower one";
   if (page.count == 0 || page.count > header.page_size)
@@ -90,10 +90,13 @@ const char* unmet(const Page& page, const FileHeader& header) {
   return nullptr;
 }
 
+/// Frames walk a tree by recursion. That of 2^32 Gaussians has 33 levels.
+constexpr int most_levels = 64;
+
 /// Throws unless the pages are a tree whose leaves have all Gaussians in order.
 void check_tree(const std::vector<Page>& all, const FileHeader& header, const std::string& name) {
-  std::vector<std::uint32_t> ends(all.size());  // of the Gaussians below each page
-  std::vector<std::uint8_t> has_parent(all.size());
+  std::vector<std::uint32_t> ends(all.size());                           // of the Gaussians below each page
+  std::vector<std::uint8_t> has_parent(all.size()), levels(all.size());  // below each page
   for (std::uint32_t i = 0; i < all.size(); ++i) {
     const Page& page = all[i];
     const auto expect = [&](bool holds, const char* expected) {
@@ -111,6 +114,9 @@ void check_tree(const std::vector<Page>& all, const FileHeader& header, const st
     expect(page.left < i && page.right < i && page.left != page.right, "children before it");
     expect(!has_parent[page.left] && !has_parent[page.right], "children that have no other parent");
     has_parent[page.left] = has_parent[page.right] = 1;
+    const int below = 1 + std::max(levels[page.left], levels[page.right]);
+    expect(below <= most_levels, "64 levels below it at most");
+    levels[i] = std::uint8_t(below);
     expect(all[page.left].first == page.first && all[page.right].first == ends[page.left],
            "children whose Gaussians follow each other");
     expect(holds(page.bounds, all[page.left].bounds) && holds(page.bounds, all[page.right].bounds),
@@ -186,6 +192,13 @@ PageContent PagedScene::read(std::uint32_t number) const {
     for (std::size_t i = 0; i < count; ++i) rows.load(i, page.sh_degree, scene.sh_rest.data() + each * i);
   k = 7;
   if (page.has_ids != 0) take(content.ids, count);
+  const auto is_number = [&](std::uint32_t id) { return id < gaussians(); };
+  expect(std::all_of(content.ids.begin(), content.ids.end(), is_number), "numbers of the file's Gaussians");
+  try {
+    validate_numbers(scene);
+  } catch (const InvalidArgument&) {
+    expect(false, "finite numbers");
+  }
   return content;
 }
 
@@ -199,7 +212,10 @@ Scene read_leaves(const PagedScene& pages) {
   all.model = pages.model(), all.sh_degree = pages.sh_degree(), all.origin = pages.origin();
   std::vector<std::uint32_t> leaves;
   for (std::uint32_t i = 0; i < pages.pages().size; ++i)
-    if (pages.pages()[i].is_leaf()) leaves.push_back(i);  // children come in order, so leaves do
+    if (pages.pages()[i].is_leaf()) leaves.push_back(i);
+  std::sort(leaves.begin(), leaves.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return pages.pages()[a].first < pages.pages()[b].first;
+  });
   for (const std::uint32_t leaf : leaves) append(all, pages.read(leaf).scene);
   return all;
 }

@@ -15,9 +15,9 @@ layout(constant_id = 4) const bool DEPTH = false;
 layout(constant_id = 5) const bool PICKS = false;
 layout(constant_id = 6) const bool OCCLUDER = false;
 layout(constant_id = 7) const bool CONVERTS = false;
-// Most attributes of a pass, and whether it draws all other planes too. Loops over attributes count to a number in memory:
-// unrolled by each pixel they would take a minute to compile. lavapipe ends all
-// loops of a thread after 65,535 rounds together, so there a block of thousands of splats with attributes is cut short.
+// Attributes of a pass, at most; and whether the pass draws the other planes too. Loops count to a number in memory:
+// unrolled by each pixel they compile for a minute. lavapipe ends the loops of a thread after 65,535 rounds and cuts long
+// lists short.
 layout(constant_id = 8) const uint ATTRIBUTES = 0u;
 layout(constant_id = 9) const bool IS_BASE = true;
 // Whether depths are those along the ray: the first attributes of a splat.

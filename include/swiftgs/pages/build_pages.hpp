@@ -17,8 +17,9 @@ struct PageBuildOptions {
   /// Puts neighbours in space into one page, as an external sort does. Otherwise pages are ranges of the
   /// source, and a frame of all leaves has the bits of the source.
   bool order = false;
-  /// What the builder takes at most, 64 MiB or more. A scene that cannot be read in parts takes what its
-  /// format takes besides: any but a PLY and a `.splat`. @units{bytes}
+  /// Most memory that the builder takes: 12,960 bytes or more for each Gaussian of a page. A scene that
+  /// cannot be read in parts, any but a PLY and a `.splat`, takes what its format takes besides, and `order`
+  /// four bytes a Gaussian. @units{bytes}
   std::size_t memory = std::size_t(1) << 30;
   std::string model{};      ///< what `model_from` takes, in place of what the sources say
   int threads = 0;          ///< 0: one a processor

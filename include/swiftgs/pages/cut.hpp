@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include <swiftgs/error.hpp>
 #include <swiftgs/frame/math.hpp>
 #include <swiftgs/frame/placing.hpp>
 #include <swiftgs/frame/views.hpp>
@@ -31,7 +30,7 @@ struct PlacedPages {
 struct CutGoal {
   /// Largest error of a page that is drawn; 0 draws leaves alone. @units{pixels}
   double pixels = 1;
-  /// Most Gaussians and nodes of a complete cut. The largest errors are mended first.
+  /// Most Gaussians and nodes of a complete cut. The largest errors are mended first. Roots show in any case.
   std::uint64_t splats = std::numeric_limits<std::uint64_t>::max();
 };
 
@@ -59,7 +58,7 @@ class Cut {
   const std::vector<PlacedScene>& scenes() const { return scenes_; }
 
   std::uint64_t splats() const { return splats_; }  ///< Gaussians and nodes of `scenes`
-  std::uint64_t wanted() const { return wanted_; }  ///< of them when nothing is missing
+  std::uint64_t wanted() const { return wanted_; }  ///< Gaussians and nodes once all pages are there
   std::size_t missing() const { return missing_; }  ///< pages that are not in memory yet
   double pixels() const { return pixels_; }         ///< error that the budgets allow when nothing is missing
   const std::vector<PageFailure>& failed() const { return failed_; }

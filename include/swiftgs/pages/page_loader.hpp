@@ -15,7 +15,8 @@
 
 namespace swiftgs {
 
-/// Runs a function once, at any time and in any thread.
+/// Runs a function once, at any time, in a thread that does not call `PagePool::wait`. It drops none, unless
+/// it throws.
 using PageExecutor = std::function<void(std::function<void()> load)>;
 
 }  // namespace swiftgs
@@ -35,11 +36,11 @@ struct LoadedPage {
   std::string failure;  ///< empty if it was read
 };
 
-/// Reads pages in a thread of its own or by an executor. No function but `wait` blocks: the lock is held
-/// while a few numbers move.
+/// Reads pages in a thread of its own or by an executor. No function blocks but `wait` and the
+/// destructor, which waits for the page being read: the lock is held while a few numbers move.
 class SWIFTGS_API PageLoader {
  public:
-  /// Reads no further while pages that were read take `most_bytes` or more, those included that `keep` tells.
+  /// Stops reading while read pages, `keep`'s bytes included, take `most_bytes` or more.
   PageLoader(std::vector<PagedScene> files, std::size_t most_bytes, PageExecutor executor);
   ~PageLoader();
   PageLoader(const PageLoader&) = delete;
@@ -49,7 +50,7 @@ class SWIFTGS_API PageLoader {
   void request(const std::vector<PageKey>& keys);
   /// Pages that were read since.
   std::vector<LoadedPage> take();
-  /// Of the pages that were taken, so many bytes still wait for their upload.
+  /// Sets the bytes of taken pages that are not uploaded yet.
   void keep(std::size_t bytes);
   /// Returns when there is something to take, or nothing is being read or asked for.
   void wait();

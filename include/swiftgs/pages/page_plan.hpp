@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <string>
 #include <vector>
 
 #include <swiftgs/frame/api.hpp>
@@ -15,7 +14,7 @@
 
 namespace swiftgs::detail {
 
-/// Memory that a page takes once it is uploaded, at most. @units{bytes}
+/// Memory that a page takes once it is uploaded, without what pads its arrays. @units{bytes}
 inline std::size_t resident_bytes(const Page& page) {
   return page.bytes + (page.count + chunk_size - 1) / chunk_size * sizeof(ChunkBounds);
 }

@@ -15,8 +15,6 @@
 #include <utility>
 #include <vector>
 
-#include <swiftgs/error.hpp>
-#include <swiftgs/frame/backend.hpp>
 #include <swiftgs/frame/span.hpp>
 #include <swiftgs/pages/cut.hpp>
 #include <swiftgs/pages/page_loader.hpp>
@@ -37,7 +35,8 @@ struct PagePoolOptions {
 /// uploads what was read and tells what to draw. Pages come and go: a page is drawn in place of those below
 /// it until all of them that show are there, so a frame has no holes.
 ///
-/// Memory of a page is given back when no cut has it. Use a pool from one thread at a time.
+/// Memory of a page is given back when no cut has it. Use a pool from one thread at a time. The destructor
+/// waits for the page that is being read.
 template <class B>
 class PagePool {
  public:
@@ -59,8 +58,9 @@ class PagePool {
 
   /// What to draw for all views of a frame, which show all placed scenes. Uploads pages that were read, at
   /// most `upload_per_frame`, and asks for others. Makes no call that waits for a file, a thread or a device,
-  /// but what an upload does. Which pages it draws depends on the views, the goal and the pages in memory
-  /// alone. Throws `InvalidArgument` for a goal that is not valid, and what `upload` of the backend throws.
+  /// but what uploads and releases of memory do. Which pages it draws depends on the views, the goal and the
+  /// pages in memory alone. Throws `InvalidArgument` for a goal that is not valid, and what `upload` of the
+  /// backend throws.
   Cut cut(Span<const View> views, const CutGoal& goal = {}) {
     bool stuck = false;
     return cut(views, goal, options_.upload_per_frame, stuck);

@@ -114,8 +114,7 @@ class SWIFTGS_API PagedScene {
 /// `FileError`.
 SWIFTGS_API PagedScene open_pages(const std::filesystem::path& path);
 
-/// All leaves as one scene, in their order: what a frame of all leaves draws. Throws as `PagedScene::read`,
-/// and `CapacityError` beyond 2^32 - 1 Gaussians.
+/// All leaves as one scene, in their order: what a frame of all leaves draws. Throws as `PagedScene::read`.
 SWIFTGS_API Scene read_leaves(const PagedScene& pages);
 
 }  // namespace swiftgs

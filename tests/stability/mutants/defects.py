@@ -59,7 +59,8 @@ DEFECTS = [
     # Projection.
     *defects("project", I + "frame/splats.hpp",
         ("means without their remainder",
-         "low = [-low_of(float(x - mean.x)) | low_of(float(y - mean.y)) << 16-]{+0+};")),
+         "low = [-round_down(x, mean.x), low |= round_down(y, mean.y) << 16-]"
+         "{+(round_down(x, mean.x), round_down(y, mean.y), 0)+};")),
     *defects("project", I + "project/project.hpp",
         ("camera space in float",
          "p[row] = [-multiply_add(v.rotation(row, 0), d[0],\n"
@@ -150,8 +151,8 @@ DEFECTS = [
         ("z in float", "const Wide inverse_z = Inverse([-wide_z-]{+Promote(z)+});"),
         ("x/z and y/z in float", "out.place_mean(ScaleAdd([-x_over_z-]{+Promote(Demote(x_over_z))+}, v.fx, v.cx)"),
         ("means without their remainder",
-         "low = [-hn::BitCast(d, hn::Or(of_x, hn::ShiftLeft<16>(low_of(lacks_y))))-]{+hn::Zero(d)+};"),
-        ("remainders exchanged", "of_x = hn::And(low_of([-lacks_x-]{+lacks_y+}), hn::Set(di, 0xffff));"),
+         "low = [-hn::BitCast(d, hn::Or(of_x, hn::ShiftLeft<16>(of_y)))-]{+hn::Zero(d)+};"),
+        ("remainders exchanged", "hn::Or([-of_x, hn::ShiftLeft<16>(of_y)-]{+of_y, hn::ShiftLeft<16>(of_x)+})"),
         ("blur times 1.0001", "Doubles(double(v.blur{+ * 1.0001f+}))"),
         ("blur times 1.001", "Doubles(double(v.blur{+ * 1.001f+}))"),
         cpu_means(4096), cpu_means(1024),

@@ -117,7 +117,8 @@ class SWIFTGS_API Vulkan {
   /// `commands` instead of submitting it: commands that the program has begun, outside of a render pass, for
   /// the device's queue. It neither submits nor waits. The frame sees what all commands before it wrote, and
   /// all commands behind it see the frame; the compute pipeline and push constants are then other ones. The
-  /// renderer stays as it is until the commands are done. If `draw` throws, drop the commands.
+  /// renderer stays as it is until the commands are done. The recording keeps views and placed scenes as they
+  /// were: `set_views` and `set_scenes` change later recordings alone. If `draw` throws, drop the commands.
   VulkanRecording record(VkCommandBuffer_T* commands, const std::function<void()>& draw);
 
   /// Gives back the memory that scans and sorts keep.
