@@ -49,11 +49,12 @@ RenderSettings with_planes() {
   return settings;
 }
 
-/// Shares of pixels whose picks are other ones, where two splats weigh nearly the same.
+/// Share of pixels whose picks are other ones, where two splats weigh nearly the same. 0 of planes not drawn.
 double other_picks(const std::vector<std::uint32_t>& a, const std::vector<std::uint32_t>& b) {
+  REQUIRE(a.size() == b.size());
   std::size_t other = 0;
   for (std::size_t i = 0; i < a.size(); ++i) other += a[i] != b[i];
-  return double(other) / double(a.size());
+  return double(other) / double(std::max<std::size_t>(a.size(), 1));
 }
 
 /// Holds `frame` to that of `Serial`: kernels round exponentials and sums in their own way.
