@@ -99,7 +99,7 @@ std::string lacks(const vulkan::Functions& vk, VkPhysicalDevice device) {
   return {};
 }
 
-/// `VulkanDevice::own()` before it is checked.
+/// `VulkanDevice::own()` before it is checked: an instance, and the device once it is made.
 class OwnDevice {
  public:
   OwnDevice() {
@@ -117,13 +117,8 @@ class OwnDevice {
 #define SWIFTGS_VULKAN_GET(name) vk_.name = reinterpret_cast<PFN_##name>(get_(instance_, #name));
     SWIFTGS_VULKAN_OF_INSTANCE(SWIFTGS_VULKAN_GET)
 #undef SWIFTGS_VULKAN_GET
-    try {
-      choose_and_make();
-    } catch (...) {
-      vk_.vkDestroyInstance(instance_, nullptr);
-      throw;
-    }
   }
+  void drop() const { vk_.vkDestroyInstance(instance_, nullptr); }
 
   VulkanHandles handles() const {
     const auto get_queue =
@@ -133,8 +128,8 @@ class OwnDevice {
     return {instance_, physical_, device_, queue, family_, &enabled_, get_};
   }
 
- private:
-  void choose_and_make() {
+  /// Throws `Unavailable` if no device has all that is needed.
+  VkPhysicalDevice choose() const {
     std::uint32_t count = 0;
     vulkan::check(vk_.vkEnumeratePhysicalDevices(instance_, &count, nullptr), "vkEnumeratePhysicalDevices");
     std::vector<VkPhysicalDevice> devices(count);
@@ -151,24 +146,10 @@ class OwnDevice {
     std::string why = "vulkan: expected a device";
     for (const VkPhysicalDevice device : devices) {
       const std::string lacking = why_not(device);
-      if (lacking.empty()) return make(device);
+      if (lacking.empty()) return device;
       why = lacking;
     }
     throw Unavailable(why);
-  }
-
-  std::string why_not(VkPhysicalDevice device) const {
-    if (std::string lacking = lacks(vk_, device); !lacking.empty()) return lacking;
-    VkPhysicalDeviceVulkan13Features of_1_3{};
-    of_1_3.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
-    VkPhysicalDeviceVulkan12Features of_1_2{};
-    of_1_2.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, of_1_2.pNext = &of_1_3;
-    VkPhysicalDeviceFeatures2 all{};
-    all.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, all.pNext = &of_1_2;
-    vk_.vkGetPhysicalDeviceFeatures2(device, &all);
-    for (const Feature& feature : needed_features(all))
-      if (!feature.enabled) return std::string("vulkan: expected a device with ") + feature.name;
-    return {};
   }
 
   void make(VkPhysicalDevice device) {
@@ -193,6 +174,21 @@ class OwnDevice {
     info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, info.pNext = &enabled_;
     info.queueCreateInfoCount = 1, info.pQueueCreateInfos = &queue;
     vulkan::check(vk_.vkCreateDevice(device, &info, nullptr, &device_), "vkCreateDevice");
+  }
+
+ private:
+  std::string why_not(VkPhysicalDevice device) const {
+    if (std::string lacking = lacks(vk_, device); !lacking.empty()) return lacking;
+    VkPhysicalDeviceVulkan13Features of_1_3{};
+    of_1_3.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
+    VkPhysicalDeviceVulkan12Features of_1_2{};
+    of_1_2.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, of_1_2.pNext = &of_1_3;
+    VkPhysicalDeviceFeatures2 all{};
+    all.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, all.pNext = &of_1_2;
+    vk_.vkGetPhysicalDeviceFeatures2(device, &all);
+    for (const Feature& feature : needed_features(all))
+      if (!feature.enabled) return std::string("vulkan: expected a device with ") + feature.name;
+    return {};
   }
 
   PFN_vkGetInstanceProcAddr get_ = nullptr;
@@ -228,10 +224,32 @@ VulkanDevice::VulkanDevice(const VulkanHandles& handles) {
 const VulkanDevice& VulkanDevice::own() {
   // Never destroyed: objects of the program that end after `main` may still have memory of it.
   static const VulkanDevice* const device = [] {
-    const OwnDevice own;
+    OwnDevice own;
+    try {
+      own.make(own.choose());
+    } catch (...) {
+      own.drop();
+      throw;
+    }
     return new VulkanDevice(own.handles());
   }();
   return *device;
+}
+
+bool VulkanDevice::has_own() {
+  try {
+    const OwnDevice own;
+    bool found = true;
+    try {
+      own.choose();
+    } catch (const Unavailable&) {
+      found = false;
+    }
+    own.drop();
+    return found;
+  } catch (const std::exception&) {
+    return false;
+  }
 }
 
 const MemoryHook& VulkanDevice::memory_hook() const { return state_->hook; }

@@ -67,14 +67,7 @@ Vulkan::State::~State() {
 }
 
 bool Vulkan::usable() {
-  static const bool found = [] {
-    try {
-      VulkanDevice::own();
-      return true;
-    } catch (const std::exception&) {
-      return false;
-    }
-  }();
+  static const bool found = VulkanDevice::has_own();
   return found;
 }
 

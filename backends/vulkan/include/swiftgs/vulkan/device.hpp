@@ -45,6 +45,9 @@ class SWIFTGS_API VulkanDevice {
   /// The library's own: the first GPU that has all, else a device without a GPU such as lavapipe. Loads
   /// libvulkan.so.1 when it is first asked for. Throws `Unavailable` where there is none.
   static const VulkanDevice& own();
+  /// Whether `own` finds a device, without making it: threads of a device without a GPU delay the end of a
+  /// program.
+  static bool has_own();
 
   /// Memory of this device.
   const MemoryHook& memory_hook() const;
