@@ -118,7 +118,12 @@ class OwnDevice {
     SWIFTGS_VULKAN_OF_INSTANCE(SWIFTGS_VULKAN_GET)
 #undef SWIFTGS_VULKAN_GET
   }
-  void drop() const { vk_.vkDestroyInstance(instance_, nullptr); }
+  /// Destroys the instance, unless it has a device, which is never destroyed.
+  ~OwnDevice() {
+    if (!device_) vk_.vkDestroyInstance(instance_, nullptr);
+  }
+  OwnDevice(const OwnDevice&) = delete;
+  OwnDevice& operator=(const OwnDevice&) = delete;
 
   VulkanHandles handles() const {
     const auto get_queue =
@@ -225,12 +230,7 @@ const VulkanDevice& VulkanDevice::own() {
   // Never destroyed: objects of the program that end after `main` may still have memory of it.
   static const VulkanDevice* const device = [] {
     OwnDevice own;
-    try {
-      own.make(own.choose());
-    } catch (...) {
-      own.drop();
-      throw;
-    }
+    own.make(own.choose());
     return new VulkanDevice(own.handles());
   }();
   return *device;
@@ -238,15 +238,8 @@ const VulkanDevice& VulkanDevice::own() {
 
 bool VulkanDevice::has_own() {
   try {
-    const OwnDevice own;
-    bool found = true;
-    try {
-      own.choose();
-    } catch (const Unavailable&) {
-      found = false;
-    }
-    own.drop();
-    return found;
+    OwnDevice().choose();
+    return true;
   } catch (const std::exception&) {
     return false;
   }

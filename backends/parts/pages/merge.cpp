@@ -18,7 +18,7 @@ namespace {
 /// Nodes that are compared with each other.
 constexpr std::size_t block_size = 64;
 
-/// Moments of what a node stands for, of which two add up.
+/// Moments of the Gaussians that a node stands for. `sum_of` adds two.
 struct Moments {
   dvec3 mean;
   dmat3 covariance;
@@ -57,7 +57,7 @@ Moments sum_of(const Moments& a, const Moments& b, std::size_t each) {
   return sum;
 }
 
-/// Some nodes of which pairs merge until few enough are left.
+/// Merges pairs of some nodes until few enough are left.
 class Block {
  public:
   Block(const Nodes& nodes, std::span<const std::uint32_t> members, std::size_t each)
@@ -89,7 +89,7 @@ class Block {
     }
   }
 
-  /// Writes what is left from number `to` on. What did not merge is kept as it is.
+  /// Writes the nodes that are left, from number `to` on. Copies those that did not merge.
   void write(Nodes& out, std::size_t to) const {
     for (std::size_t i = 0; i < count_; ++i) {
       if (gone_[i] != 0) continue;
@@ -225,8 +225,7 @@ void set_errors(Page& page, const Nodes& nodes) {
     for (const std::uint32_t i : order) all += shown(i);
     std::size_t k = 0;
     while (k + 1 < count && (below += shown(order[k])) < 0.9 * all) ++k;
-    // Above 0, so that no threshold but 0 refines to the leaves and 0 always does.
-    error = std::max(float(std::sqrt(double(nodes.spread[order[k]]))), 1e-30f);
+    error = float(std::sqrt(double(nodes.spread[order[k]])));
     pixel *= 4;
   }
 }

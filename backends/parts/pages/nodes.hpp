@@ -20,6 +20,10 @@ struct Nodes {
   std::vector<float> spread;
 };
 
+/// The axis along which most of the means spread farthest. The outermost do not count, so that strays do not
+/// decide.
+int longest_axis(std::vector<vec3> means);
+
 /// Puts `order`, some of `means`, in the order of a kd tree: halves at a multiple of `page` where that leaves
 /// both some, else at a multiple of `least`, down to `least`. Ties keep the order of indices.
 void order_by_halves(const std::vector<vec3>& means, std::span<std::uint32_t> order, std::size_t page,

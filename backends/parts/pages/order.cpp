@@ -1,39 +1,33 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <utility>
 #include <vector>
 
 #include "nodes.hpp"
 
 namespace swiftgs::pages {
-namespace {
 
-/// The axis along which most of some means spread farthest. A few samples tell; the outermost do not count,
-/// so that strays do not decide.
-int longest_axis(const std::vector<vec3>& means, std::span<const std::uint32_t> some) {
-  constexpr std::size_t samples = 101;
-  const std::size_t step = some.size() / samples + 1;
+int longest_axis(std::vector<vec3> means) {
+  const std::size_t outside = means.size() / 20;
   int longest = 0;
   float length = -1;
-  std::vector<float> values;
   for (int axis = 0; axis < 3; ++axis) {
-    values.clear();
-    for (std::size_t k = 0; k < some.size(); k += step) values.push_back(means[some[k]][axis]);
-    std::sort(values.begin(), values.end());
-    const std::size_t outside = values.size() / 20;
-    const float found = values[values.size() - 1 - outside] - values[outside];
+    std::sort(means.begin(), means.end(), [axis](const vec3& a, const vec3& b) { return a[axis] < b[axis]; });
+    const float found = means[means.size() - 1 - outside][axis] - means[outside][axis];
     if (found > length) length = found, longest = axis;
   }
   return longest;
 }
-
-}  // namespace
 
 void order_by_halves(const std::vector<vec3>& means, std::span<std::uint32_t> order, std::size_t page,
                      std::size_t least) {
   const std::size_t unit = order.size() > page ? page : least;
   if (order.size() <= unit) return;
   const std::size_t units = (order.size() + unit - 1) / unit, left = (units + 1) / 2 * unit;
-  const int axis = longest_axis(means, order);
+  constexpr std::size_t samples = 101;  // which tell well enough
+  std::vector<vec3> some;
+  for (std::size_t k = 0; k < order.size(); k += order.size() / samples + 1) some.push_back(means[order[k]]);
+  const int axis = longest_axis(std::move(some));
   std::nth_element(order.begin(), order.begin() + std::ptrdiff_t(left), order.end(),
                    [&](std::uint32_t a, std::uint32_t b) {
                      const float x = means[a][axis], y = means[b][axis];

@@ -22,7 +22,7 @@ namespace {
   throw FileError({errno != 0 ? errno : EIO, std::generic_category()}, path.string());
 }
 
-/// The bytes of a page, of which all but checksum and offset is then set.
+/// The bytes of a page. Sets all members of `page` but its checksum and offset.
 std::vector<std::byte> content_of(Page& page, const Scene& scene, std::span<const std::uint32_t> ids) {
   const HarmonicPacking packing(Serial(), scene, used_sh_degree(scene), HarmonicsKept::smallest);
   const HarmonicRows like = packing.rows_at(nullptr, packing.labels().data);

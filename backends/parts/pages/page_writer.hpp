@@ -28,8 +28,8 @@ class PageWriter {
  public:
   explicit PageWriter(const std::filesystem::path& path);
 
-  /// Adds a page of which `first`, children and errors are set, and the bounds of what is below it. Its
-  /// harmonics take the fewest bytes that hold them exactly. Returns its number.
+  /// Adds a page and returns its number. The caller sets `first`, children, errors, and the bounds of the
+  /// pages below. Harmonics take the fewest bytes that hold them exactly.
   std::uint32_t add(Page page, const Scene& scene, std::span<const std::uint32_t> ids);
 
   const Page& page(std::uint32_t number) const { return table_[number]; }

@@ -64,7 +64,7 @@ bool holds(const ChunkBounds& outer, const ChunkBounds& inner) {
   return inside;
 }
 
-/// Says what was expected of a page by itself, or is null if it is valid.
+/// Tells what a page lacks, or null if it is valid. Looks at no other page.
 const char* unmet(const Page& page, const FileHeader& header) {
   const ChunkBounds& b = page.bounds;
   if (!detail::is_finite(b.low) || !detail::is_finite(b.high) || !detail::is_finite(b.size) ||

@@ -5,10 +5,13 @@
 #include <cerrno>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include <stdio.h>
 
 #include <swiftgs/error.hpp>
+
+#include "nodes.hpp"
 
 namespace swiftgs::pages {
 namespace {
@@ -96,23 +99,15 @@ PageContent Records::read(std::size_t first, std::size_t count, const Scene& lik
 }
 
 std::pair<Records, Records> Records::split(std::size_t left, BuildFolder& folder) {
-  // The box that decides is of most means alone, as strays would make halves that are long and thin.
-  std::vector<float> values(size_);
-  int axis = 0;
-  float longest = -1;
   const std::size_t step = size_ / block_records + 1;
   std::vector<vec3> sample;
   std::size_t number = 0;
   for_each(0, size_, [&](const Record& r) {
     if (number++ % step == 0) sample.push_back(r.mean);
   });
-  for (int k = 0; k < 3; ++k) {
-    std::sort(sample.begin(), sample.end(), [k](const vec3& a, const vec3& b) { return a[k] < b[k]; });
-    const std::size_t outside = sample.size() / 20;
-    const float length = sample[sample.size() - 1 - outside][k] - sample[outside][k];
-    if (length > longest) longest = length, axis = k;
-  }
+  const int axis = longest_axis(std::move(sample));
 
+  std::vector<float> values(size_);
   number = 0;
   for_each(0, size_, [&](const Record& r) { values[number++] = r.mean[axis]; });
   const auto border = values.begin() + std::ptrdiff_t(left);
