@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include <swiftgs/camera.hpp>
@@ -39,6 +40,19 @@ struct Placement {
   /// `chunk_size`; others are drawn too, and take longer.
   std::size_t first = 0;
   std::size_t count = all;  ///< Gaussians that show; `all` from `first` on
+};
+
+/// A scene in the memory of a backend that need not be named. Copies are one scene.
+class UploadedScene {
+ public:
+  template <class SceneOn>
+  explicit UploadedScene(SceneOn scene)
+      : view_(scene.view()), kept_(std::make_shared<const SceneOn>(std::move(scene))) {}
+  SceneView view() const { return view_; }
+
+ private:
+  SceneView view_;
+  std::shared_ptr<const void> kept_;
 };
 
 /// A renderer that is used without naming its policies: one of `make_renderer`, or any `Renderer`. It keeps
@@ -95,6 +109,14 @@ class SWIFTGS_API AnyRenderer {
   /// or in part. Throws `InvalidArgument`, and changes nothing, for no placement, an unknown scene, a
   /// range that the scene does not have, and as `validate` of a placed scene.
   virtual void place(Span<const Placement> placements) = 0;
+
+  /// Uploads a scene that the caller keeps, apart from those with numbers, for `show`. Throws as `set_scene`.
+  virtual UploadedScene upload(Scene scene, HarmonicsKept kept = HarmonicsKept::smallest) = 0;
+
+  /// Shows placed scenes of the caller, such as of `upload`, in place of those of `place`, until another call
+  /// sets, adds, shares or places scenes. Their memory is the backend's, and stays until no frame shows them.
+  /// Throws `InvalidArgument`, and changes nothing, as `validate` of a placed scene.
+  virtual void show(Span<const PlacedScene> scenes) = 0;
 
   /// Shares the scenes that `other` has uploaded, without other copies, and their placements. Returns false,
   /// and changes nothing, if `other` has no scene or another backend. A scene of `SceneArrays` is ready in

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <swiftgs/any_renderer.hpp>
+#include <swiftgs/serial.hpp>
 
 namespace swiftgs::test {
 
@@ -23,6 +24,10 @@ class ScriptedRenderer final : public AnyRenderer {
   std::size_t add_scene(std::shared_ptr<const Scene>, HarmonicsKept) override { return 0; }
   const char* harmonics(std::size_t) const override { return ""; }
   void place(Span<const Placement>) override {}
+  UploadedScene upload(Scene scene, HarmonicsKept) override {
+    return UploadedScene(Serial().upload(std::move(scene)));
+  }
+  void show(Span<const PlacedScene>) override {}
   bool share_scene(const AnyRenderer&) override { return true; }
   void update_scene(std::size_t, std::size_t, const SceneArrays&) override {}
   void render(Span<const Camera>, const RenderSettings&, Span<Frame>) override {}

@@ -50,6 +50,25 @@ TEST_CASE("any renderer: a scene is shared within a backend and drawn as an uplo
   }
 }
 
+TEST_CASE("any renderer: scenes of the caller show in place of its own until others are placed") {
+  for (const char* name : {plain, "cpu/early/per-pixel/ellipse"}) {
+    const std::unique_ptr<AnyRenderer> renderer = make_renderer(name), other = make_renderer(name);
+    other->set_scene(small_scene());
+    const Frame alone = drawn_by(*other);
+    const UploadedScene kept = renderer->upload(*small_scene());
+    const std::vector<PlacedScene> placed{{kept.view()}};
+    renderer->show({placed.data(), placed.size()});
+    CHECK(drawn_by(*renderer).colour == alone.colour);
+    renderer->show({});
+    CHECK(drawn_by(*renderer).colour == std::vector<float>(alone.colour.size()));
+    PlacedScene wrong{kept.view()};
+    wrong.opacity = 2;
+    CHECK_THROWS_AS(renderer->show({&wrong, 1}), InvalidArgument);
+    renderer->set_scene(std::make_shared<const Scene>(make_builtin_scene(100)));
+    CHECK(drawn_by(*renderer).colour != alone.colour);
+  }
+}
+
 TEST_CASE("any renderer: frames are timed if asked to and a scene that is refused leaves the one before") {
   const std::unique_ptr<AnyRenderer> renderer = make_renderer(plain);
   renderer->set_scene(small_scene());

@@ -70,6 +70,8 @@ class SWIFTGS_API BoundRenderer : public AnyRenderer {
   const char* harmonics(std::size_t scene) const override { return kept_.harmonics(scene); }
   void update_scene(std::size_t scene, std::size_t first, const SceneArrays& arrays) override;
   void place(Span<const Placement> placements) override;
+  UploadedScene upload(Scene scene, HarmonicsKept kept = HarmonicsKept::smallest) override;
+  void show(Span<const PlacedScene> scenes) override;
   bool share_scene(const AnyRenderer& other) override;
 
   using AnyRenderer::pick, AnyRenderer::render, AnyRenderer::render_resident;
@@ -192,6 +194,14 @@ void BoundRenderer<B>::update_scene(std::size_t scene, std::size_t first, const 
 template <class B>
 void BoundRenderer<B>::place(Span<const Placement> placements) {
   kept_.place(placements);
+}
+template <class B>
+UploadedScene BoundRenderer<B>::upload(Scene scene, HarmonicsKept kept) {
+  return UploadedScene(KeptScenes<B>::upload(backend(), std::move(scene), kept));
+}
+template <class B>
+void BoundRenderer<B>::show(Span<const PlacedScene> scenes) {
+  kept_.show(scenes);
 }
 template <class B>
 bool BoundRenderer<B>::share_scene(const AnyRenderer& other) {

@@ -31,6 +31,16 @@ template <class B>
 template <class B>
 class KeptScenes {
  public:
+  using SceneOn = typename B::SceneOn;
+
+  template <class... Given>
+  static SceneOn upload(B& b, Given&&... given) {
+    if constexpr (requires { b.upload(std::forward<Given>(given)...); })
+      return b.upload(std::forward<Given>(given)...);
+    else
+      refuse_missing<B>("upload of scenes to keep");
+  }
+
   void set(B& b, std::shared_ptr<const Scene> scene, HarmonicsKept kept) {
     scene_.emplace(upload(b, std::move(scene), kept));
     show_alone();
@@ -52,7 +62,7 @@ class KeptScenes {
       return 0;
     }
     more_.push_back(upload(b, std::move(scene), kept));
-    show(placed_, {.scene = more_.size()});
+    show(placed_, {.scene = more_.size()}), of_caller_.reset();
     return more_.size();
   }
   const char* harmonics(std::size_t scene) const {
@@ -76,16 +86,22 @@ class KeptScenes {
       show(placed, p);
       validate(placed.each.back());
     }
-    placed_ = std::move(placed);
+    placed_ = std::move(placed), of_caller_.reset();
+  }
+  void show(Span<const PlacedScene> scenes) {
+    for (const PlacedScene& each : scenes) validate(each);
+    of_caller_.emplace(scenes.begin(), scenes.end());
   }
   bool share(const KeptScenes& other) {
     if (!other.scene_) return false;
-    scene_ = other.scene_, more_ = other.more_, placed_ = other.placed_, recorded_.reset();
+    scene_ = other.scene_, more_ = other.more_, placed_ = other.placed_, of_caller_ = other.of_caller_;
+    recorded_.reset();
     return true;
   }
 
   /// What frames show. Throws `OrderError` before a scene is set.
   PlacedScenes scenes() {
+    if (of_caller_) return *of_caller_;
     if (!scene_) throw OrderError("render: expected a scene before the first frame");
     update_views(placed_, placed_.each.data());
     return placed_.each;
@@ -94,7 +110,7 @@ class KeptScenes {
   /// Tells that recorded frames show what is placed now; `alone`: a scene alone, which may change.
   void note_recorded(bool alone) {
     recorded_.reset();
-    if (!alone) recorded_ = placed_;
+    if (!alone) recorded_ = of_caller_ ? Placed{*of_caller_, {}} : placed_;
   }
   /// Whether recorded frames show placed scenes, and those are still there.
   bool records_placed() const { return recorded_.has_value(); }
@@ -108,21 +124,11 @@ class KeptScenes {
   void update_recorded(StoredScene* stored) const { update_views(*recorded_, stored); }
 
  private:
-  using SceneOn = typename B::SceneOn;
-
   /// Placed scenes, and the placement of each.
   struct Placed {
     std::vector<PlacedScene> each;
     std::vector<Placement> placements;
   };
-
-  template <class... Given>
-  static SceneOn upload(B& b, Given&&... given) {
-    if constexpr (requires { b.upload(std::forward<Given>(given)...); })
-      return b.upload(std::forward<Given>(given)...);
-    else
-      refuse_missing<B>("upload of scenes to keep");
-  }
 
   void show(Placed& placed, const Placement& p) const {
     placed.each.push_back({view_of(p), p.world_from_scene, p.opacity, p.clip, p.tint});
@@ -130,7 +136,7 @@ class KeptScenes {
   }
   /// The first scene, where it stands by itself.
   void show_alone() {
-    more_.clear(), placed_ = {}, recorded_.reset();
+    more_.clear(), placed_ = {}, of_caller_.reset(), recorded_.reset();
     show(placed_, {});
   }
 
@@ -152,13 +158,14 @@ class KeptScenes {
   }
   /// Gives `each` of `placed` the view that its scene has now: a host's first update of a scene moves it.
   void update_views(const Placed& placed, auto* each) const {
-    for (std::size_t i = 0; i < placed.each.size(); ++i) each[i].scene = view_of(placed.placements[i]);
+    for (std::size_t i = 0; i < placed.placements.size(); ++i) each[i].scene = view_of(placed.placements[i]);
   }
 
   std::optional<SceneOn> scene_{};  ///< copies share the memory
   std::vector<SceneOn> more_{};     ///< after it
   Placed placed_{};
-  std::optional<Placed> recorded_{};  ///< none for a scene alone
+  std::optional<std::vector<PlacedScene>> of_caller_{};  ///< shown in place of `placed_`
+  std::optional<Placed> recorded_{};  ///< none for a scene alone; of the caller: no placements
 };
 
 }  // namespace swiftgs
