@@ -184,6 +184,7 @@ TEST_CASE("pages: budgets of splats and memory are kept and the error that they 
   CHECK(tight.bytes() > 800'000);
   check_no_hole(cut, pages, views);
   CHECK_THROWS_AS(PagePool<Cpu>(renderer.backend(), pages, {.bytes = 1000}), InvalidArgument);
+  CHECK_THROWS_AS(PagePool<Cpu>(renderer.backend(), pages, {.threads = 0}), InvalidArgument);
   CHECK_THROWS_AS(roomy.cut(all_of(views), {.pixels = -1}), InvalidArgument);
 }
 
@@ -242,7 +243,8 @@ TEST_CASE("pages: a source that fails and delays at random makes no hole and is 
     std::vector<std::thread> threads;
     std::mutex mutex;
     {
-      PagePoolOptions options{.bytes = 1'000'000, .upload_per_frame = 150'000, .waiting = 200'000};
+      PagePoolOptions options{
+          .bytes = 1'000'000, .upload_per_frame = 150'000, .waiting = 200'000, .threads = 3};
       if (seed != 1)
         options.executor = [&](std::function<void()> load) { threads.emplace_back(std::move(load)); };
       PagePool<Cpu> pool(renderer.backend(), pages, options);
@@ -314,6 +316,37 @@ TEST_CASE("pages: copies of a file share its pages and stereo views share a cut"
   CHECK(last.is_gaussian);
   CHECK_THROWS_AS(cut.named(std::uint32_t(cut.splats())), InvalidArgument);
   CHECK_THROWS_AS(PagePool<Cpu>(renderer.backend(), std::vector<PlacedPages>()), InvalidArgument);
+}
+
+TEST_CASE("pages: a renderer without a named backend draws cuts and what is placed anew stays in memory") {
+  const PagedScene pages = open(TestSource::of(ordered_scene(5000))),
+                   others = open(TestSource::of(ordered_scene(500)));
+  Renderer<Cpu> named;
+  AnyRenderer& renderer = named;
+  PagePool<AnyRenderer> pool(renderer, pages);
+  const std::vector<View> views = front();
+  const auto drawn = [&] {
+    Cut cut = pool.cut(all_of(views), {.pixels = 0.5});
+    pool.wait(cut);
+    renderer.show({cut.scenes().data(), cut.scenes().size()});
+    Frame frame;
+    renderer.render(builtin_camera(width, height), {}, frame);
+    return frame.colour;
+  };
+  PagePool<Cpu> same(named.backend(), pages);
+  Cut cut = same.cut(all_of(views), {.pixels = 0.5});
+  same.wait(cut);
+  const std::vector<float> colour = drawn();
+  CHECK(colour == named.render(cut.scenes(), builtin_camera(width, height)).colour);
+  const std::uint64_t uploads = pool.uploads();
+  CHECK(pool.resident() == uploads);
+  CHECK(pool.uploaded_bytes() == pool.bytes());
+  pool.place({{pages, {.translation = dvec3(0, 0, 1000)}}});
+  CHECK(drawn() != colour);
+  pool.place({{pages}});
+  CHECK(drawn() == colour);
+  CHECK(pool.uploads() == uploads);
+  CHECK_THROWS_AS(pool.place({{others}}), InvalidArgument);
 }
 
 TEST_CASE("pages: numbers of a cut are those of the source whatever order leaves have") {

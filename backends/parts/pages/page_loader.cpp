@@ -6,6 +6,7 @@
 #include <mutex>
 #include <utility>
 
+#include <swiftgs/error.hpp>
 #include <swiftgs/pages/page_loader.hpp>
 
 namespace swiftgs::detail {
@@ -47,18 +48,21 @@ struct PageLoader::State {
   }
 };
 
-PageLoader::PageLoader(std::vector<PagedScene> files, std::size_t most_bytes, PageExecutor executor)
+PageLoader::PageLoader(std::vector<PagedScene> files, std::size_t most_bytes, int threads,
+                       PageExecutor executor)
     : state_(std::make_shared<State>()), executor_(std::move(executor)) {
   state_->files = std::move(files), state_->most_bytes = std::max<std::size_t>(most_bytes, 1);
+  if (threads < 1) refuse("page pool: ", threads, " threads, expected 1 or more");
   if (executor_) return;
-  thread_ = std::thread([state = state_] {
-    std::unique_lock lock(state->mutex);
-    for (;;) {
-      state->asked.wait(lock, [&] { return state->stop || state->can_read(); });
-      if (state->stop) return;
-      state->read_next(lock);
-    }
-  });
+  for (int k = 0; k < threads; ++k)
+    threads_.emplace_back([state = state_] {
+      std::unique_lock lock(state->mutex);
+      for (;;) {
+        state->asked.wait(lock, [&] { return state->stop || state->can_read(); });
+        if (state->stop) return;
+        state->read_next(lock);
+      }
+    });
 }
 
 PageLoader::~PageLoader() {
@@ -67,7 +71,7 @@ PageLoader::~PageLoader() {
     state_->stop = true, state_->queue.clear();
   }
   state_->asked.notify_all();
-  if (thread_.joinable()) thread_.join();
+  for (std::thread& thread : threads_) thread.join();
 }
 
 void PageLoader::request(const std::vector<PageKey>& keys) {
@@ -122,7 +126,7 @@ void PageLoader::wait() {
   std::unique_lock lock(state_->mutex);
   state_->read.wait(lock, [&] {
     const bool busy =
-        !state_->reading.empty() || state_->jobs != 0 || (thread_.joinable() && state_->can_read());
+        !state_->reading.empty() || state_->jobs != 0 || (!threads_.empty() && state_->can_read());
     return !state_->loaded.empty() || !busy;
   });
 }

@@ -68,16 +68,10 @@ class PagePlan::Eyes {
   std::vector<ChunkCuller> cullers_;
 };
 
-PagePlan::PagePlan(std::vector<PlacedPages> placed, std::size_t most_bytes)
-    : placed_(std::move(placed)), most_bytes_(most_bytes) {
-  if (placed_.empty()) throw InvalidArgument("page pool: no pages, expected one paged scene or more");
-  for (const PlacedPages& each : placed_) {
-    validate_placing(each.world_from_scene, each.opacity, each.clip, each.tint);
-    const auto known = std::find(files_.begin(), files_.end(), each.pages);
-    file_of_.push_back(std::uint32_t(known - files_.begin()));
-    if (known == files_.end()) files_.push_back(each.pages);
-    seen_.emplace_back(each.pages.pages().size);
-  }
+PagePlan::PagePlan(std::vector<PlacedPages> placed, std::size_t most_bytes) : most_bytes_(most_bytes) {
+  if (placed.empty()) throw InvalidArgument("page pool: no pages, expected one paged scene or more");
+  for (const PlacedPages& each : placed)
+    if (std::find(files_.begin(), files_.end(), each.pages) == files_.end()) files_.push_back(each.pages);
   std::size_t roots = 0;
   for (const PagedScene& file : files_) {
     std::vector<PageState>& states = states_.emplace_back(file.pages().size);
@@ -88,6 +82,21 @@ PagePlan::PagePlan(std::vector<PlacedPages> placed, std::size_t most_bytes)
   }
   if (roots > most_bytes_)
     refuse("page pool: ", most_bytes_, " bytes, expected ", roots, " or more for the roots of all scenes");
+  place(std::move(placed));
+}
+
+void PagePlan::place(std::vector<PlacedPages> placed) {
+  std::vector<std::uint32_t> file_of;
+  for (const PlacedPages& each : placed) {
+    validate_placing(each.world_from_scene, each.opacity, each.clip, each.tint);
+    const auto known = std::find(files_.begin(), files_.end(), each.pages);
+    if (known == files_.end())
+      refuse("page pool: ", each.pages.name(), " is placed, expected scenes that the pool was made for");
+    file_of.push_back(std::uint32_t(known - files_.begin()));
+  }
+  placed_ = std::move(placed), file_of_ = std::move(file_of);
+  seen_.clear();
+  for (const PlacedPages& each : placed_) seen_.emplace_back(each.pages.pages().size);
 }
 
 PagePlan::Wanted PagePlan::choose(Span<const View> views, const CutGoal& goal) {

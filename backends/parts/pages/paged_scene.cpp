@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <fstream>
 #include <limits>
 #include <string_view>
 #include <utility>
@@ -200,6 +202,12 @@ PageContent PagedScene::read(std::uint32_t number) const {
     expect(false, "finite numbers");
   }
   return content;
+}
+
+bool is_page_file(const std::filesystem::path& path) {
+  std::array<char, pages::magic.size()> begin{};
+  std::ifstream(path, std::ios::binary).read(begin.data(), begin.size());
+  return begin == pages::magic;
 }
 
 PagedScene open_pages(const std::filesystem::path& path) {

@@ -62,6 +62,8 @@ class Cut {
   std::size_t missing() const { return missing_; }  ///< pages that are not in memory yet
   double pixels() const { return pixels_; }         ///< error that the budgets allow when nothing is missing
   const std::vector<PageFailure>& failed() const { return failed_; }
+  /// Whether nothing is missing but pages that fail, and those below them.
+  bool is_settled() const { return missing_ == blocked_; }
 
   /// What ids and picks of a frame of `scenes` mean. Throws `InvalidArgument` if none has the number.
   NamedNode named(std::uint32_t number) const {

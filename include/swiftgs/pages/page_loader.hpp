@@ -36,12 +36,12 @@ struct LoadedPage {
   std::string failure;  ///< empty if it was read
 };
 
-/// Reads pages in a thread of its own or by an executor. No function blocks but `wait` and the
-/// destructor, which waits for the page being read: the lock is held while a few numbers move.
+/// Reads pages in threads of its own or by an executor. No function blocks but `wait` and the
+/// destructor, which waits for the pages being read: the lock is held while a few numbers move.
 class SWIFTGS_API PageLoader {
  public:
   /// Stops reading while read pages, `keep`'s bytes included, take `most_bytes` or more.
-  PageLoader(std::vector<PagedScene> files, std::size_t most_bytes, PageExecutor executor);
+  PageLoader(std::vector<PagedScene> files, std::size_t most_bytes, int threads, PageExecutor executor);
   ~PageLoader();
   PageLoader(const PageLoader&) = delete;
   PageLoader& operator=(const PageLoader&) = delete;
@@ -59,7 +59,7 @@ class SWIFTGS_API PageLoader {
   struct State;
   std::shared_ptr<State> state_;  ///< jobs of an executor may outlive the loader
   PageExecutor executor_;
-  std::thread thread_;
+  std::vector<std::thread> threads_;
 };
 
 }  // namespace swiftgs::detail

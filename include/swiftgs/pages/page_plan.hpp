@@ -25,6 +25,10 @@ class SWIFTGS_API PagePlan {
  public:
   explicit PagePlan(std::vector<PlacedPages> placed, std::size_t most_bytes);
 
+  /// Throws as `validate_placing`, and `InvalidArgument` for scenes that it was not made with. Changes
+  /// nothing then.
+  void place(std::vector<PlacedPages> placed);
+
   const std::vector<PlacedPages>& placed() const { return placed_; }
   const std::vector<PagedScene>& files() const { return files_; }  ///< each once
   std::uint32_t file_of(std::size_t scene) const { return file_of_[scene]; }

@@ -28,12 +28,14 @@ struct PagePoolOptions {
   std::size_t bytes = 2'000'000'000;        ///< of all pages in the backend's memory @units{bytes}
   std::size_t upload_per_frame = 16 << 20;  ///< a frame uploads one page at least @units{bytes}
   std::size_t waiting = 64 << 20;           ///< of pages that were read and not uploaded @units{bytes}
-  PageExecutor executor{};                  ///< none: a thread of the pool reads pages
+  int threads = 1;                          ///< of the pool, which read pages; 1 or more
+  PageExecutor executor{};                  ///< reads pages in their place
 };
 
-/// Pages of placed scenes in the memory of backend `B`, which outlives the pool. A thread reads them; `cut`
-/// uploads what was read and tells what to draw. Pages come and go: a page is drawn in place of those below
-/// it until all of them that show are there, so a frame has no holes.
+/// Pages of placed scenes in the memory of backend `B`, which outlives the pool; `B` may be `AnyRenderer`,
+/// which draws a cut by `show(cut.scenes())`. A thread reads them; `cut` uploads what was read and tells what
+/// to draw. Pages come and go: a page is drawn in place of those below it until all of them that show are
+/// there, so a frame has no holes.
 ///
 /// Memory of a page is given back when no cut has it. Use a pool from one thread at a time. The destructor
 /// waits for the page that is being read.
@@ -47,7 +49,7 @@ class PagePool {
         options_(options),
         used_(std::make_shared<std::atomic<std::size_t>>(0)),
         plan_(std::move(placed), options.bytes),
-        loader_(plan_.files(), options.waiting, options.executor) {
+        loader_(plan_.files(), options.waiting, options.threads, options.executor) {
     for (std::uint32_t file = 0; file < plan_.files().size(); ++file) {
       const detail::PageKey root{file, plan_.files()[file].root()};
       upload({root, plan_.files()[file].read(root.page), {}});
@@ -55,6 +57,10 @@ class PagePool {
   }
   PagePool(B& backend, const PagedScene& pages, const PagePoolOptions& options = {})
       : PagePool(backend, std::vector<PlacedPages>{{pages}}, options) {}
+
+  /// Places scenes of the pool anew, in place of all placings before; pages stay in memory. Throws
+  /// `InvalidArgument`, and changes nothing, for placings that are not valid and for other scenes.
+  void place(std::vector<PlacedPages> placed) { plan_.place(std::move(placed)); }
 
   /// What to draw for all views of a frame, which show all placed scenes. Uploads pages that were read, at
   /// most `upload_per_frame`, and asks for others. Makes no call that waits for a file, a thread or a device,
@@ -75,7 +81,7 @@ class PagePool {
       bool stuck = false;
       cut = {};  // which gives back memory
       cut = this->cut({views.data(), views.size()}, goal, options_.bytes, stuck);
-      if (stuck || cut.missing_ == cut.blocked_) return;
+      if (stuck || cut.is_settled()) return;
       loader_.wait();
     }
   }
@@ -83,6 +89,9 @@ class PagePool {
   /// Of pages that are uploaded, those included that only cuts still have. @units{bytes}
   std::size_t bytes() const { return *used_; }
   std::size_t resident() const { return resident_.size(); }  ///< pages
+  /// Pages that were uploaded so far, and their bytes, as often as they were.
+  std::uint64_t uploads() const { return uploads_; }
+  std::uint64_t uploaded_bytes() const { return uploaded_bytes_; }
 
  private:
   using SceneOn = decltype(std::declval<B&>().upload(std::declval<Scene>()));
@@ -178,7 +187,7 @@ class PagePool {
   void upload(detail::LoadedPage page) {
     const std::size_t bytes = detail::resident_bytes(plan_.row(page.key));
     SceneOn scene = backend_.upload(std::move(page.content.scene));
-    *used_ += bytes;
+    *used_ += bytes, uploaded_bytes_ += bytes, ++uploads_;
     resident_[page.key] = std::shared_ptr<const Resident>(new Resident{
         std::move(scene), std::move(page.content.ids), plan_.files()[page.key.file], bytes, used_});
     plan_.set_resident(page.key, true);
@@ -217,7 +226,7 @@ class PagePool {
   std::map<detail::PageKey, detail::LoadedPage> waiting_;
   std::map<detail::PageKey, std::shared_ptr<const Resident>> resident_;
   std::map<detail::PageKey, Failure> failures_;
-  std::uint64_t cuts_ = 0;
+  std::uint64_t cuts_ = 0, uploads_ = 0, uploaded_bytes_ = 0;
 };
 
 }  // namespace swiftgs

@@ -109,6 +109,9 @@ class SWIFTGS_API PagedScene {
   std::shared_ptr<const State> state_;
 };
 
+/// Whether a file that can be read begins as page files do.
+SWIFTGS_API bool is_page_file(const std::filesystem::path& path);
+
 /// Opens a page file and maps it into memory. Reads and checks its header and table, but no page. The file
 /// must not change while it is open. Throws `FormatError` that tells what was expected where, and
 /// `FileError`.
