@@ -3,7 +3,9 @@
 
 #include <doctest/doctest.h>
 
+#include "cli/cameras.hpp"
 #include "cli/command.hpp"
+#include "cli/json_in.hpp"
 
 namespace swiftgs::test::pages_test {
 
@@ -18,6 +20,24 @@ TEST_CASE("cli pages: writes a page file and says what it holds") {
   CHECK_FALSE(std::filesystem::exists(place / "a.sgp.building"));
 }
 
+TEST_CASE("cli pages: render draws the bits of the scene at 0 pixels and info counts its pages") {
+  const TemporaryFolder place;
+  run(place, "convert builtin:3000 a.ply");
+  run(place, "pages a.ply a.sgp --page 256");
+  check_holds(run(place, "info a.sgp").out,
+              {"format          page file\n", "pages           12, and 11 above them"});
+  check_members(json::parse(run(place, "info a.sgp --json -").out), R"({"gaussians": 3000, "sh_degree": 3})");
+  place.write("cameras.json", cameras_json({"v.png"}));
+  const std::string views = " --format pfm --cameras cameras.json --out ";
+  run(place, "render a.ply" + views + "plain");
+  CHECK(contains(run(place, "render a.sgp --pixels 0" + views + "paged").out,
+                 "with errors of 0 pixels at most"));
+  CHECK(content_of(place / "paged/v.pfm") == content_of(place / "plain/v.pfm"));
+  run(place, "render a.sgp --pixels 20" + views + "coarse");
+  CHECK(content_of(place / "coarse/v.pfm") != content_of(place / "plain/v.pfm"));
+  run(place, "render a.sgp a.ply --place" + views + "both");
+}
+
 TEST_CASE("cli pages: refuses what cannot be built in one line") {
   const TemporaryFolder place;
   fails(place, "pages a.sgp", {"pages: expected one or more scenes to read and a file to write"});
@@ -25,6 +45,11 @@ TEST_CASE("cli pages: refuses what cannot be built in one line") {
   fails(place, "pages builtin:500 a.sgp --memory 1", {"1048576 bytes of memory, expected "});
   fails(place, "pages builtin:500 builtin:500 a.sgp", {"builtin:500: expected files"});
   fails(place, "pages none.ply a.sgp", {"none.ply"});
+  run(place, "pages builtin:500 b.sgp");
+  fails(place, "render b.sgp --renderer reference", {"expected another renderer for pages"});
+  fails(place, "render b.sgp --pool 0", {"--pool: expected megabytes above 0"});
+  fails(place, "render b.sgp --model blur=0", {"--model blur=0: expected none for pages"});
+  fails(place, "check b.sgp", {"b.sgp", "found a page file; draw it by 'swiftgs render'"});
   CHECK_FALSE(std::filesystem::exists(place / "a.sgp"));
   CHECK_FALSE(std::filesystem::exists(place / "a.sgp.building"));
 }

@@ -113,7 +113,7 @@ TEST_CASE("scene file: a byte order mark before a text is skipped") {
       {R"({"fl_x": 1})", "a.json", "found JSON of cameras (transforms.json)"},
       {R"([{"img_name": 1}])", "a.json", "found JSON of cameras (cameras.json)"},
       {"<!DOCTYPE html>", "a.html", "found a page of HTML"},
-      {"SGPAGES\n", "a.sgp", "found a page file; draw it by open_pages and PagePool"}};
+      {"SGPAGES\n", "a.sgp", "found a page file; draw it by 'swiftgs render'"}};
   for (const auto& [content, name, expected] : cases) {
     CHECK(contains(complaint_about(content, name), expected));
     CHECK(contains(complaint_about(mark + content, name), expected));

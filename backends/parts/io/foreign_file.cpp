@@ -67,7 +67,7 @@ struct Known {
 
 /// What files begin with.
 constexpr Known beginnings[] = {
-    {"SGPAGES\n", "a page file; draw it by open_pages and PagePool"},
+    {"SGPAGES\n", "a page file; draw it by 'swiftgs render', 'swiftgs view' or PagePool"},
     {"PXR-USDC", "a USD scene"},
     {"#usda", "a USD scene"},
     {"RAD0", "a .rad of Spark; give the scene that it was made of"},

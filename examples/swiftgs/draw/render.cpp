@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -15,6 +17,7 @@
 #include "commands.hpp"
 #include "draw/choice.hpp"
 #include "draw/lenses.hpp"
+#include "draw/page_frames.hpp"
 #include "draw/reference_frame.hpp"
 #include "draw/team.hpp"
 #include "draw/video.hpp"
@@ -44,6 +47,7 @@ struct RenderOptions {
   std::string json;  ///< file for the results, or empty
   int batch = 1;
   bool stats = false;
+  PageOptions pages;
 };
 
 using Writer = void (*)(const std::filesystem::path&, const Frame&);
@@ -146,6 +150,8 @@ void render(RenderOptions options) {
   if (options.format == "png" && settings.outputs.alpha && settings.background != vec3(0))
     throw std::invalid_argument("--background " + options.view.background +
                                 ": expected 0,0,0 in a PNG with alpha, whose colours are straight");
+  if (by_reference && drawn.has_pages())
+    throw std::invalid_argument("--renderer reference: expected another renderer for pages");
   if (by_reference) return render_by_reference(options, drawn, views, settings);
   ResultFile json(options.json);
   ResultHead head = json.is_wanted() ? head_of("swiftgs-render") : ResultHead();
@@ -153,9 +159,14 @@ void render(RenderOptions options) {
   Numbered<RenderResult> numbered;
   const std::unique_ptr<Video> video = video_of(options.video, views, known.frames_a_second);
   if (!video) std::filesystem::create_directories(options.out);
-  for (const auto& each : drawn.gaussians) renderer->add_scene(each, harmonics);
-  renderer->place({drawn.placements.data(), drawn.placements.size()});
-  if (options.stats) {
+  std::optional<PageFrames> pages;
+  if (drawn.has_pages()) {
+    pages.emplace(*renderer, drawn, harmonics, options.pages.bytes());
+  } else {
+    for (const auto& each : drawn.gaussians) renderer->add_scene(each, harmonics);
+    renderer->place({drawn.placements.data(), drawn.placements.size()});
+  }
+  if (options.stats && !pages) {
     std::size_t next = 0;  // each file once
     for (std::size_t i = 0; i < listed.size(); ++i)
       if (drawn.placements[i].scene == next)
@@ -166,8 +177,15 @@ void render(RenderOptions options) {
   std::vector<Camera> cameras;
   for (const View& view : views) cameras.push_back(view.camera);
   std::vector<Frame> frames;
+  std::uint64_t most_splats = 0;
+  double most_pixels = 0;
   const auto draw = [&](std::size_t first, const RenderSettings& with) {
     frames.resize(std::min(batch, views.size() - first));
+    if (pages) {
+      const Cut& cut =
+          pages->show_complete({cameras.data() + first, frames.size()}, with, options.pages.goal());
+      most_splats = std::max(most_splats, cut.splats()), most_pixels = std::max(most_pixels, cut.pixels());
+    }
     renderer->render({cameras.data() + first, frames.size()}, with, {frames.data(), frames.size()});
   };
   // Counting costs time, so it has a frame of its own.
@@ -231,6 +249,9 @@ void render(RenderOptions options) {
   std::printf("%zu %s with %s, median %.2f ms a %s\n", views.size(), views.size() == 1 ? "image" : "images",
               std::string(renderer->name()).c_str(), totals[totals.size() / 2],
               batch == 1 ? "frame" : "view");
+  if (pages)
+    std::printf("pages: %.3g million splats in a frame at most, with errors of %.3g pixels at most\n",
+                1e-6 * double(most_splats), most_pixels);
   if (json.is_wanted()) json.write(to_json(head, results));
   json.finish();
 }
@@ -265,6 +286,7 @@ Examples:
   swiftgs render garden.spz --cameras camera_path.json --video garden.mp4
   swiftgs render room.spz chair.ply lamp.ply --place
   swiftgs render garden/ --views 0 --renderer reference --format npy
+  swiftgs render city.sgp --cameras camera_path.json --pixels 2 --video walk.mp4
   swiftgs render scenes.json)";
 
 }  // namespace
@@ -295,6 +317,7 @@ void add_render(CLI::App& app) {
                       "Video of all views in place of images, such as flight.mp4, by the program ffmpeg");
   add_batch(*command, options->batch);
   add_harmonics(*command, options->harmonics);
+  add_page_options(*command, options->pages);
   add_json(*command, options->json);
   command->add_flag("--stats", options->stats, "Print what each frame had to do");
   command->callback([options] { render(*options); });

@@ -2,7 +2,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <string>
@@ -15,6 +17,7 @@
 #include <swiftgs/io/cameras.hpp>
 #include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/memory/harmonic_packing.hpp>
+#include <swiftgs/pages/paged_scene.hpp>
 #include <swiftgs/tools/parallel.hpp>
 
 #include "commands.hpp"
@@ -177,7 +180,43 @@ std::string to_json(const std::string& scene, const std::string& path, const Sce
   return document_of(head, members_of(json));
 }
 
+void info_of_pages(const InfoOptions& options) {
+  const PagedScene pages = open_pages(options.scene.scene);
+  ResultFile json(options.json);
+  std::size_t leaves = 0;
+  std::uint64_t bytes = 0;
+  for (const Page& page : pages.pages()) leaves += page.is_leaf(), bytes += page.bytes;
+  const std::string model = text_of(pages.model());
+  const dvec3& origin = pages.origin();
+  const ChunkBounds& bounds = pages.pages()[pages.root()].bounds;
+  if (!json.is_standard_output()) {
+    std::printf("%-15s %s\n", "scene", options.scene.scene.c_str());
+    std::printf("%-15s %s\n", "format", "page file");
+    std::printf("%-15s %llu\n", "bytes", static_cast<unsigned long long>(bytes));
+    std::printf("%-15s %llu\n", "Gaussians", static_cast<unsigned long long>(pages.gaussians()));
+    std::printf("%-15s %zu, and %zu above them, of %u at most\n", "pages", leaves,
+                pages.pages().size - leaves, pages.page_size());
+    std::printf("%-15s %d\n", "SH degree", pages.sh_degree());
+    std::printf("%-15s %s\n", "model", model.empty() ? "usual" : model.c_str());
+    for (int axis = 0; axis < 3; ++axis)
+      std::printf("%-15c %.4g to %.4g\n", "xyz"[axis], double(bounds.low[axis]), double(bounds.high[axis]));
+  }
+  if (json.is_wanted()) {
+    const Json all{{"scene", std::filesystem::path(options.scene.scene).stem().string()},
+                   {"file_format", "page file"},
+                   {"bytes", bytes},
+                   {"gaussians", pages.gaussians()},
+                   {"pages", {{"leaves", leaves}, {"all", pages.pages().size}, {"size", pages.page_size()}}},
+                   {"sh_degree", pages.sh_degree()},
+                   {"model", model},
+                   {"origin", {origin.x, origin.y, origin.z}}};
+    json.write(document_of(head_of("swiftgs-info"), members_of(all)));
+  }
+  json.finish();
+}
+
 void info(const InfoOptions& options) {
+  if (is_page_file(options.scene.scene)) return info_of_pages(options);
   const Capture capture = capture_of(options.scene);
   require_distinct({{"--json", options.json}}, {{"SCENE", capture.scene.string()}});
   ResultFile json(options.json);
@@ -201,7 +240,7 @@ constexpr const char* info_help =
 harmonics, how many Gaussians were dropped, with a note for each reason, the origin of a
 scene far from zero, and percentiles of positions (relative to the origin), opacities and
 scales; of a capture's folder also where its cameras and photographs are, and the cameras'
-lenses.
+lenses. Of a page file it reads the table alone.
 
 Example:
   swiftgs info garden.spz)";

@@ -67,6 +67,19 @@ Placement placement_of(const ListedScene& listed, std::size_t scene, const dvec3
   return p;
 }
 
+namespace {
+
+void open_pages_of(DrawnScenes& drawn, const SceneOptions& options) {
+  if (!options.model.empty())
+    throw std::invalid_argument("--model " + options.model +
+                                ": expected none for pages, which have that of 'swiftgs pages'");
+  PagedScene pages = open_pages(options.scene);
+  drawn.gaussians.push_back(std::make_shared<const Scene>(pages.read(pages.root()).scene));
+  drawn.pages.emplace_back(std::move(pages));
+}
+
+}  // namespace
+
 DrawnScenes load_to_place(const std::vector<ListedScene>& scenes, const SceneOptions& reading,
                           std::vector<std::string>& said) {
   DrawnScenes drawn;
@@ -76,14 +89,25 @@ DrawnScenes load_to_place(const std::vector<ListedScene>& scenes, const SceneOpt
     if (known == files.size()) {
       SceneOptions options = reading;
       options.scene = listed.file;
-      DrawnScene read = load_to_draw(options, said);
-      if (files.empty()) drawn.camera = read.camera;
-      files.push_back(listed.file), drawn.gaussians.push_back(std::move(read.gaussians));
+      if (is_page_file(listed.file)) {
+        open_pages_of(drawn, options);
+      } else {
+        DrawnScene read = load_to_draw(options, said);
+        if (files.empty()) drawn.camera = read.camera;
+        drawn.gaussians.push_back(std::move(read.gaussians)), drawn.pages.emplace_back();
+      }
+      files.push_back(listed.file);
     }
+    if (drawn.pages[known] && (listed.first != 0 || listed.count))
+      throw std::invalid_argument(listed.file + ": found first or count, expected pages to show as a whole");
     drawn.placements.push_back(
         placement_of(listed, known, drawn.gaussians[known]->origin, drawn.gaussians[0]->origin));
   }
   return drawn;
+}
+
+bool DrawnScenes::has_pages() const {
+  return std::any_of(pages.begin(), pages.end(), [](const auto& each) { return each.has_value(); });
 }
 
 void place_views(std::vector<View>& views, const DrawnScenes& drawn) {

@@ -10,6 +10,7 @@
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/camera.hpp>
 #include <swiftgs/io/scene_list.hpp>
+#include <swiftgs/pages/paged_scene.hpp>
 #include <swiftgs/scene.hpp>
 
 #include "options.hpp"
@@ -32,9 +33,12 @@ Placement placement_of(const ListedScene& listed, std::size_t scene, const dvec3
 
 /// Scenes of one frame to draw. The world's zero is where the first one's means have theirs.
 struct DrawnScenes {
-  std::vector<std::shared_ptr<const Scene>> gaussians;  ///< each file once
+  std::vector<std::shared_ptr<const Scene>> gaussians;  ///< each file once; of pages those of the root
+  std::vector<std::optional<PagedScene>> pages;         ///< of each of `gaussians`
   std::vector<Placement> placements;
   std::optional<Camera> camera;  ///< that the first file has
+
+  bool has_pages() const;
 };
 
 /// Loads `scenes` as `reading` says, as `load_to_draw` does.

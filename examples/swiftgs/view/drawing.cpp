@@ -19,6 +19,31 @@ void require_gaussians(const ShownScene& shown) {
     throw std::invalid_argument(shown.listed.file + ": expected a Gaussian or more to show, found none");
 }
 
+Picked picked(std::size_t scene, const Scene& gaussians, std::size_t i, std::string name,
+              const PickedPixel& found) {
+  return {.scene = scene,
+          .name = std::move(name),
+          .position = gaussians.origin + dvec3(gaussians.means[i]),
+          .scale = gaussians.scales[i],
+          .opacity = gaussians.opacities[i],
+          .weight = found.weight,
+          .depth = found.depth};
+}
+
+/// Reads the page again: it may lie on a device.
+Picked picked(std::size_t scene, const PagedScene& pages, const NamedNode& node, const PickedPixel& found) {
+  const PageContent content = pages.read(node.page);
+  const std::string number = std::to_string(node.number);
+  if (!node.is_gaussian)
+    return picked(scene, content.scene, node.number,
+                  "Node " + number + " of page " + std::to_string(node.page), found);
+  const std::size_t i =
+      content.ids.empty()
+          ? node.number - pages.pages()[node.page].first
+          : std::size_t(std::find(content.ids.begin(), content.ids.end(), node.number) - content.ids.begin());
+  return picked(scene, content.scene, i, "Gaussian " + number, found);
+}
+
 }  // namespace
 
 std::string ShownScene::name() const {
@@ -27,27 +52,39 @@ std::string ShownScene::name() const {
   return path.filename().string();
 }
 
-Drawing::Drawing(const std::string& renderer, const RenderSettings& settings, std::vector<ShownScene> shown)
-    : renderer_(make_renderer(renderer)), settings_(settings) {
+Drawing::Drawing(const std::string& renderer, const RenderSettings& settings, const PageOptions& pages,
+                 std::vector<ShownScene> shown)
+    : renderer_(make_renderer(renderer)),
+      settings_(settings),
+      page_bytes_(pages.bytes()),
+      goal_(pages.goal()) {
   settings_.time = true;
   add(std::move(shown));
 }
 
 void Drawing::use(const std::string& renderer) {
   std::unique_ptr<AnyRenderer> other = make_renderer(renderer);
-  if (!other->share_scene(*renderer_))
-    for (const auto& scene : uploaded_) other->add_scene(scene);
   const std::vector<Placement> now = placements(scenes_);
-  other->place({now.data(), now.size()});
-  renderer_ = std::move(other), apart_.reset();
+  std::unique_ptr<PageFrames> pages;
+  if (known_.has_pages()) {
+    pages = page_frames(*other, now);
+  } else {
+    if (!other->share_scene(*renderer_))
+      for (const auto& scene : known_.gaussians) other->add_scene(scene);
+    other->place({now.data(), now.size()});
+  }
+  pages_ = std::move(pages), renderer_ = std::move(other), apart_.reset();
 }
 
 void Drawing::add(std::vector<ShownScene> more) {
   for (const ShownScene& scene : more) require_gaussians(scene);
   for (const ShownScene& scene : more) {
-    if (std::find(uploaded_.begin(), uploaded_.end(), scene.gaussians) != uploaded_.end()) continue;
-    renderer_->add_scene(scene.gaussians);
-    uploaded_.push_back(scene.gaussians);
+    if (std::find(known_.gaussians.begin(), known_.gaussians.end(), scene.gaussians) !=
+        known_.gaussians.end())
+      continue;
+    if (!scene.pages && !pages_) renderer_->add_scene(scene.gaussians);
+    known_.gaussians.push_back(scene.gaussians), known_.pages.push_back(scene.pages);
+    pages_.reset();
   }
   std::vector<ShownScene> all = scenes_;
   std::move(more.begin(), more.end(), std::back_inserter(all));
@@ -62,16 +99,28 @@ void Drawing::change(std::size_t number, ListedScene listed) {
 
 void Drawing::place(std::vector<ShownScene> all) {
   const std::vector<Placement> now = placements(all);
-  renderer_->place({now.data(), now.size()});
+  if (!known_.has_pages())
+    renderer_->place({now.data(), now.size()});
+  else if (pages_)
+    pages_->place(now);
+  else
+    pages_ = page_frames(*renderer_, now);
   scenes_ = std::move(all);
   ++version_;
+}
+
+std::unique_ptr<PageFrames> Drawing::page_frames(AnyRenderer& renderer,
+                                                 std::vector<Placement> placements) const {
+  DrawnScenes drawn = known_;
+  drawn.placements = std::move(placements);
+  return std::make_unique<PageFrames>(renderer, drawn, HarmonicsKept::smallest, page_bytes_);
 }
 
 std::vector<Placement> Drawing::placements(const std::vector<ShownScene>& all) const {
   std::vector<Placement> placements;
   for (const ShownScene& scene : all) {
-    const auto uploaded = std::find(uploaded_.begin(), uploaded_.end(), scene.gaussians);
-    placements.push_back(placement_of(scene.listed, std::size_t(uploaded - uploaded_.begin()),
+    const auto known = std::find(known_.gaussians.begin(), known_.gaussians.end(), scene.gaussians);
+    placements.push_back(placement_of(scene.listed, std::size_t(known - known_.gaussians.begin()),
                                       scene.gaussians->origin, all[0].gaussians->origin));
   }
   return placements;
@@ -97,6 +146,7 @@ void Drawing::show_plane(std::string_view name) {
 void Drawing::draw(const Camera& camera, bool count) {
   RenderSettings settings = settings_;
   settings.count = count;
+  if (pages_) pages_->show({&camera, 1}, settings, goal_);
   renderer_->render(camera, settings, frame_);
   depth_range_.reset();
   if (plane_.empty()) return;
@@ -108,10 +158,19 @@ std::optional<Picked> Drawing::pick(int x, int y) {
   const PickedPixel found = renderer_->pick(x, y);
   std::size_t number = found.gaussian;
   if (found.gaussian == PickedPixel::nothing) return std::nullopt;
+  if (pages_ && number < pages_->cut().splats()) {
+    const NamedNode node = pages_->cut().named(found.gaussian);
+    const std::size_t scene = pages_->placement_of(node.scene);
+    return picked(scene, *scenes_[scene].pages, node, found);
+  }
+  if (pages_) number -= pages_->cut().splats();
   const std::vector<Placement> now = placements(scenes_);
   for (std::size_t i = 0; i < now.size(); ++i) {
+    if (scenes_[i].pages) continue;  // they come first
     const std::size_t size = std::min(now[i].count, scenes_[i].gaussians->size() - now[i].first);
-    if (number < size) return Picked{i, now[i].first + number, found.weight, found.depth};
+    if (number < size)
+      return picked(i, *scenes_[i].gaussians, now[i].first + number,
+                    "Gaussian " + std::to_string(now[i].first + number), found);
     number -= size;
   }
   return std::nullopt;

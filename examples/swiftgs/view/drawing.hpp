@@ -14,6 +14,7 @@
 #include <swiftgs/pick.hpp>
 #include <swiftgs/scene.hpp>
 
+#include "draw/page_frames.hpp"
 #include "draw/plane_pictures.hpp"
 
 namespace swiftgs::cli {
@@ -22,7 +23,8 @@ namespace swiftgs::cli {
 /// the same bits.
 struct ShownScene {
   ListedScene listed;
-  std::shared_ptr<const Scene> gaussians;
+  std::shared_ptr<const Scene> gaussians;  ///< of pages those of the root
+  std::optional<PagedScene> pages;
 
   std::string name() const;  ///< of the file, without its folders
 };
@@ -33,18 +35,21 @@ struct PlacedGaussians {
   Placement placement;
 };
 
-/// What shows at a pixel: the Gaussian of the largest weight, by its number in its scene.
+/// What shows at a pixel: the Gaussian of the largest weight, or the node of a page.
 struct Picked {
   std::size_t scene;  ///< in the list
-  std::size_t gaussian;
-  float weight, depth;
+  std::string name;   ///< with its number in its scene
+  dvec3 position{};   ///< as its file has it
+  vec3 scale{};
+  float opacity = 0, weight = 0, depth = 0;
 };
 
 /// The scenes of the viewer, and frames of them by a renderer that may change.
 class Drawing {
  public:
   /// Throws as `make_renderer`, and `InvalidArgument` for a scene without Gaussians.
-  Drawing(const std::string& renderer, const RenderSettings& settings, std::vector<ShownScene> scenes);
+  Drawing(const std::string& renderer, const RenderSettings& settings, const PageOptions& pages,
+          std::vector<ShownScene> scenes);
 
   /// Draws with the renderer of this name from now on. Throws as `make_renderer`, and changes nothing then.
   void use(const std::string& renderer);
@@ -55,6 +60,14 @@ class Drawing {
   void change(std::size_t number, ListedScene listed);
   /// Shows this plane in false colours in place of colour; colour where the name is empty.
   void show_plane(std::string_view name);
+
+  /// Which pages frames show from now on.
+  void set_goal(const CutGoal& goal) { goal_ = goal; }
+  const CutGoal& goal() const { return goal_; }
+  /// Those of the last frame; null if no scene has pages.
+  const PageFrames* pages() const { return pages_.get(); }
+  /// Whether another frame may show more pages.
+  bool is_loading() const { return pages_ && !pages_->cut().is_settled(); }
 
   /// Draws what `camera` sees, counted if wanted.
   void draw(const Camera& camera, bool count);
@@ -73,7 +86,7 @@ class Drawing {
   const std::vector<ShownScene>& scenes() const { return scenes_; }
   /// Position of the scene's file in the world of the first scene, whose origin is 0 there.
   dvec3 in_world(std::size_t scene, const dvec3& position) const;
-  /// What shows, for the reference.
+  /// What shows, for the reference. Not of pages.
   std::vector<PlacedGaussians> visible() const;
   /// Grows when scenes change.
   std::size_t version() const { return version_; }
@@ -81,12 +94,17 @@ class Drawing {
  private:
   /// Of each scene. The only place where a list's numbers become those of a frame.
   std::vector<Placement> placements(const std::vector<ShownScene>& scenes) const;
+  /// Frames by `renderer` of scenes of which some have pages.
+  std::unique_ptr<PageFrames> page_frames(AnyRenderer& renderer, std::vector<Placement> placements) const;
   /// Makes `scenes` those of the list. Throws as `AnyRenderer::place`, and changes nothing then.
   void place(std::vector<ShownScene> scenes);
 
   std::unique_ptr<AnyRenderer> renderer_, apart_;
   RenderSettings settings_;
-  std::vector<std::shared_ptr<const Scene>> uploaded_;  ///< each once, by `Placement::scene`
+  std::size_t page_bytes_;
+  CutGoal goal_;
+  DrawnScenes known_;                  ///< without placements: each scene once, by `Placement::scene`
+  std::unique_ptr<PageFrames> pages_;  ///< of all of `known_` if one has pages
   std::vector<ShownScene> scenes_;
   std::string plane_;
   Frame frame_, plane_picture_;

@@ -64,10 +64,9 @@ void draw_marks(const Viewer& viewer) {
     marks.AddRect(at(x, y), at(x + crop.width, y + crop.height), IM_COL32(255, 255, 255, 255));
   }
   if (!viewer.picked || !viewer.shown.lens.is_pinhole()) return;
-  const Scene& scene = *viewer.drawing.scenes()[viewer.picked->scene].gaussians;
-  const dvec3 mean = scene.origin + dvec3(scene.means[viewer.picked->gaussian]);
   const Camera& camera = viewer.shown;
-  const dvec3 p = camera.rotation * viewer.drawing.in_world(viewer.picked->scene, mean) + camera.translation;
+  const dvec3 p = camera.rotation * viewer.drawing.in_world(viewer.picked->scene, viewer.picked->position) +
+                  camera.translation;
   if (p.z > 0)
     marks.AddCircle(at(camera.fx * p.x / p.z + camera.cx, camera.fy * p.y / p.z + camera.cy),
                     0.5f * ImGui::GetFontSize(), IM_COL32(255, 255, 0, 255));

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -84,6 +85,7 @@ void renderer_panel(Viewer& viewer, bool& changed) {
     viewer.plane = plane == "colour" ? "" : plane;
     viewer.drawing.show_plane(viewer.plane), changed = true;
   }
+  if (viewer.drawing.pages()) return;  // which the reference does not draw
   ImGui::Checkbox("error beside float64, in the square", &viewer.compares);
   if (viewer.compares && viewer.error)
     ImGui::Text("%.1f dB, %.2g at most", viewer.error->psnr_db, viewer.error->max_abs);
@@ -92,19 +94,32 @@ void renderer_panel(Viewer& viewer, bool& changed) {
                                                             : "when it stands still");
 }
 
+void pages_panel(Viewer& viewer, bool& changed) {
+  CutGoal goal = viewer.drawing.goal();
+  double millions = std::min(1e-6 * double(goal.splats), 100.0);
+  bool other = slide("pixels", goal.pixels, 0, 64, "%.2f", true);
+  if (slide("M splats", millions, 0.05, 100, "%.2f", true))
+    goal.splats = std::uint64_t(1e6 * millions), other = true;
+  if (other) viewer.drawing.set_goal(goal), changed = true;
+  const PageFrames& pages = *viewer.drawing.pages();
+  const Cut& cut = pages.cut();
+  ImGui::Text("%.2f M splats of %.2f M drawn", 1e-6 * double(cut.splats()), 1e-6 * double(cut.wanted()));
+  ImGui::Text("%zu pages in memory, %.0f MB", pages.pool().resident(), 1e-6 * double(pages.pool().bytes()));
+  ImGui::Text("%zu pages missing", cut.missing());
+  ImGui::Text("errors of %.2f pixels", cut.pixels());
+  if (!cut.failed().empty()) ImGui::TextWrapped("%s", cut.failed()[0].reason.c_str());
+}
+
 void picked_panel(const Viewer& viewer) {
   if (!viewer.picked) return ImGui::TextUnformatted("Click on the picture.");
   const Picked& picked = *viewer.picked;
-  const ShownScene& shown = viewer.drawing.scenes()[picked.scene];
-  const Scene& scene = *shown.gaussians;
-  const std::size_t i = picked.gaussian;
-  const dvec3 at = scene.origin + dvec3(scene.means[i]);
-  const vec3& size = scene.scales[i];
-  ImGui::TextWrapped("Gaussian %zu of %s", i, shown.name().c_str());
+  const dvec3& at = picked.position;
+  const vec3& size = picked.scale;
+  ImGui::TextWrapped("%s of %s", picked.name.c_str(), viewer.drawing.scenes()[picked.scene].name().c_str());
   ImGui::Text("weight %.3f, depth %.4g", double(picked.weight), double(picked.depth));
   ImGui::Text("position %.5g %.5g %.5g", at.x, at.y, at.z);
   ImGui::Text("scale %.3g %.3g %.3g", double(size.x), double(size.y), double(size.z));
-  ImGui::Text("opacity %.3f", double(scene.opacities[i]));
+  ImGui::Text("opacity %.3f", double(picked.opacity));
 }
 
 void path_panel(Viewer& viewer, bool& changed) {
@@ -188,6 +203,7 @@ bool draw_panels(Viewer& viewer) {
   };
   if (opens("Camera")) camera_panel(viewer, changed);
   if (opens("Scenes")) scene_panel(viewer, changed);
+  if (viewer.drawing.pages() && opens("Pages")) pages_panel(viewer, changed);
   if (opens("Renderer")) renderer_panel(viewer, changed);
   if (opens("Picked")) picked_panel(viewer);
   if (opens("Path")) path_panel(viewer, changed);

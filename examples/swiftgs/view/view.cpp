@@ -10,6 +10,7 @@
 #include <swiftgs/io/scene_file.hpp>
 
 #include "commands.hpp"
+#include "draw/page_frames.hpp"
 #include "draw/team.hpp"
 #include "options.hpp"
 #if !defined(SWIFTGS_VIEW_LACKS)
@@ -33,6 +34,7 @@ struct ViewCommand {
   SceneOptions scene;  ///< how to read them; of the first one
   ViewOptions view;
   std::string renderer, path;
+  PageOptions pages;
 };
 
 #if !defined(SWIFTGS_VIEW_LACKS)
@@ -63,7 +65,7 @@ void view(ViewCommand options) {
   const std::string title = "SwiftGS - " + scenes[0].name();
   const double radius = robust_bounds(first).radius * listed[0].world_from_scene.scale;
   const dvec3 up = up_of(views, cameras.to_find, scenes[0]);
-  Viewer viewer(Drawing(find_renderer(options.renderer).name, settings, std::move(scenes)));
+  Viewer viewer(Drawing(find_renderer(options.renderer).name, settings, options.pages, std::move(scenes)));
   viewer.reading = options.scene, viewer.cameras = std::move(views);
   viewer.view.up = up, viewer.speed = radius, viewer.least_way = 0.2 * radius;
   if (options.scenes.size() == 1 && is_scene_list(options.scenes[0])) viewer.list_file = options.scenes[0];
@@ -93,11 +95,12 @@ plane, the error beside float64 in a square, what a frame had to do, and a path 
 (space) and save (F). L saves the list of scenes as they are placed, to the list that was opened or
 to scenes-1.json and so on, for 'swiftgs render'. P writes the picture to swiftgs-1.png and so on,
 H hides the panels, Esc closes a list or dismisses an error. Dropped files are added: scenes, or a
-camera_path.json. While the camera moves, the picture has half the size if it is slow.
+camera_path.json. While the camera moves or pages come, the picture has half the size if it is slow.
 
 Examples:
   swiftgs view garden/
   swiftgs view room.spz chair.ply
+  swiftgs view city.sgp --pool 4000
   swiftgs view garden.spz --path camera_path.json)";
 
 }  // namespace
@@ -116,6 +119,7 @@ void add_view(CLI::App& app) {
   add_cameras(*command, options->view);
   command->add_option("--renderer", options->renderer,
                       "A name from 'swiftgs list' [that of the quickest backend]");
+  add_page_options(*command, options->pages);
   command->add_option("--path", options->path,
                       "A camera_path.json: read if it is there, and saved to [camera_path-1.json or\n"
                       "another number, whichever is free]");

@@ -29,6 +29,7 @@ void add_scenes(Viewer& viewer, const std::string& file) {
   const DrawnScenes drawn = load_to_place(listed, viewer.reading, notes);
   viewer.drawing.add(shown_scenes(listed, drawn));
   viewer.picked.reset();
+  viewer.compares = viewer.compares && !viewer.drawing.pages();
 }
 
 /// Opens a path, or else scenes.
@@ -103,9 +104,7 @@ void pick(Viewer& viewer, const Events& events) {
   viewer.picked = viewer.drawing.pick(x, y);
   viewer.crop_x = events.x, viewer.crop_y = events.y;
   if (!events.double_clicked || !viewer.picked) return;
-  const Scene& scene = *viewer.drawing.scenes()[viewer.picked->scene].gaussians;
-  const dvec3 mean = scene.origin + dvec3(scene.means[viewer.picked->gaussian]);
-  viewer.view.target = viewer.drawing.in_world(viewer.picked->scene, mean);
+  viewer.view.target = viewer.drawing.in_world(viewer.picked->scene, viewer.picked->position);
   viewer.navigation = Navigation::orbit;
 }
 
@@ -185,7 +184,8 @@ bool draw_overlays(Viewer& viewer) {
 std::vector<ShownScene> shown_scenes(const std::vector<ListedScene>& listed, const DrawnScenes& drawn) {
   std::vector<ShownScene> scenes;
   for (std::size_t i = 0; i < listed.size(); ++i)
-    scenes.push_back({listed[i], drawn.gaussians[drawn.placements[i].scene]});
+    scenes.push_back(
+        {listed[i], drawn.gaussians[drawn.placements[i].scene], drawn.pages[drawn.placements[i].scene]});
   return scenes;
 }
 
@@ -233,7 +233,7 @@ void run(Window& window, Viewer viewer) {
   while (!viewer.quits) {
     Events events = window.begin_frame(busy);
     if (viewer.asks_to_quit) events.keys.clear();
-    bool changed = act(viewer, events);
+    bool changed = act(viewer, events) || viewer.drawing.is_loading();
     if (events.closes) viewer.asks_to_quit = viewer.has_edited_scenes || has_unsaved_path(viewer);
     if (events.closes && !viewer.asks_to_quit) break;
     if (changed) resolution.changed(window_time());

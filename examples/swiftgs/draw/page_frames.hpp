@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include <swiftgs/any_renderer.hpp>
+#include <swiftgs/pages/page_pool.hpp>
+
+#include "read/placed_input.hpp"
+
+namespace CLI {
+class App;
+}
+
+namespace swiftgs::cli {
+
+/// How pages are drawn.
+struct PageOptions {
+  double pixels = 1;        ///< as `CutGoal::pixels`
+  double megabytes = 2000;  ///< that pages take of the backend's memory
+
+  CutGoal goal() const { return {.pixels = pixels}; }
+  std::size_t bytes() const;  ///< throws `InvalidArgument` unless it is above 0
+};
+
+/// Adds `--pixels` and `--pool`.
+void add_page_options(CLI::App& command, PageOptions& options);
+
+/// Frames of scenes of which some have pages: has a renderer, which outlives it, show those that its cameras
+/// need.
+class PageFrames {
+ public:
+  /// Uploads the scenes without pages. Throws as `PagePool`.
+  PageFrames(AnyRenderer& renderer, const DrawnScenes& drawn, HarmonicsKept kept, std::size_t bytes);
+
+  /// Places the scenes anew. Throws as `PagePool::place` and `validate`, and changes nothing then.
+  void place(const std::vector<Placement>& placements);
+
+  /// Chooses the pages of a frame of all `cameras`, and has the renderer show them.
+  const Cut& show(Span<const Camera> cameras, const RenderSettings& settings, const CutGoal& goal);
+  /// The same with all pages there. Throws `FormatError` where one cannot be read.
+  const Cut& show_complete(Span<const Camera> cameras, const RenderSettings& settings, const CutGoal& goal);
+
+  const Cut& cut() const { return cut_; }
+  const PagePool<AnyRenderer>& pool() const { return *pool_; }
+  /// The placement that a scene of the cut has.
+  std::size_t placement_of(std::size_t scene) const { return paged_[scene]; }
+
+ private:
+  void choose(Span<const Camera> cameras, const RenderSettings& settings, const CutGoal& goal);
+  void show();
+
+  AnyRenderer& renderer_;
+  std::vector<std::optional<PagedScene>> files_;
+  std::vector<std::optional<UploadedScene>> uploaded_;  ///< of files without pages
+  std::optional<PagePool<AnyRenderer>> pool_;
+  std::vector<std::size_t> paged_;   ///< placements with pages
+  std::vector<PlacedScene> others_;  ///< without pages
+  std::vector<swiftgs::View> views_;
+  Cut cut_;
+};
+
+}  // namespace swiftgs::cli
