@@ -28,6 +28,7 @@
 
 #include <swiftgs/c/camera.h>
 #include <swiftgs/c/device.h>
+#include <swiftgs/c/pages.h>
 #include <swiftgs/c/renderer.h>
 #include <swiftgs/c/scene.h>
 #include <swiftgs/c/status.h>

@@ -64,6 +64,10 @@ void set_planes(FrameView& frame, const From& from) {
       from);
 }
 
+/// Zeros of `from` are the defaults. A float opacity of 2^-29 or more comes back with its bits. Throws
+/// `InvalidArgument`.
+Placement to_placement(const swiftgs_placement& from);
+
 /// Puts the views of `frame` in place of those in `views`. Throws `InvalidArgument`.
 void read_views(const swiftgs_frame& frame, std::vector<View>& views);
 

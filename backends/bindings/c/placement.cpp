@@ -29,28 +29,6 @@ Clip to_clip(const swiftgs_placement& from) {
   return clip;
 }
 
-/// Zeros of `from` are the defaults. A float opacity of 2^-29 or more comes back with its bits.
-Placement to_placement(const swiftgs_placement& from) {
-  if (!(from.transparency >= 0 && from.transparency <= 1))
-    refuse("swiftgs_placement: transparency is ", from.transparency, ", expected 0 to 1");
-  Placement to;
-  to.scene = std::size_t(from.scene);
-  Similarity& pose = to.world_from_scene;
-  if (std::any_of(std::begin(from.rotation), std::end(from.rotation), [](double each) { return each != 0; }))
-    for (int row = 0; row < 3; ++row)
-      for (int column = 0; column < 3; ++column) pose.rotation[column][row] = from.rotation[3 * row + column];
-  if (from.scale != 0) pose.scale = from.scale;
-  for (int axis = 0; axis < 3; ++axis) pose.translation[axis] = from.translation[axis];
-  to.opacity = float(1 - from.transparency);
-  to.clip = to_clip(from);
-  to.first = std::size_t(from.first);
-  if (from.count == Placement::all)  // as -1 is stored; C++ takes it for all
-    refuse("swiftgs_placement: count is ", from.count, ", expected fewer, or 0 for all");
-  if (from.count != 0) to.count = std::size_t(from.count);
-  to.tint = {vec3(from.tint[0], from.tint[1], from.tint[2]), from.tint_amount};
-  return to;
-}
-
 static_assert(sizeof(dmat3) == 9 * sizeof(double) && sizeof(dvec3) == 3 * sizeof(double));
 static_assert(offsetof(Tint, amount) == 3 * sizeof(float));
 
@@ -74,6 +52,28 @@ void require_count(const char* call, std::size_t count, std::size_t scenes) {
 }
 
 }  // namespace
+
+Placement to_placement(const swiftgs_placement& from) {
+  if (!(from.transparency >= 0 && from.transparency <= 1))
+    refuse("swiftgs_placement: transparency is ", from.transparency, ", expected 0 to 1");
+  Placement to;
+  to.scene = std::size_t(from.scene);
+  Similarity& pose = to.world_from_scene;
+  if (std::any_of(std::begin(from.rotation), std::end(from.rotation), [](double each) { return each != 0; }))
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column) pose.rotation[column][row] = from.rotation[3 * row + column];
+  if (from.scale != 0) pose.scale = from.scale;
+  for (int axis = 0; axis < 3; ++axis) pose.translation[axis] = from.translation[axis];
+  to.opacity = float(1 - from.transparency);
+  to.clip = to_clip(from);
+  to.first = std::size_t(from.first);
+  if (from.count == Placement::all)  // as -1 is stored; C++ takes it for all
+    refuse("swiftgs_placement: count is ", from.count, ", expected fewer, or 0 for all");
+  if (from.count != 0) to.count = std::size_t(from.count);
+  to.tint = {vec3(from.tint[0], from.tint[1], from.tint[2]), from.tint_amount};
+  return to;
+}
+
 }  // namespace swiftgs::c
 
 using namespace swiftgs::c;

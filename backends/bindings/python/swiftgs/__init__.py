@@ -16,6 +16,7 @@ from ._errors import (Cancelled, CapacityError, DeviceError, Error, FileError, F
 from ._frame import Frame, load_image
 from ._gsplat import rasterization
 from ._model import RenderingModel
+from ._pages import Cut, NamedNode, PagePool, Pages, open_pages
 from ._placement import Clip, Placement, RecordedScenes, Tint
 from ._renderer import (Memory, Picked, Renderer, RendererEntry, Report, Statistics, Times, find_renderer,
                         list_renderers)
@@ -24,10 +25,10 @@ from ._scene import Scene, SceneBounds, load
 __version__ = _lib.version().decode()
 
 __all__ = [
-    "Camera", "Cameras", "Cancelled", "CapacityError", "Clip", "Conventions", "DeviceArray", "DeviceError", "Error",
-    "FileError", "FormatError", "Frame", "InternalError", "InvalidArgument", "InvalidType", "LentArray", "Memory",
-    "NoSuchResult", "NOTHING", "NotLent", "NotOffered", "OrbitView", "OrderError", "OutOfMemory", "Picked", "Placement",
+    "Camera", "Cameras", "Cancelled", "CapacityError", "Clip", "Conventions", "Cut", "DeviceArray", "DeviceError", "Error",
+    "FileError", "FormatError", "Frame", "InternalError", "InvalidArgument", "InvalidType", "LentArray", "Memory", "NamedNode",
+    "NoSuchResult", "NOTHING", "NotLent", "NotOffered", "OrbitView", "OrderError", "OutOfMemory", "PagePool", "Pages", "Picked", "Placement",
     "RecordedScenes", "Renderer", "RendererEntry", "RenderingModel", "Report", "Scene", "SceneBounds", "Statistics", "StoredDepth",
-    "Times", "Tint", "Unavailable", "find_renderer", "list_renderers", "load", "load_cameras", "load_image",
+    "Times", "Tint", "Unavailable", "find_renderer", "list_renderers", "load", "load_cameras", "load_image", "open_pages",
     "rasterization"
 ]

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, Optional
 
 from ._errors import InvalidArgument, InvalidType, exception_of
 
-ABI_MAJOR, ABI_MINOR = 2, 0
+ABI_MAJOR, ABI_MINOR = 2, 1
 
 MEASURE_COUNTS, MEASURE_TIMES = 1, 2
 HOST, DEVICE = 0, 1
@@ -222,6 +222,31 @@ class SceneBounds(_Sized):
                 ("centre", c_double * 3), ("radius", c_double)]
 
 
+class PagesInfo(_Sized):
+    _fields_ = [("size", c_uint32), ("sh_degree", c_int32), ("gaussians", c_uint64), ("pages", c_uint64),
+                ("page_size", c_uint64), ("origin", c_double * 3), ("lower", c_float * 3), ("upper", c_float * 3)]
+
+
+class PoolOptions(_Sized):
+    _fields_ = [("size", c_uint32), ("reserved", c_uint32), ("bytes", c_uint64), ("upload_per_frame", c_uint64),
+                ("waiting", c_uint64)]
+
+
+class CutGoal(_Sized):
+    _fields_ = [("size", c_uint32), ("reserved", c_uint32), ("pixels", c_double), ("splats", c_uint64)]
+
+
+class Cut(_Sized):
+    _fields_ = [("size", c_uint32), ("is_settled", c_int32), ("splats", c_uint64), ("wanted", c_uint64),
+                ("missing", c_uint64), ("pixels", c_double), ("resident", c_uint64), ("bytes", c_uint64),
+                ("failure", c_char_p)]
+
+
+class NamedNode(_Sized):
+    _fields_ = [("size", c_uint32), ("is_gaussian", c_int32), ("scene", c_uint64), ("page", c_uint32),
+                ("number", c_uint32)]
+
+
 def _load():
     """The library that SWIFTGS_LIBRARY names, or else that of this package, or else that of the system."""
     beside = pathlib.Path(__file__).with_name(f"libswiftgs_c.so.{ABI_MAJOR}")
@@ -285,6 +310,13 @@ for _name, _arguments in {
         "png_encode": (c_void_p, TAKE_BYTES, c_void_p),
         "picture_read": (c_char_p, c_void_p),
         "picture_get": (c_void_p, c_void_p),
+        "pages_open": (c_char_p, c_void_p),
+        "pages_get_info": (c_void_p, c_void_p),
+        "pool_create": (c_void_p, c_void_p, c_size_t, c_void_p, c_void_p),
+        "pool_place": (c_void_p, c_void_p, c_size_t),
+        "pool_cut": (c_void_p, c_void_p, c_void_p, c_void_p),
+        "pool_wait": (c_void_p, c_void_p),
+        "pool_named": (c_void_p, c_uint32, c_void_p),
         "renderers_count": (c_void_p,),
         "renderers_get": (c_size_t, c_void_p),
         "renderers_find": (c_char_p, c_void_p),
@@ -323,7 +355,7 @@ for _name, _arguments in {
         "scene_default_view": (c_void_p, c_int32, c_int32, c_void_p, c_void_p),
         "scene_write": (c_void_p, c_char_p, c_void_p)}.items():
     lib.add(_name, check, *_arguments)
-for _name in ("cameras_free", "picture_free", "renderer_free", "scene_free", "device_free"):
+for _name in ("cameras_free", "pages_free", "picture_free", "pool_free", "renderer_free", "scene_free", "device_free"):
     lib.add(_name, None, c_void_p)
 lib.add("version", c_char_p)
 for _name in ("stored_perspective", "stored_orthographic"):

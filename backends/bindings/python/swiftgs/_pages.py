@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Scenes larger than the memory: page files, and pools that draw them within a budget."""
+import ctypes
+from typing import Any, NamedTuple, Optional, Sequence, Tuple, Union
+
+from . import _c, _checks
+from ._c import Handle, lib
+from ._camera import Camera
+from ._errors import InvalidType, OrderError
+from ._frame import Frame
+from ._placement import Placement
+from ._renderer import Renderer
+from ._scene import Path
+
+
+class Pages:
+    """An open page file, as `swiftgs pages` writes it. `open_pages` opens one."""
+
+    def __init__(self, path: Path) -> None:
+        self._handle = Handle(lib.pages_free, lib.pages_open, _checks.path(path))
+        info = _c.PagesInfo()
+        lib.pages_get_info(self._handle, ctypes.byref(info))
+        self.gaussians: int = info.gaussians  #: of all leaves
+        self.pages: int = info.pages  #: leaves, and those above them
+        self.page_size: int = info.page_size  #: most Gaussians or nodes of a page
+        self.sh_degree: int = info.sh_degree
+        self.origin: Tuple[float, ...] = tuple(info.origin)  #: as `Scene.origin`
+        self.lower: Tuple[float, ...] = tuple(info.lower)  #: least coordinates of all means, less `origin`
+        self.upper: Tuple[float, ...] = tuple(info.upper)  #: greatest
+
+    def __len__(self) -> int:
+        return self.gaussians
+
+    def __repr__(self) -> str:
+        return f"<swiftgs.Pages {self.gaussians:,} Gaussians in {self.pages} pages>"
+
+
+def open_pages(path: Path) -> Pages:
+    """Opens a page file and reads its table, but no page."""
+    return Pages(path)
+
+
+class Cut(NamedTuple):
+    """The pages that a frame draws."""
+
+    is_settled: bool  #: nothing is missing but pages that fail, and those below them
+    splats: int  #: Gaussians and nodes that it draws
+    wanted: int  #: the same once all pages are there
+    missing: int  #: pages that are not in memory yet
+    pixels: float  #: error that the budgets allow when nothing is missing
+    resident: int  #: pages in memory
+    bytes: int  #: that pages take
+    failure: Optional[str]  #: why a page could not be read
+
+
+class NamedNode(NamedTuple):
+    """What a number in a frame of pages names."""
+
+    is_gaussian: bool  #: rather than a node of a page, which stands for several
+    scene: int  #: index of the placement
+    page: int
+    number: int  #: of the Gaussian in the source, or of the node in its page
+
+
+class PagePool:
+    """Pages in the memory of a renderer, which draws what `cut` chooses.
+
+    >>> pool = PagePool(renderer, open_pages("city.sgp"), bytes=4 << 30)
+    >>> pool.cut(camera)
+    >>> renderer.render(camera)
+    """
+
+    def __init__(self, renderer: Renderer, pages: Union[Pages, Sequence[Pages]], *, bytes: int = 0,  # pylint: disable=redefined-builtin
+                 upload_per_frame: int = 0, waiting: int = 0) -> None:
+        """`bytes` bounds all pages in memory, 0 for 2 GB; `upload_per_frame` what a cut uploads, 0 for 16 MiB; and
+        `waiting` pages that were read and not uploaded, 0 for 64 MiB. Each file is placed where it stands."""
+        self._renderer = _checks.of_type(renderer, Renderer, "renderer")
+        files = [pages] if isinstance(pages, Pages) else _checks.listed(pages, "pages")
+        handles = [_checks.of_type(each, Pages, "pages", "; swiftgs.open_pages opens one")._handle for each in files]
+        pointers = (ctypes.c_void_p * len(handles))(*(each.pointer for each in handles))
+        options = _c.PoolOptions(bytes=bytes, upload_per_frame=upload_per_frame, waiting=waiting)
+        handle = renderer._open()
+        self._handle: Optional[Handle] = Handle(lib.pool_free, lib.pool_create, handle, pointers, len(handles),
+                                                ctypes.byref(options), outlived_by=handle)
+
+    def place(self, placements: Sequence[Placement]) -> None:
+        """Places files by their indices, as wholes, any number of times."""
+        found = _checks.listed(placements, "placements")
+        structs: Any = (_c.Placement * len(found))()
+        for index, placement in enumerate(found):
+            structs[index] = _checks.of_type(placement, Placement, f"placement {index}")._struct()
+        lib.pool_place(self._open(), structs, len(structs))
+
+    def cut(self, cameras: Union[Camera, Sequence[Camera]], *, pixels: float = 1, splats: int = 0, wait: bool = False,
+            out: Optional[Frame] = None) -> Cut:
+        """Chooses pages with errors of at most `pixels`, 0 for all Gaussians, and at most so many `splats`, 0 for any.
+        The renderer shows them until another scene is set. Without `wait` it does not wait for files: frames draw what
+        is there, and later cuts more. `out` is a frame that will be drawn, where its conventions or sizes matter."""
+        frame = Renderer._new_frame(cameras, "rgb", {}) if out is None else _checks.of_type(out, Frame, "out")
+        frame._aim(cameras)
+        limit = _checks.real(pixels, "pixels")
+        goal = _c.CutGoal(pixels=limit if limit != 0 else -1, splats=_checks.whole(splats, "splats", 0, 2**64))
+        if limit < 0:
+            raise InvalidType(f"pixels is {limit:g}, expected 0 or more")
+        told = _c.Cut()
+        with self._renderer._scene_lock:
+            lib.pool_cut(self._open(), frame._argument, ctypes.byref(goal), ctypes.byref(told))
+            if wait:
+                lib.pool_wait(self._open(), ctypes.byref(told))
+        members = {name: getattr(told, name) for name in Cut._fields}
+        failure = members["failure"]
+        members.update(is_settled=bool(told.is_settled), failure=failure and failure.decode(errors="replace"))
+        return Cut(**members)
+
+    def named(self, number: int) -> NamedNode:
+        """What a number that a pick or the plane `id` of a frame of the last cut has names."""
+        told = _c.NamedNode()
+        lib.pool_named(self._open(), _checks.whole(number, "number", 0, 2**32), ctypes.byref(told))
+        return NamedNode(bool(told.is_gaussian), told.scene, told.page, told.number)
+
+    def _open(self) -> Handle:
+        if self._handle is None:
+            raise OrderError("the pool is closed")
+        return self._handle
+
+    def close(self) -> None:
+        """Gives up the pages. The renderer must not draw them any more: set another scene before."""
+        self._handle = None
