@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+
+/* Page files. What cuts draw is tested in page_pool_test. */
+#include <stdint.h>
+#include <string.h>
+
+#include "check.h"
+
+enum { floats = 3 * small_width * small_height };
+
+void test_pages(void) {
+  swiftgs_pages* pages = NULL;
+  CHECK_OK(swiftgs_pages_open(SWIFTGS_TEST_PAGES, &pages));
+  swiftgs_pages_info info = {.size = sizeof(info)};
+  CHECK_OK(swiftgs_pages_get_info(pages, &info));
+  CHECK(info.gaussians == 130 && info.pages > 1 && info.page_size == 128 && info.lower[1] < info.upper[1]);
+
+  struct drawing d;
+  set_up(&d, small_renderer);
+  const swiftgs_pages* const files[2] = {pages, pages};
+  swiftgs_pool_options options = {.size = sizeof(options), .bytes = 10000000};
+  swiftgs_pool* pool = NULL;
+  CHECK_OK(swiftgs_pool_create(d.renderer, files, 1, &options, &pool));
+  swiftgs_pages_free(pages);
+  const swiftgs_cut_goal all = {.size = sizeof(all), .pixels = -1};
+  swiftgs_cut cut = {.size = sizeof(cut)};
+  CHECK_OK(swiftgs_pool_cut(pool, &d.frame, &all, &cut));
+  CHECK(cut.splats == 65 && !cut.is_settled && cut.missing > 0 && cut.failure == NULL);
+  CHECK_OK(swiftgs_pool_wait(pool, &cut));
+  CHECK(cut.splats == cut.wanted && cut.is_settled && cut.pixels == 0);
+  CHECK(cut.resident > 1 && cut.bytes > 0 && cut.bytes <= options.bytes);
+  CHECK_OK(swiftgs_renderer_render(d.renderer, &d.frame));
+  float* const near = make_floats(floats);
+  memcpy(near, d.colour, floats * sizeof(float));
+  swiftgs_named_node named = {.size = sizeof(named)};
+  CHECK_OK(swiftgs_pool_named(pool, 0, &named));
+  CHECK(named.is_gaussian && named.scene == 0 && named.number < 130);
+  CHECK_INVALID(swiftgs_pool_named(pool, 130, &named), "expected less than");
+
+  swiftgs_placement placement = {.size = sizeof(placement), .translation = {0, 0, 3}};
+  CHECK_OK(swiftgs_pool_place(pool, &placement, 1));
+  CHECK_OK(swiftgs_pool_cut(pool, &d.frame, NULL, NULL));
+  CHECK_OK(swiftgs_pool_wait(pool, NULL));
+  CHECK(!draws(&d, near));
+  placement.scene = 1;
+  CHECK_INVALID(swiftgs_pool_place(pool, &placement, 1), "the scene is number 1, expected less than 1");
+  placement.scene = 0, placement.count = 3;
+  CHECK_INVALID(swiftgs_pool_place(pool, &placement, 1), "found first or count");
+  swiftgs_pool_free(pool), swiftgs_renderer_free(d.renderer);
+}
+
+void test_pages_errors(void) {
+  swiftgs_pages* pages = NULL;
+  CHECK_NULLS(swiftgs_pages_open, "none.sgp", "path", &pages, "pages");
+  CHECK_ERROR(swiftgs_pages_open("none.sgp", &pages), SWIFTGS_SYSTEM_ERROR, "none.sgp");
+  CHECK_ERROR(swiftgs_pages_open(__FILE__, &pages), SWIFTGS_FORMAT_ERROR, "pages_cases.c");
+  CHECK(pages == NULL);
+  CHECK_OK(swiftgs_pages_open(SWIFTGS_TEST_PAGES, &pages));
+  swiftgs_pages_info info = {.size = sizeof(info)};
+  CHECK_NULLS(swiftgs_pages_get_info, pages, "pages", &info, "swiftgs_pages_info");
+
+  struct drawing d;
+  set_up(&d, small_renderer);
+  const swiftgs_pages* const files[2] = {pages, NULL};
+  swiftgs_pool* pool = NULL;
+  swiftgs_pool_options options = {.size = sizeof(options), .bytes = 1};
+  CHECK_INVALID(swiftgs_pool_create(NULL, files, 1, NULL, &pool), "renderer is NULL");
+  CHECK_INVALID(swiftgs_pool_create(d.renderer, files, 0, NULL, &pool), "no pages");
+  CHECK_INVALID(swiftgs_pool_create(d.renderer, files, 2, NULL, &pool), "pages is NULL");
+  CHECK_INVALID(swiftgs_pool_create(d.renderer, files, 1, NULL, NULL), "pool is NULL");
+  CHECK_INVALID(swiftgs_pool_create(d.renderer, files, 1, &options, &pool), "page pool: 1 bytes");
+  options.bytes = 0, options.reserved = 1;
+  CHECK_INVALID(swiftgs_pool_create(d.renderer, files, 1, &options, &pool), "reserved is 1");
+  CHECK_OK(swiftgs_pool_create(d.renderer, files, 1, NULL, &pool));
+  swiftgs_cut cut = {.size = 4};
+  CHECK_INVALID(swiftgs_pool_cut(NULL, &d.frame, NULL, NULL), "pool is NULL");
+  CHECK_INVALID(swiftgs_pool_cut(pool, NULL, NULL, NULL), "swiftgs_frame is NULL");
+  CHECK_INVALID(swiftgs_pool_cut(pool, &d.frame, NULL, &cut), "swiftgs_cut: size is 4");
+  const swiftgs_cut_goal goal = {.size = sizeof(goal), .reserved = 1};
+  CHECK_INVALID(swiftgs_pool_cut(pool, &d.frame, &goal, NULL), "reserved is 1");
+  CHECK_INVALID(swiftgs_pool_wait(NULL, NULL), "pool is NULL");
+  CHECK_INVALID(swiftgs_pool_place(NULL, NULL, 0), "pool is NULL");
+  swiftgs_named_node named = {.size = sizeof(named)};
+  CHECK_INVALID(swiftgs_pool_named(NULL, 0, &named), "pool is NULL");
+  CHECK_INVALID(swiftgs_pool_named(pool, 0, &named), "expected less than 0");
+  swiftgs_pool_free(NULL), swiftgs_pool_free(pool);
+  swiftgs_renderer_free(d.renderer), swiftgs_pages_free(pages);
+}
