@@ -127,7 +127,8 @@ class Copies {
 /// What a walk measured. @units{milliseconds}
 struct Measured {
   std::vector<double> cut, frame;
-  std::size_t complete = 0, late = 0;  ///< frames that lack pages, and those behind which another lacks some
+  std::size_t complete = 0,
+              late = 0;  ///< frames that lack nothing, and those that lack what the one before did
   double seconds = 0, worst_pixels = 0, mean_splats = 0, decibels = 0, least_decibels = 1e9;
   std::uint64_t uploads = 0, bytes = 0;
   std::size_t most_bytes = 0;
@@ -143,27 +144,33 @@ double mean_of(const std::vector<double>& values) {
 }
 
 #if defined(SWIFTGS_TEST_CUDA)
-/// Memory of a device in the order of the default stream. What pages give back stays for the next ones, so
-/// that neither waits for the device.
-MemoryHook device_memory() {
+/// Memory of a device in the order of a stream. What pages give back stays for the next ones, so that neither
+/// waits for the device.
+MemoryHook device_memory(cudaStream_t stream) {
   cudaMemPool_t pool = nullptr;
   std::uint64_t all = UINT64_MAX;
   if (cudaDeviceGetDefaultMemPool(&pool, 0) == cudaSuccess)
     cudaMemPoolSetAttribute(pool, cudaMemPoolAttrReleaseThreshold, &all);
-  return {[](void*, std::size_t bytes) {
-            void* memory = nullptr;
-            cudaMallocAsync(&memory, bytes, nullptr);
-            return memory;
-          },
-          [](void*, void* memory, std::size_t) { cudaFreeAsync(memory, nullptr); }, nullptr};
+  return {
+      [](void* order, std::size_t bytes) {
+        void* memory = nullptr;
+        cudaMallocAsync(&memory, bytes, static_cast<cudaStream_t>(order));
+        return memory;
+      },
+      [](void* order, void* memory, std::size_t) { cudaFreeAsync(memory, static_cast<cudaStream_t>(order)); },
+      stream};
 }
 #endif
 
-std::unique_ptr<AnyRenderer> renderer_of(const std::string& name) {
+/// A renderer. `apart` has a stream of its own on a device.
+std::unique_ptr<AnyRenderer> renderer_of(const std::string& name, [[maybe_unused]] bool apart = false) {
   const RendererEntry& entry = find_renderer(name);
   BackendOptions options;
 #if defined(SWIFTGS_TEST_CUDA)
-  if (entry.name.starts_with("cuda")) options.memory = device_memory();
+  if (entry.name.starts_with("cuda")) {
+    if (apart) cudaStreamCreateWithFlags(&options.stream, cudaStreamNonBlocking);
+    options.memory = device_memory(options.stream);
+  }
 #endif
   return make_renderer(entry.name, options);
 }
@@ -190,11 +197,14 @@ class WholeScene {
 
 Measured walk(const Options& options, const Walk& path, const std::vector<PlacedPages>& placed,
               double megabytes) {
-  const std::unique_ptr<AnyRenderer> renderer = renderer_of(options.renderer);
+  const std::unique_ptr<AnyRenderer> renderer = renderer_of(options.renderer),
+                                     uploader = renderer_of(options.renderer, true);
   PagePool<AnyRenderer> pool(*renderer, placed,
                              {.bytes = std::size_t(1e6 * megabytes),
                               .upload_per_frame = std::size_t(1e6 * options.upload),
-                              .threads = options.threads});
+                              .waiting = std::size_t(1e6 * std::clamp(megabytes / 16, 16.0, 64.0)),
+                              .threads = options.threads},
+                             uploader.get());
   RenderSettings settings;
   settings.conventions.antialiased = true;
   const CutGoal goal{.pixels = options.pixels, .splats = std::uint64_t(1e6 * options.millions)};
@@ -214,7 +224,6 @@ Measured walk(const Options& options, const Walk& path, const std::vector<Placed
     for (int k = 0; k < 20; ++k) renderer->render_resident(camera, settings);
   }
   const std::uint64_t uploads = pool.uploads(), bytes = pool.uploaded_bytes();
-  bool lacked = false;
   Clock::duration paused{};
   const auto begin = Clock::now();
   for (std::size_t i = 0; i < std::size_t(options.views); ++i) {
@@ -230,9 +239,7 @@ Measured walk(const Options& options, const Walk& path, const std::vector<Placed
     const auto end = Clock::now();
     const auto ms = [](Clock::duration d) { return std::chrono::duration<double, std::milli>(d).count(); };
     measured.cut.push_back(ms(chosen - start)), measured.frame.push_back(ms(end - start));
-    const bool lacks = cut.missing() != 0;
-    measured.complete += !lacks, measured.late += lacks && lacked;
-    lacked = lacks;
+    measured.complete += cut.missing() == 0, measured.late += cut.late() != 0;
     measured.worst_pixels = std::max(measured.worst_pixels, cut.pixels());
     measured.mean_splats += double(cut.splats()) / options.views;
     measured.most_bytes = std::max(measured.most_bytes, pool.bytes());

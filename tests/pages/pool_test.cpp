@@ -147,6 +147,7 @@ TEST_CASE("pages: a first cut draws the root and later ones come closer to the s
   REQUIRE(first.scenes().size() == 1);
   CHECK(first.splats() == pages.pages()[pages.root()].count);
   CHECK(first.missing() > 0);
+  CHECK(first.late() == 0);
   CHECK_FALSE(first.named(3).is_gaussian);
   double last = psnr(renderer.render(first.scenes(), camera).colour, whole.colour);
   std::uint64_t splats = first.splats();
@@ -223,6 +224,7 @@ TEST_CASE("pages: a cut never waits for a source that stands still") {
   while (stopped == 0) cut = pool.cut(all_of(views), {.pixels = 0});
   for (int i = 0; i < 100; ++i) cut = pool.cut(all_of(views), {.pixels = 0});  // hangs here if one waits
   CHECK(stopped == 1);
+  CHECK(cut.late() == cut.missing());
   CHECK(cut.scenes().size() == 1);
   check_no_hole(cut, pages, views);
   {
@@ -247,7 +249,9 @@ TEST_CASE("pages: a source that fails and delays at random makes no hole and is 
           .bytes = 1'000'000, .upload_per_frame = 150'000, .waiting = 200'000, .threads = 3};
       if (seed != 1)
         options.executor = [&](std::function<void()> load) { threads.emplace_back(std::move(load)); };
-      PagePool<Cpu> pool(renderer.backend(), pages, options);
+      if (seed == 2) options.bytes = 2'000'000;  // some of which pages that wait take
+      Cpu uploader;
+      PagePool<Cpu> pool(renderer.backend(), pages, options, seed == 2 ? &uploader : nullptr);
       SplitMix64 random(seed);
       source->before_read = [&] {
         std::uint64_t bits = 0;
@@ -264,7 +268,7 @@ TEST_CASE("pages: a source that fails and delays at random makes no hole and is 
         for (int frame = 0; frame < 4; ++frame) {
           const Cut cut = pool.cut(all_of(views), {.pixels = 0.5});
           check_no_hole(cut, pages, views);
-          CHECK(pool.bytes() <= 1'000'000);
+          CHECK(pool.bytes() <= options.bytes);
           for (const PageFailure& failure : cut.failed()) CHECK(failure.reason == "no network");
           failed += cut.failed().size();
           std::this_thread::sleep_for(std::chrono::milliseconds(1));
@@ -333,7 +337,8 @@ TEST_CASE("pages: a renderer without a named backend draws cuts and what is plac
     renderer.render(builtin_camera(width, height), {}, frame);
     return frame.colour;
   };
-  PagePool<Cpu> same(named.backend(), pages);
+  Cpu uploader;
+  PagePool<Cpu> same(named.backend(), pages, {}, &uploader);
   Cut cut = same.cut(all_of(views), {.pixels = 0.5});
   same.wait(cut);
   const std::vector<float> colour = drawn();

@@ -23,18 +23,24 @@ struct PageLoader::State {
   std::size_t loaded_bytes = 0, kept_bytes = 0;
   std::size_t jobs = 0;  ///< that an executor has
   bool stop = false;
+  PageUpload upload;
+  std::mutex uploads;  ///< held while `upload` runs
 
   bool can_read() const { return !queue.empty() && loaded_bytes + kept_bytes < most_bytes; }
 
   /// Reads the first page of the queue, if there is room for it. `lock` is open meanwhile.
   void read_next(std::unique_lock<std::mutex>& lock) {
     if (stop || !can_read()) return;
-    LoadedPage page{queue.front(), {}, {}};
+    LoadedPage page{queue.front(), {}};
     queue.pop_front();
     reading.push_back(page.key);
     lock.unlock();
     try {
       page.content = files[page.key.file].read(page.key.page);
+      if (upload) {
+        const std::lock_guard one(uploads);
+        page.uploaded = upload(std::move(page.content.scene));
+      }
     } catch (const std::exception& error) {
       page.failure = *error.what() != '\0' ? error.what() : "a source threw an exception without a text";
     } catch (...) {
@@ -49,8 +55,9 @@ struct PageLoader::State {
 };
 
 PageLoader::PageLoader(std::vector<PagedScene> files, std::size_t most_bytes, int threads,
-                       PageExecutor executor)
+                       PageExecutor executor, PageUpload upload)
     : state_(std::make_shared<State>()), executor_(std::move(executor)) {
+  state_->upload = std::move(upload);
   state_->files = std::move(files), state_->most_bytes = std::max<std::size_t>(most_bytes, 1);
   if (threads < 1) refuse("page pool: ", threads, " threads, expected 1 or more");
   if (executor_) return;
@@ -75,7 +82,6 @@ PageLoader::~PageLoader() {
 }
 
 void PageLoader::request(const std::vector<PageKey>& keys) {
-  constexpr std::size_t most_jobs = 8;
   std::size_t jobs = 0;
   {
     const std::lock_guard lock(state_->mutex);

@@ -60,6 +60,7 @@ class Cut {
   std::uint64_t splats() const { return splats_; }  ///< Gaussians and nodes of `scenes`
   std::uint64_t wanted() const { return wanted_; }  ///< Gaussians and nodes once all pages are there
   std::size_t missing() const { return missing_; }  ///< pages that are not in memory yet
+  std::size_t late() const { return late_; }        ///< of these, pages that the cut before lacked too
   double pixels() const { return pixels_; }         ///< error that the budgets allow when nothing is missing
   const std::vector<PageFailure>& failed() const { return failed_; }
   /// Whether nothing is missing but pages that fail, and those below them.
@@ -91,7 +92,7 @@ class Cut {
   std::vector<Drawn> drawn_;
   std::vector<PageFailure> failed_;
   std::uint64_t splats_ = 0, wanted_ = 0;
-  std::size_t missing_ = 0;
+  std::size_t missing_ = 0, late_ = 0;
   std::size_t blocked_ = 0;  ///< missing pages that fail, and those below them
   double pixels_ = 0;
   std::vector<View> views_;  ///< what it was made for

@@ -23,6 +23,9 @@ using PageExecutor = std::function<void(std::function<void()> load)>;
 
 namespace swiftgs::detail {
 
+/// Jobs that an executor has at once.
+inline constexpr std::size_t most_jobs = 8;
+
 /// A page of a file.
 struct PageKey {
   std::uint32_t file = 0, page = 0;
@@ -33,15 +36,21 @@ struct PageKey {
 struct LoadedPage {
   PageKey key;
   PageContent content;
-  std::string failure;  ///< empty if it was read
+  std::shared_ptr<void> uploaded{};  ///< in place of the scene of `content`, where threads upload
+  std::string failure{};             ///< empty if it was read
 };
+
+/// Uploads what was read. Called by one thread at a time.
+using PageUpload = std::function<std::shared_ptr<void>(Scene scene)>;
 
 /// Reads pages in threads of its own or by an executor. No function blocks but `wait` and the
 /// destructor, which waits for the pages being read: the lock is held while a few numbers move.
 class SWIFTGS_API PageLoader {
  public:
-  /// Stops reading while read pages, `keep`'s bytes included, take `most_bytes` or more.
-  PageLoader(std::vector<PagedScene> files, std::size_t most_bytes, int threads, PageExecutor executor);
+  /// Uploads pages by `upload` if there is one. Stops reading while read pages, `keep`'s bytes included, take
+  /// `most_bytes` or more.
+  PageLoader(std::vector<PagedScene> files, std::size_t most_bytes, int threads, PageExecutor executor,
+             PageUpload upload = {});
   ~PageLoader();
   PageLoader(const PageLoader&) = delete;
   PageLoader& operator=(const PageLoader&) = delete;

@@ -44,19 +44,25 @@ class PagePool {
  public:
   /// Reads and uploads the roots, which stay. Throws `InvalidArgument` where memory does not hold them, for
   /// placings that are not valid and for no pages, and what `PagedScene::read` throws.
-  PagePool(B& backend, std::vector<PlacedPages> placed, const PagePoolOptions& options = {})
+  ///
+  /// With an `uploader`, another of the same kind as `backend` which the program does not use meanwhile,
+  /// threads of the pool upload what they read, and `cut` but adopts it. Pages that wait then count to
+  /// `bytes`.
+  PagePool(B& backend, std::vector<PlacedPages> placed, const PagePoolOptions& options = {},
+           B* uploader = nullptr)
       : backend_(backend),
         options_(options),
         used_(std::make_shared<std::atomic<std::size_t>>(0)),
-        plan_(std::move(placed), options.bytes),
-        loader_(plan_.files(), options.waiting, options.threads, options.executor) {
+        most_bytes_(options.bytes - (uploader ? most_waiting(placed, options) : 0)),
+        plan_(std::move(placed), most_bytes_),
+        loader_(plan_.files(), options.waiting, options.threads, options.executor, upload_by(uploader)) {
     for (std::uint32_t file = 0; file < plan_.files().size(); ++file) {
       const detail::PageKey root{file, plan_.files()[file].root()};
-      upload({root, plan_.files()[file].read(root.page), {}});
+      upload({root, plan_.files()[file].read(root.page)});
     }
   }
-  PagePool(B& backend, const PagedScene& pages, const PagePoolOptions& options = {})
-      : PagePool(backend, std::vector<PlacedPages>{{pages}}, options) {}
+  PagePool(B& backend, const PagedScene& pages, const PagePoolOptions& options = {}, B* uploader = nullptr)
+      : PagePool(backend, std::vector<PlacedPages>{{pages}}, options, uploader) {}
 
   /// Places scenes of the pool anew, in place of all placings before; pages stay in memory. Throws
   /// `InvalidArgument`, and changes nothing, for placings that are not valid and for other scenes.
@@ -117,6 +123,21 @@ class PagePool {
     return cut;
   }
 
+  static detail::PageUpload upload_by(B* uploader) {
+    if (!uploader) return {};
+    return [uploader](Scene scene) { return std::make_shared<SceneOn>(uploader->upload(std::move(scene))); };
+  }
+
+  /// Bytes of pages that threads uploaded and no cut has adopted, at most.
+  static std::size_t most_waiting(const std::vector<PlacedPages>& placed, const PagePoolOptions& options) {
+    std::size_t largest = 0;
+    for (const PlacedPages& each : placed)
+      for (const Page& page : each.pages.pages()) largest = std::max(largest, detail::resident_bytes(page));
+    const std::size_t readers =
+        options.executor ? detail::most_jobs : std::size_t(std::max(options.threads, 0));
+    return std::min(options.waiting + readers * largest, options.bytes);
+  }
+
   void note_loaded() {
     ++cuts_;
     for (detail::LoadedPage& page : loader_.take()) {
@@ -140,6 +161,7 @@ class PagePool {
     read.swap(waiting_);
     std::set<detail::PageKey> blocked;
     std::vector<detail::PageKey> asked;
+    std::set<detail::PageKey> lacked;
     std::size_t uploaded = 0;
     bool full = false;
     for (const detail::PageKey& key : missing) {
@@ -148,13 +170,13 @@ class PagePool {
       const bool fails = failure != failures_.end();
       if (fails) cut.failed_.push_back({scene_of(key), key.page, failure->second.reason});
       if (waits || fails) blocked.insert(key);
-      ++cut.missing_;
+      bool lacks = true;
       if (const auto page = read.find(key); page != read.end() && !waits) {
         const std::size_t bytes = detail::resident_bytes(plan_.row(key));
         full = full || (uploaded != 0 && uploaded + bytes > most_uploaded);
         if (!full && plan_.is_resident(plan_.parent_of(key)) && !(stuck = !make_room(bytes))) {
           upload(std::move(page->second));
-          uploaded += bytes, --cut.missing_;
+          uploaded += bytes, lacks = false;
         } else {
           full = full || stuck;
           waiting_.insert(read.extract(page));
@@ -162,7 +184,9 @@ class PagePool {
       } else if (!waits && (!fails || cuts_ >= failure->second.try_again)) {
         asked.push_back(key);
       }
+      if (lacks) lacked.insert(key), ++cut.missing_, cut.late_ += lacked_.contains(key);
     }
+    lacked_.swap(lacked);
     cut.blocked_ = blocked.size();
     loader_.keep(waiting_bytes());
     return asked;
@@ -176,7 +200,7 @@ class PagePool {
 
   bool make_room(std::size_t bytes) {
     detail::PageKey victim;
-    while (*used_ + bytes > options_.bytes) {
+    while (*used_ + bytes > most_bytes_) {
       if (!plan_.find_victim(victim)) return false;
       plan_.set_resident(victim, false);
       resident_.erase(victim);
@@ -186,7 +210,8 @@ class PagePool {
 
   void upload(detail::LoadedPage page) {
     const std::size_t bytes = detail::resident_bytes(plan_.row(page.key));
-    SceneOn scene = backend_.upload(std::move(page.content.scene));
+    SceneOn scene = page.uploaded ? std::move(*std::static_pointer_cast<SceneOn>(page.uploaded))
+                                  : backend_.upload(std::move(page.content.scene));
     *used_ += bytes, uploaded_bytes_ += bytes, ++uploads_;
     resident_[page.key] = std::shared_ptr<const Resident>(new Resident{
         std::move(scene), std::move(page.content.ids), plan_.files()[page.key.file], bytes, used_});
@@ -221,11 +246,13 @@ class PagePool {
   B& backend_;
   PagePoolOptions options_;
   std::shared_ptr<std::atomic<std::size_t>> used_;
+  std::size_t most_bytes_;  ///< of resident pages
   detail::PagePlan plan_;
   detail::PageLoader loader_;
   std::map<detail::PageKey, detail::LoadedPage> waiting_;
   std::map<detail::PageKey, std::shared_ptr<const Resident>> resident_;
   std::map<detail::PageKey, Failure> failures_;
+  std::set<detail::PageKey> lacked_;  ///< by the last cut
   std::uint64_t cuts_ = 0, uploads_ = 0, uploaded_bytes_ = 0;
 };
 
