@@ -170,6 +170,10 @@ template <class Gather>
 BuiltPages build(const std::filesystem::path& out, const PageBuildOptions& options, const Gather& gather) {
   validate(options);
   if (!options.model.empty()) (void)model_from(options.model);  // before a large file is read
+  std::error_code none;
+  if (const auto kind = std::filesystem::status(out, none).type();
+      kind == std::filesystem::file_type::fifo || kind == std::filesystem::file_type::character)
+    detail::refuse(out.string(), ": expected a file, found a pipe or a device: a page file is not written front to back");
   require_replaceable(out);
   const auto part_of_progress = [&](double begin, double end) -> Progress {
     return [&options, begin, end, out](double part) {
@@ -197,6 +201,15 @@ BuiltPages build(const std::filesystem::path& out, const PageBuildOptions& optio
   return built;
 }
 
+/// Adds the Gaussians of pages, one page after the other.
+void add_leaves(const PagedScene& pages, Gathered& to, const Progress& progress) {
+  const Span<const Page> all = pages.pages();
+  for (std::uint32_t i = 0; i < all.size; ++i) {
+    if (all[i].is_leaf()) to.add(pages.read(i).scene, pages.name());
+    progress(double(i + 1) / double(all.size));
+  }
+}
+
 /// Parts in which to read a file so that each takes at most a quarter of the memory.
 std::size_t parts_of(const std::filesystem::path& file, std::size_t memory) {
   std::error_code error;
@@ -212,13 +225,16 @@ BuiltPages build_pages(const std::vector<std::filesystem::path>& sources, const 
                        const PageBuildOptions& options) {
   return build(out, options, [&](Gathered& to, const Progress& progress, std::vector<std::string>& notes) {
     for (std::size_t k = 0; k < sources.size(); ++k) {
+      const auto at = [&](double done) { return progress((double(k) + done) / double(sources.size())); };
+      if (is_page_file(sources[k])) {
+        add_leaves(open_pages(sources[k]), to, at);
+        continue;
+      }
       const std::size_t parts = parts_of(find_capture(sources[k]).scene, options.memory);
       for (std::size_t part = 0; part < parts; ++part) {
         SceneReadOptions read = options.read;
         read.part = {part, parts};
-        read.progress = [&](double done) {
-          return progress((double(k) + (double(part) + done) / double(parts)) / double(sources.size()));
-        };
+        read.progress = [&](double done) { return at((double(part) + done) / double(parts)); };
         SceneFile file = read_scene(sources[k], read);
         for (const std::string& note : file.notes)
           if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);

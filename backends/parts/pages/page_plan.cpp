@@ -76,8 +76,7 @@ PagePlan::PagePlan(std::vector<PlacedPages> placed, std::size_t most_bytes) : mo
   for (const PagedScene& file : files_) {
     std::vector<PageState>& states = states_.emplace_back(file.pages().size);
     for (std::uint32_t i = 0; i < states.size(); ++i)
-      if (const Page& page = file.pages()[i]; !page.is_leaf())
-        states[page.left].parent = states[page.right].parent = i;
+      for (const std::uint32_t child : file.children(i)) states[child].parent = i;
     roots += resident_bytes(file.pages()[file.root()]);
   }
   if (roots > most_bytes_)
@@ -123,6 +122,7 @@ PagePlan::Wanted PagePlan::choose(Span<const View> views, const CutGoal& goal) {
     candidates.push({error, scene, root.page});
   }
 
+  std::vector<Candidate> shown;  // children of the next
   while (!candidates.empty()) {
     const Candidate next = candidates.top();
     candidates.pop();
@@ -133,12 +133,12 @@ PagePlan::Wanted PagePlan::choose(Span<const View> views, const CutGoal& goal) {
     if (goal.pixels > 0 && next.error <= goal.pixels) break;
     std::uint64_t splats = wanted.splats - page.count;
     std::size_t more = 0;
-    Candidate children[2] = {{0, next.scene, page.left}, {0, next.scene, page.right}};
-    bool shown[2];
-    for (int k = 0; k < 2; ++k) {
-      const PageKey child{file, children[k].page};
-      shown[k] = eyes[next.scene].shows(row(child), children[k].error);
-      if (!shown[k]) continue;
+    shown.clear();
+    for (const std::uint32_t number : files_[file].children(next.page)) {
+      const PageKey child{file, number};
+      Candidate candidate{0, next.scene, number};
+      if (!eyes[next.scene].shows(row(child), candidate.error)) continue;
+      shown.push_back(candidate);
       splats += row(child).count;
       if (!is_wanted(child)) more += resident_bytes(row(child));
     }
@@ -148,13 +148,12 @@ PagePlan::Wanted PagePlan::choose(Span<const View> views, const CutGoal& goal) {
     }
     seen_[next.scene][next.page].refined = frame_;
     wanted.splats = splats, bytes += more;
-    for (int k = 0; k < 2; ++k) {
-      if (!shown[k]) continue;
-      const PageKey child{file, children[k].page};
+    for (const Candidate& each : shown) {
+      const PageKey child{file, each.page};
       seen_[next.scene][child.page].shown = frame_;
       if (!is_wanted(child) && !is_resident(child)) wanted.missing.push_back(child);
       state(child).used = frame_;
-      candidates.push(children[k]);
+      candidates.push(each);
     }
   }
   wanted.pixels = std::max(wanted.pixels, goal.pixels);
@@ -164,12 +163,12 @@ PagePlan::Wanted PagePlan::choose(Span<const View> views, const CutGoal& goal) {
 void PagePlan::draw(std::size_t scene, std::uint32_t number, std::vector<Drawn>& to) const {
   const std::vector<Seen>& seen = seen_[scene];
   const std::uint32_t file = file_of_[scene];
-  const Page& page = row({file, number});
+  const Span<const std::uint32_t> children = files_[file].children(number);
   const auto shows = [&](std::uint32_t child) { return seen[child].shown == frame_; };
   const auto is_ready = [&](std::uint32_t child) { return !shows(child) || is_resident({file, child}); };
-  if (seen[number].refined != frame_ || !is_ready(page.left) || !is_ready(page.right))
+  if (seen[number].refined != frame_ || !std::all_of(children.begin(), children.end(), is_ready))
     return to.push_back({scene, number});
-  for (const std::uint32_t child : {page.left, page.right})
+  for (const std::uint32_t child : children)
     if (shows(child)) draw(scene, child, to);
 }
 

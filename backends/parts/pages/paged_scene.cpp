@@ -12,6 +12,7 @@
 #include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/pages/paged_scene.hpp>
 
+#include "file_pages.hpp"
 #include "mapped_source.hpp"
 #include "page_file.hpp"
 
@@ -130,38 +131,13 @@ void check_tree(const std::vector<Page>& all, const FileHeader& header, const st
           name, header.table, "one tree of all Gaussians, whose root is the last page");
 }
 
-}  // namespace
-
-PagedScene::PagedScene(PageSource source, std::uint64_t size, std::string name) {
-  auto state = std::make_shared<State>();
-  const FileHeader header = read_header(source, size, name);
-  state->pages.resize(header.pages);
-  source(header.table, bytes_of_vector(state->pages));
-  require(header.table_checksum == pages::checksum_of(bytes_of_vector(state->pages)), name,
-          offsetof(FileHeader, table_checksum), "the checksum of the table");
-  check_tree(state->pages, header, name);
-  std::string_view model(header.model.data(), header.model.size());
-  model = model.substr(0, model.find('\0'));
-  try {
-    if (!model.empty()) state->model = model_from(model);
-  } catch (const InvalidArgument& error) {
-    throw FormatError(name, offsetof(FileHeader, model), std::string("a rendering model: ") + error.what());
-  }
-  state->source = std::move(source), state->name = std::move(name);
-  state->gaussians = header.gaussians, state->page_size = header.page_size;
-  state->sh_degree = int(header.sh_degree);
-  state->origin = {header.origin[0], header.origin[1], header.origin[2]};
-  state_ = std::move(state);
-}
-
-PageContent PagedScene::read(std::uint32_t number) const {
-  if (number >= state_->pages.size())
-    detail::refuse("page ", number, ": expected less than ", state_->pages.size());
-  const Page& page = state_->pages[number];
+/// A page of a page file.
+PageContent read_page(const PagedScene::State& file, const PageSource& source, std::uint32_t number) {
+  const Page& page = file.pages[number];
   std::vector<std::byte> bytes(page.bytes);
-  state_->source(page.offset, bytes);
+  source(page.offset, bytes);
   const auto expect = [&](bool holds, const char* expected) {
-    require(holds, name(), page.offset, "page " + std::to_string(number) + " with " + expected);
+    require(holds, file.name, page.offset, "page " + std::to_string(number) + " with " + expected);
   };
   expect(pages::checksum_of(bytes) == page.checksum, "its checksum");
 
@@ -171,7 +147,7 @@ PageContent PagedScene::read(std::uint32_t number) const {
                        [&](std::uint64_t offset, std::uint64_t) { parts[k++] = bytes.data() + offset; });
   PageContent content;
   Scene& scene = content.scene;
-  scene.sh_degree = page.sh_degree, scene.model = model(), scene.origin = origin();
+  scene.sh_degree = page.sh_degree, scene.model = file.model, scene.origin = file.origin;
   k = 0;
   const auto take = [&](auto& values, std::size_t count) {
     values.resize(count);
@@ -194,7 +170,7 @@ PageContent PagedScene::read(std::uint32_t number) const {
     for (std::size_t i = 0; i < count; ++i) rows.load(i, page.sh_degree, scene.sh_rest.data() + each * i);
   k = 7;
   if (page.has_ids != 0) take(content.ids, count);
-  const auto is_number = [&](std::uint32_t id) { return id < gaussians(); };
+  const auto is_number = [&](std::uint32_t id) { return id < file.gaussians; };
   expect(std::all_of(content.ids.begin(), content.ids.end(), is_number), "numbers of the file's Gaussians");
   try {
     validate_numbers(scene);
@@ -204,13 +180,56 @@ PageContent PagedScene::read(std::uint32_t number) const {
   return content;
 }
 
+}  // namespace
+
+PagedScene::PagedScene(PageSource source, std::uint64_t size, std::string name) {
+  State state;
+  const FileHeader header = read_header(source, size, name);
+  state.pages.resize(header.pages);
+  source(header.table, bytes_of_vector(state.pages));
+  require(header.table_checksum == pages::checksum_of(bytes_of_vector(state.pages)), name,
+          offsetof(FileHeader, table_checksum), "the checksum of the table");
+  check_tree(state.pages, header, name);
+  for (const Page& page : state.pages) {
+    state.first_child.push_back(std::uint32_t(state.children.size()));
+    if (!page.is_leaf()) state.children.insert(state.children.end(), {page.left, page.right});
+  }
+  state.first_child.push_back(std::uint32_t(state.children.size()));
+  std::string_view model(header.model.data(), header.model.size());
+  model = model.substr(0, model.find('\0'));
+  try {
+    if (!model.empty()) state.model = model_from(model);
+  } catch (const InvalidArgument& error) {
+    throw FormatError(name, offsetof(FileHeader, model), std::string("a rendering model: ") + error.what());
+  }
+  state.name = std::move(name);
+  state.gaussians = header.gaussians, state.page_size = header.page_size;
+  state.sh_degree = int(header.sh_degree);
+  state.origin = {header.origin[0], header.origin[1], header.origin[2]};
+  auto shared = std::make_shared<State>(std::move(state));
+  // The state has the function, which must not keep it.
+  shared->read = [source = std::move(source), of = shared.get()](std::uint32_t page) {
+    return read_page(*of, source, page);
+  };
+  state_ = std::move(shared);
+}
+
+PageContent PagedScene::read(std::uint32_t page) const {
+  if (page >= state_->pages.size())
+    detail::refuse("page ", page, ": expected less than ", state_->pages.size());
+  return state_->read(page);
+}
+
 bool is_page_file(const std::filesystem::path& path) {
+  if (path.filename() == "tileset.json") return true;
   std::array<char, pages::magic.size()> begin{};
   std::ifstream(path, std::ios::binary).read(begin.data(), begin.size());
   return begin == pages::magic;
 }
 
 PagedScene open_pages(const std::filesystem::path& path) {
+  if (path.filename() == "tileset.json") return pages::open_tiles(path);
+  if (path.filename() == "lod-meta.json") return pages::open_streamed_sog(path);
   pages::MappedSource mapped = pages::map_source(path);
   return PagedScene(std::move(mapped.read), mapped.size, path.string());
 }

@@ -36,9 +36,9 @@ struct BuiltPages {
 };
 
 /// Writes the page file `out` of all Gaussians of `sources`, one behind the other, with the origin of the
-/// first. Each is what `read_scene` takes. Beside `out` it needs a folder for 240 bytes a Gaussian, twice
-/// that with `order`: `out` with `.building` behind it, which is gone afterwards. The new file takes the
-/// place of an old one when it is whole.
+/// first. Each is what `read_scene` takes, or what `is_page_file` tells. Beside `out` it needs a folder for
+/// 240 bytes a Gaussian, twice that with `order`: `out` with `.building` behind it, which is gone afterwards.
+/// The new file takes the place of an old one when it is whole.
 ///
 /// Throws `InvalidArgument` for an option that is not valid, sources without Gaussians, with features or of
 /// several rendering models, and for a folder that is there already, `CapacityError` beyond 2^32 - 1

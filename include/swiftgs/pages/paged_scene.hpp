@@ -2,8 +2,8 @@
 #pragma once
 
 /// @file
-/// Paged scenes: a file of a scene's Gaussians in pages, and of coarser pages that stand for them.
-/// docs/pages.md describes every byte of it. Part of swiftgs::pages.
+/// Paged scenes: a scene's Gaussians in pages, and coarser pages that stand for them. docs/pages.md describes
+/// every byte of a page file, and which files of others are read. Part of swiftgs::pages.
 
 #include <array>
 #include <cmath>
@@ -24,8 +24,9 @@
 
 namespace swiftgs {
 
-/// A row of the table of pages, as the file has it. A leaf holds Gaussians of the source. A parent holds
-/// nodes, each of which stands for Gaussians below its two children.
+/// A row of the table of pages, as a page file has it. A leaf holds Gaussians of the source. A parent holds
+/// nodes, each of which stands for Gaussians below its two children. Of other files, only bounds, bytes,
+/// count, errors and `left` mean something.
 struct Page {
   static constexpr std::uint32_t none = 0xffffffff;
   static constexpr std::size_t error_count = 8;
@@ -38,7 +39,7 @@ struct Page {
   std::uint32_t count = 0;         ///< Gaussians or nodes
   std::uint32_t rows = 0;          ///< of harmonics
   std::uint32_t left = none;       ///< child with the leaves that come first; none of a leaf
-  std::uint32_t right = none;      ///< the other child
+  std::uint32_t right = none;      ///< the other child, of a page file
   float harmonic_scale = 1;        ///< as `HarmonicRows::scale`
   std::uint8_t harmonic_format{};  ///< a `HarmonicFormat`
   std::uint8_t sh_degree = 0;      ///< of the rows, 0 to 3
@@ -71,10 +72,11 @@ struct PageContent {
 /// Fills `to` with the bytes of a page file from `offset` on, or throws. Several threads call it at once.
 using PageSource = std::function<void(std::uint64_t offset, std::span<std::byte> to)>;
 
-/// An open page file. Copies are one file.
+/// An open page file, or another scene with levels of detail. Copies are one file.
 class SWIFTGS_API PagedScene {
  public:
   const std::string& name() const { return state_->name; }
+  const char* format() const { return state_->format; }  ///< such as "page file"
   std::uint64_t gaussians() const { return state_->gaussians; }
   std::uint32_t page_size() const { return state_->page_size; }  ///< most Gaussians or nodes of a page
   int sh_degree() const { return state_->sh_degree; }
@@ -84,6 +86,11 @@ class SWIFTGS_API PagedScene {
   /// All pages. Parents come behind their children, so the last is the root.
   Span<const Page> pages() const { return {state_->pages.data(), state_->pages.size()}; }
   std::uint32_t root() const { return std::uint32_t(state_->pages.size() - 1); }
+  /// Pages that together show what `page` stands for; none of a leaf.
+  Span<const std::uint32_t> children(std::uint32_t page) const {
+    const std::uint32_t begin = state_->first_child[page], end = state_->first_child[page + 1];
+    return {state_->children.data() + begin, end - begin};
+  }
   /// Whether both are one file that was opened once.
   bool operator==(const PagedScene&) const = default;
 
@@ -95,25 +102,33 @@ class SWIFTGS_API PagedScene {
   /// `open_pages`.
   PagedScene(PageSource source, std::uint64_t size, std::string name);
 
- private:
+  /// What a paged scene consists of, for files of other formats.
   struct State {
-    PageSource source;
+    std::function<PageContent(std::uint32_t page)> read;
     std::string name;
+    const char* format = "page file";
     std::uint64_t gaussians = 0;
     std::uint32_t page_size = 0;
     int sh_degree = 0;
     RenderingModel model{};
     dvec3 origin{0.0};
     std::vector<Page> pages;
+    std::vector<std::uint32_t> children;     ///< of all pages, one behind the other
+    std::vector<std::uint32_t> first_child;  ///< of each page in `children`; and the end
   };
+  /// Trusts `state`.
+  explicit PagedScene(State state) : state_(std::make_shared<const State>(std::move(state))) {}
+
+ private:
   std::shared_ptr<const State> state_;
 };
 
-/// Whether a file that can be read begins as page files do.
+/// Whether `path` is a page file, or the `tileset.json` of 3D Tiles.
 SWIFTGS_API bool is_page_file(const std::filesystem::path& path);
 
-/// Opens a page file and maps it into memory. Reads and checks its header and table, but no page. The file
-/// must not change while it is open. Throws `FormatError` that tells what was expected where, and
+/// Opens a page file and maps it into memory; or the `lod-meta.json` of a streamed SOG, or the `tileset.json`
+/// of 3D Tiles, whose files are read when a page of them is. Checks header and table, but reads no page.
+/// Files must not change while they are open. Throws `FormatError` that tells what was expected where, and
 /// `FileError`.
 SWIFTGS_API PagedScene open_pages(const std::filesystem::path& path);
 
