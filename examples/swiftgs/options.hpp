@@ -20,6 +20,7 @@ struct SceneOptions {
   std::string spz_frame = "specified";  ///< as `SpzFrame` names them
   int level = 0;                        ///< of detail, in a streamed SOG
   std::string model{};                  ///< what `model_from` takes, in place of what the file says
+  bool paged = false;                   ///< draws a streamed SOG by pages
 };
 
 /// What says which images to make of it.

@@ -38,6 +38,16 @@ TEST_CASE("cli pages: render draws the bits of the scene at 0 pixels and info co
   run(place, "render a.sgp a.ply --place" + views + "both");
 }
 
+TEST_CASE("cli pages: other commands take pages as whole scenes and pages of pages have all Gaussians") {
+  const TemporaryFolder place;
+  run(place, "convert builtin:700 a.ply");
+  run(place, "pages a.ply a.sgp --page 256");
+  run(place, "convert a.sgp b.ply");
+  CHECK(content_of(place / "b.ply") == content_of(place / "a.ply"));
+  CHECK(run(place, "pages a.sgp a.ply b.sgp")
+            .out.starts_with("b.sgp: 1400 Gaussians in 1 pages, and 0 above them, "));
+}
+
 TEST_CASE("cli pages: refuses what cannot be built in one line") {
   const TemporaryFolder place;
   fails(place, "pages a.sgp", {"pages: expected one or more scenes to read and a file to write"});
@@ -45,11 +55,11 @@ TEST_CASE("cli pages: refuses what cannot be built in one line") {
   fails(place, "pages builtin:500 a.sgp --memory 1", {"1048576 bytes of memory, expected "});
   fails(place, "pages builtin:500 builtin:500 a.sgp", {"builtin:500: expected files"});
   fails(place, "pages none.ply a.sgp", {"none.ply"});
+  fails(place, "pages builtin:500 /dev/null", {"/dev/null: expected a file, found a pipe or a device"});
   run(place, "pages builtin:500 b.sgp");
   fails(place, "render b.sgp --renderer reference", {"expected another renderer for pages"});
   fails(place, "render b.sgp --pool 0", {"--pool: expected megabytes above 0"});
   fails(place, "render b.sgp --model blur=0", {"--model blur=0: expected none for pages"});
-  fails(place, "check b.sgp", {"b.sgp", "found a page file; draw it by 'swiftgs render'"});
   CHECK_FALSE(std::filesystem::exists(place / "a.sgp"));
   CHECK_FALSE(std::filesystem::exists(place / "a.sgp.building"));
 }

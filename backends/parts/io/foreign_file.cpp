@@ -110,6 +110,7 @@ constexpr std::string_view checkpoint =
 constexpr Known endings[] = {
     {".lcc", lcc},
     {".lcc2", lcc},
+    {".hier", "a hierarchy of INRIA's hierarchical 3D Gaussians; give the PLY files that it was made of"},
     {".pt", checkpoint},
     {".pth", checkpoint},
     {".ckpt", checkpoint},

@@ -18,15 +18,16 @@ std::size_t PageOptions::bytes() const {
   return std::size_t(1e6 * megabytes);
 }
 
-void add_page_options(CLI::App& command, PageOptions& options) {
+void add_page_options(CLI::App& command, PageOptions& options, SceneOptions& scene) {
   command
       .add_option("--pixels", options.pixels,
-                  "Of a page file: largest error of a page that is drawn; 0 draws all")
+                  "Of pages: largest error of a page that is drawn; 0 draws all Gaussians")
       ->capture_default_str();
   command
       .add_option("--pool", options.megabytes,
-                  "Of a page file: most memory of its pages where it is drawn, in MB")
+                  "Of pages: most memory that they take where they are drawn, in MB")
       ->capture_default_str();
+  command.add_flag("--paged", scene.paged, "Draw all levels of a streamed SOG as pages");
 }
 
 PageFrames::PageFrames(AnyRenderer& renderer, const DrawnScenes& drawn, HarmonicsKept kept, std::size_t bytes)

@@ -8,6 +8,7 @@
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/pages/page_pool.hpp>
 
+#include "options.hpp"
 #include "read/placed_input.hpp"
 
 namespace CLI {
@@ -25,8 +26,8 @@ struct PageOptions {
   std::size_t bytes() const;  ///< throws `InvalidArgument` unless it is above 0
 };
 
-/// Adds `--pixels` and `--pool`.
-void add_page_options(CLI::App& command, PageOptions& options);
+/// Adds `--pixels`, `--pool` and `--paged`.
+void add_page_options(CLI::App& command, PageOptions& options, SceneOptions& scene);
 
 /// Frames of scenes of which some have pages: has a renderer, which outlives it, show those that its cameras
 /// need.

@@ -317,7 +317,7 @@ void add_render(CLI::App& app) {
                       "Video of all views in place of images, such as flight.mp4, by the program ffmpeg");
   add_batch(*command, options->batch);
   add_harmonics(*command, options->harmonics);
-  add_page_options(*command, options->pages);
+  add_page_options(*command, options->pages, options->scene);
   add_json(*command, options->json);
   command->add_flag("--stats", options->stats, "Print what each frame had to do");
   command->callback([options] { render(*options); });

@@ -191,7 +191,7 @@ void info_of_pages(const InfoOptions& options) {
   const ChunkBounds& bounds = pages.pages()[pages.root()].bounds;
   if (!json.is_standard_output()) {
     std::printf("%-15s %s\n", "scene", options.scene.scene.c_str());
-    std::printf("%-15s %s\n", "format", "page file");
+    std::printf("%-15s %s\n", "format", pages.format());
     std::printf("%-15s %llu\n", "bytes", static_cast<unsigned long long>(bytes));
     std::printf("%-15s %llu\n", "Gaussians", static_cast<unsigned long long>(pages.gaussians()));
     std::printf("%-15s %zu, and %zu above them, of %u at most\n", "pages", leaves,
@@ -203,7 +203,7 @@ void info_of_pages(const InfoOptions& options) {
   }
   if (json.is_wanted()) {
     const Json all{{"scene", std::filesystem::path(options.scene.scene).stem().string()},
-                   {"file_format", "page file"},
+                   {"file_format", pages.format()},
                    {"bytes", bytes},
                    {"gaussians", pages.gaussians()},
                    {"pages", {{"leaves", leaves}, {"all", pages.pages().size}, {"size", pages.page_size()}}},
@@ -240,7 +240,7 @@ constexpr const char* info_help =
 harmonics, how many Gaussians were dropped, with a note for each reason, the origin of a
 scene far from zero, and percentiles of positions (relative to the origin), opacities and
 scales; of a capture's folder also where its cameras and photographs are, and the cameras'
-lenses. Of a page file it reads the table alone.
+lenses. Of a page file or 3D Tiles it reads no Gaussians.
 
 Example:
   swiftgs info garden.spz)";

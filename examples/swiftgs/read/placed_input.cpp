@@ -89,7 +89,8 @@ DrawnScenes load_to_place(const std::vector<ListedScene>& scenes, const SceneOpt
     if (known == files.size()) {
       SceneOptions options = reading;
       options.scene = listed.file;
-      if (is_page_file(listed.file)) {
+      const bool streamed = options.paged && fs::path(listed.file).filename() == "lod-meta.json";
+      if (streamed || is_page_file(listed.file)) {
         open_pages_of(drawn, options);
       } else {
         DrawnScene read = load_to_draw(options, said);

@@ -8,6 +8,7 @@
 
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/io/scene_file.hpp>
+#include <swiftgs/pages/paged_scene.hpp>
 
 #include "draw/team.hpp"
 #include "notes.hpp"
@@ -18,6 +19,14 @@ namespace {
 
 constexpr std::string_view builtin_name = "builtin";
 constexpr std::size_t builtin_limit = 100'000'000;
+
+/// All leaves of pages, for commands that do not draw them within a budget.
+SceneFile whole_of(const PagedScene& pages) {
+  SceneFile file;
+  file.scene = read_leaves(pages), file.format = pages.format();
+  file.stored = file.scene.size();
+  return file;
+}
 
 }  // namespace
 
@@ -65,7 +74,7 @@ SceneFile load(const SceneOptions& options, const swiftgs::Progress& progress) {
   if (!size) {
     const std::filesystem::path path = capture_of(options).scene;
     Team::here().require_same_file(path.string());
-    file = read_scene(path, read);
+    file = is_page_file(path) ? whole_of(open_pages(path)) : read_scene(path, read);
     file.scene.model = model_from(options.model, file.scene.model);
     return file;
   }

@@ -119,7 +119,7 @@ void add_view(CLI::App& app) {
   add_cameras(*command, options->view);
   command->add_option("--renderer", options->renderer,
                       "A name from 'swiftgs list' [that of the quickest backend]");
-  add_page_options(*command, options->pages);
+  add_page_options(*command, options->pages, options->scene);
   command->add_option("--path", options->path,
                       "A camera_path.json: read if it is there, and saved to [camera_path-1.json or\n"
                       "another number, whichever is free]");
