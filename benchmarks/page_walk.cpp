@@ -24,6 +24,7 @@
 
 #include <swiftgs/default_view.hpp>
 #include <swiftgs/error.hpp>
+#include <swiftgs/io/image.hpp>
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/pages/page_pool.hpp>
 #include <swiftgs/swiftgs.hpp>
@@ -37,7 +38,7 @@ using namespace swiftgs;
 using Clock = std::chrono::steady_clock;
 
 struct Options {
-  std::string file, renderer, disk;
+  std::string file, renderer, disk, images;
   std::vector<double> pools{2000, 512};
   int side = 10, views = 3000, width = 1920, height = 1080, compared = 10, threads = 8;
   double spacing = 0, speed = 14, hertz = 60, pixels = 1, millions = 4, upload = 16;
@@ -50,7 +51,7 @@ class Walk {
     const OrbitView view = default_view(coarse, options.width, options.height);
     up_ = view.up / length(view.up);
     const dvec3 back = view.camera.centre() - view.target;
-    height_ = 0.5 * dot(back, up_);
+    height_ = 0.9 * dot(back, up_);
     target_ = view.target;
     const dvec3 level = back - dot(back, up_) * up_;
     x_ = level / length(level);
@@ -255,6 +256,8 @@ Measured walk(const Options& options, const Walk& path, const std::vector<Placed
   if (kept.empty()) return measured;
   WholeScene whole(options, placed);
   for (const auto& [i, frame] : kept) {
+    if (!options.images.empty())
+      write_png(std::filesystem::path(options.images) / (std::to_string(i) + ".png"), frame);
     const double db = psnr(frame.colour, whole.draw(path.camera(i), settings).colour);
     measured.decibels += db / double(kept.size());
     measured.least_decibels = std::min(measured.least_decibels, db);
@@ -328,6 +331,7 @@ int main(int argc, char** argv) try {
   app.add_option("--threads", options.threads, "That read pages")->capture_default_str();
   app.add_option("--compared", options.compared, "Frames to compare with the whole scene")
       ->capture_default_str();
+  app.add_option("--images", options.images, "Folder for the images of these");
   CLI11_PARSE(app, argc, argv);
   run(options);
   return 0;
