@@ -160,8 +160,7 @@ PagedScene FilePages::finish(const char* format) && {
   }
   reader->parts = std::move(parts_);
   state_.name = path_.string(), state_.format = format;
-  const PageContent root = reader->read(std::uint32_t(reader->parts.size() - 1));
-  state_.model = root.scene.model;
+  state_.model = reader->cache.read(reader->parts.back()[0].file)->model;
   state_.read = [reader](std::uint32_t page) { return reader->read(page); };
   return PagedScene(std::move(state_));
 }
