@@ -11,6 +11,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <string>
@@ -130,7 +131,8 @@ struct Measured {
   std::vector<double> cut, frame;
   std::size_t complete = 0,
               late = 0;  ///< frames that lack nothing, and those that lack what the one before did
-  double seconds = 0, worst_pixels = 0, mean_splats = 0, decibels = 0, least_decibels = 1e9;
+  double seconds = 0, worst_pixels = 0, mean_splats = 0, decibels = 0,
+         least_decibels = std::numeric_limits<double>::infinity();
   std::uint64_t uploads = 0, bytes = 0;
   std::size_t most_bytes = 0;
 };
