@@ -5,30 +5,28 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <exception>
+#include <utility>
 
 namespace swiftgs::vulkan {
 namespace {
 
-constexpr std::uint32_t scan_part = 8 * usual_threads;
 /// Devices take so many workgroups in each direction at least.
 constexpr std::uint32_t most_workgroups = 65535;
-
-CommandSlot& next_slot(Vulkan::State& b) {
-  if (b.recording) return *b.recording;
-  CommandSlot& slot = b.slots[b.next_slot++ % b.slots.size()];
-  b.device.state().wait(slot.done_at);
-  slot.block = slot.used = 0;
-  return slot;
-}
 
 /// Stages, and how they access memory.
 struct Scope {
   VkPipelineStageFlags stages;
   VkAccessFlags accesses;
 };
-constexpr Scope shaders_write{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT};
-constexpr Scope shaders{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
-                        VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
+/// Kernels, and the device as it reads their numbers of workgroups.
+constexpr VkPipelineStageFlags kernel_stages =
+    VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
+constexpr Scope kernels_write{kernel_stages, VK_ACCESS_SHADER_WRITE_BIT};
+constexpr Scope kernels{kernel_stages, VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
+                                           VK_ACCESS_INDIRECT_COMMAND_READ_BIT};
+constexpr Scope program{VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
+                        VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT};
 
 void barrier(const VulkanDevice::State& device, VkCommandBuffer commands, Scope from, Scope to) {
   VkMemoryBarrier memory{};
@@ -37,34 +35,44 @@ void barrier(const VulkanDevice::State& device, VkCommandBuffer commands, Scope 
   device.vk.vkCmdPipelineBarrier(commands, from.stages, to.stages, 0, 1, &memory, 0, nullptr, 0, nullptr);
 }
 
+/// Counts a command buffer as open no longer, once it is submitted or dropped.
+struct Closing {
+  VulkanDevice::State& device;
+  ~Closing() { device.count_open(-1); }
+};
+
 }  // namespace
 
-Commands::Commands(const Vulkan& b) : b_(b.state()), device_(b_.device.state()), slot_(next_slot(b_)) {
-  if (!b_.recording) {
-    VkCommandBufferBeginInfo begin{};
-    begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
-    begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
-    check(device_.vk.vkBeginCommandBuffer(slot_.commands, &begin), "vkBeginCommandBuffer");
-    open_ = true;
-  }
-  // Behind the commands of other recordings, whose accesses are not known here.
-  barrier(device_, slot_.commands, shaders_write, shaders);
+Commands::Commands(const Vulkan& b)
+    : b_(b.state()), device_(b_.device.state()), exceptions_(std::uncaught_exceptions()) {
+  if (b_.open) return;
+  CommandSlot& slot = b_.slots[b_.next_slot++ % b_.slots.size()];
+  device_.wait(slot.done_at);
+  slot.block = slot.used = 0;
+  VkCommandBufferBeginInfo begin{};
+  begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
+  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  check(device_.vk.vkBeginCommandBuffer(slot.commands, &begin), "vkBeginCommandBuffer");
+  device_.count_open(1);
+  b_.open = &slot;
+  b_.hazards.forget();
 }
 
 Commands::~Commands() {
-  if (open_) device_.vk.vkEndCommandBuffer(slot_.commands);
+  if (b_.open && !b_.recording && std::uncaught_exceptions() > exceptions_) drop();
 }
 
 const void* Commands::copy(const void* from, std::size_t bytes) {
+  CommandSlot& slot = *b_.open;
   constexpr std::size_t least = 1 << 16, alignment = 64;
-  while (slot_.block < slot_.blocks.size() && slot_.blocks[slot_.block].bytes - slot_.used < bytes)
-    ++slot_.block, slot_.used = 0;
-  if (slot_.block == slot_.blocks.size())
-    slot_.blocks.push_back(device_.allocate_block(std::max(bytes, least)));
-  const HostBlock& block = slot_.blocks[slot_.block];
-  std::memcpy(block.host + slot_.used, from, bytes);
-  const void* const to = block.device + slot_.used;
-  slot_.used = std::min((slot_.used + bytes + alignment - 1) / alignment * alignment, block.bytes);
+  while (slot.block < slot.blocks.size() && slot.blocks[slot.block].bytes - slot.used < bytes)
+    ++slot.block, slot.used = 0;
+  if (slot.block == slot.blocks.size())
+    slot.blocks.push_back(device_.allocate_host_block(std::max(bytes, least)));
+  const Block& block = slot.blocks[slot.block];
+  std::memcpy(block.host + slot.used, from, bytes);
+  const void* const to = block.device + slot.used;
+  slot.used = std::min((slot.used + bytes + alignment - 1) / alignment * alignment, block.bytes);
   return to;
 }
 
@@ -74,58 +82,86 @@ Commands::Shape Commands::Shape::of(std::size_t elements, std::size_t each, std:
   return {std::uint32_t((groups + rows - 1) / rows), std::uint32_t(rows), threads};
 }
 
+std::optional<std::size_t> Commands::groups_of(Count count) const {
+  for (std::size_t k = 0; k < b_.counted.size(); ++k)
+    if (count.exact && b_.counted[k] == count.exact) return k * sizeof(Groups);
+  return {};
+}
+
+Commands::Shape Commands::over(Count count, Groups::Of of) const {
+  const std::size_t elements = of == Groups::scan_of_sort ? sort_sums(count).most : count.most;
+  const std::size_t each = of == Groups::usual ? usual_threads : of == Groups::sort ? sort_part() : scan_part;
+  Shape shape = Shape::of(elements, each, of == Groups::sort ? sort_threads() : usual_threads);
+  if (const auto groups = groups_of(count)) shape.at = *groups + of * sizeof(VkDispatchIndirectCommand);
+  return shape;
+}
+
+Count Commands::sort_sums(Count count) const {
+  const std::size_t most = sort_digits * ((count.most + sort_part() - 1) / sort_part());
+  const auto groups = groups_of(count);
+  if (!groups) return most;
+  const void* const exact = b_.groups.device + *groups + offsetof(Groups, sort_sums);
+  return {most, static_cast<const std::uint32_t*>(exact)};
+}
+
 void Commands::run(Kernel kernel, const std::vector<std::uint32_t>& constants, const Push& push,
-                   const Shape& shape, std::initializer_list<Access> accesses) {
+                   const Shape& shape) {
   if (shape.columns == 0) return;
   const VkPipeline pipeline = device_.pipeline(kernel, shape.threads, constants);
-  if (hazards_.next(accesses)) barrier(device_, slot_.commands, shaders_write, shaders);
+  const VkCommandBuffer commands = b_.open->commands;
   const Functions& vk = device_.vk;
-  vk.vkCmdBindPipeline(slot_.commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
-  vk.vkCmdPushConstants(slot_.commands, device_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, push.size(),
-                        push.data());
-  vk.vkCmdDispatch(slot_.commands, shape.columns, shape.rows, 1);
+  if (b_.hazards.next(push.accesses())) barrier(device_, commands, kernels_write, kernels);
+  vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
+  vk.vkCmdPushConstants(commands, device_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, push.size(), push.data());
+  if (shape.at)
+    vk.vkCmdDispatchIndirect(commands, b_.groups.allocation.buffer, *shape.at);
+  else
+    vk.vkCmdDispatch(commands, shape.columns, shape.rows, 1);
 }
 
-void Commands::fill(void* to, std::size_t words, std::uint32_t value) {
-  run(Kernel::fill, {}, Push(to, std::uint32_t(words), value), Shape::of(words), {writes(to, 4 * words)});
+void Commands::fill(std::uint32_t* to, std::size_t words, std::uint32_t value) {
+  run(Kernel::fill, {}, Push(writes(to, words), std::uint32_t(words), value), Shape::of(words));
 }
 
-void Commands::reserve_scan(std::size_t values) { b_.sums.reset((values + scan_part - 1) / scan_part + 1); }
+void Commands::reserve_scan(std::size_t values) { b_.sums.reset((values + scan_part - 1) / scan_part); }
 
-void Commands::scan(std::uint32_t* values, Count count) {
-  if (count.most == 0) return;
-  std::uint32_t* const sums = b_.sums.data();
-  const std::size_t bytes = 4 * count.most, parts = (count.most + scan_part - 1) / scan_part;
-  const Access number = reads(count.exact, count.exact ? 4 : 0);
-  const Push push(values, sums, count);
-  const Shape by_part = Shape::of(count.most, scan_part);
-  run(Kernel::scan_sums, {}, push, by_part, {reads(values, bytes), number, writes(sums, 4 * parts)});
-  run(Kernel::scan_spine, {}, push, {1}, {writes(sums, 4 * (parts + 1))});
-  run(Kernel::scan_apply, {}, push, by_part, {writes(values, bytes), number, reads(sums, 4 * parts)});
+void Commands::scan(std::uint32_t* values, Count count, const Shape& shape) {
+  const std::size_t parts = (count.most + scan_part - 1) / scan_part;
+  const auto push = [&](Access::How to_values, Access::How to_sums) {
+    return Push(Access(values, count.most, to_values), Access(b_.sums.data(), parts, to_sums), count);
+  };
+  run(Kernel::scan_sums, {}, push(Access::read, Access::written), shape);
+  run(Kernel::scan_spine, {}, push(Access::read, Access::written), {1});
+  run(Kernel::scan_apply, {}, push(Access::written, Access::read), shape);
 }
 
 void Commands::timestamp(std::uint32_t query) {
-  device_.vk.vkCmdResetQueryPool(slot_.commands, b_.times, query, 1);
-  device_.vk.vkCmdWriteTimestamp(slot_.commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, b_.times, query);
+  device_.vk.vkCmdResetQueryPool(b_.open->commands, b_.times, query, 1);
+  device_.vk.vkCmdWriteTimestamp(b_.open->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, b_.times, query);
 }
 
 void Commands::release_to_host() {
-  barrier(device_, slot_.commands, shaders_write, {VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT});
+  barrier(device_, b_.open->commands, kernels_write, {VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT});
 }
 
-void Commands::follow_program() {
-  barrier(device_, slot_.commands, {VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_ACCESS_MEMORY_WRITE_BIT}, shaders);
+void Commands::follow_program() { barrier(device_, b_.open->commands, program, kernels); }
+void Commands::precede_program() { barrier(device_, b_.open->commands, kernels_write, program); }
+
+void Commands::drop() {
+  const Closing closing{device_};
+  device_.vk.vkEndCommandBuffer(std::exchange(b_.open, nullptr)->commands);
 }
-void Commands::precede_program() {
-  barrier(device_, slot_.commands, shaders_write,
-          {VK_PIPELINE_STAGE_ALL_COMMANDS_BIT, VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT});
+
+void Commands::finish() {
+  if (b_.hooked) submit();
 }
 
 std::uint64_t Commands::submit() {
   if (b_.recording) return b_.last;
-  open_ = false;
-  check(device_.vk.vkEndCommandBuffer(slot_.commands), "vkEndCommandBuffer");
-  return b_.last = slot_.done_at = device_.submit(slot_.commands);
+  CommandSlot& slot = *std::exchange(b_.open, nullptr);
+  const Closing closing{device_};
+  check(device_.vk.vkEndCommandBuffer(slot.commands), "vkEndCommandBuffer");
+  return b_.last = slot.done_at = device_.submit(slot.commands);
 }
 
 }  // namespace swiftgs::vulkan

@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <initializer_list>
+#include <optional>
 #include <type_traits>
 #include <vector>
 
@@ -20,7 +20,8 @@ namespace swiftgs {
 
 namespace vulkan {
 
-/// Push constants as shaders lay them out: addresses first, then counts, then words.
+/// Push constants as shaders lay them out: addresses first, then counts, then words. An address says what the
+/// kernel does to the memory there, from which barriers follow.
 class Push {
  public:
   template <class... Values>
@@ -29,34 +30,49 @@ class Push {
   }
   const std::byte* data() const { return data_; }
   std::uint32_t size() const { return std::uint32_t(size_); }
+  Span<const Access> accesses() const { return {accesses_.data(), accesses_.size()}; }
 
  private:
-  template <class T>
-  void append(T* const& address) {
-    append_bytes(&address, sizeof address);
+  void append(const Access& at) {
+    accesses_.push_back(at);
+    append_bytes(&at.begin, sizeof at.begin);
   }
   void append(const Count& count) {
-    append(count.exact);
+    append(reads(count.exact, 1));
     append(std::uint32_t(count.most));
   }
   void append(const std::uint32_t& word) { append_bytes(&word, sizeof word); }
   void append_bytes(const void* from, std::size_t bytes) {
-    static_assert(sizeof(void*) == 8);
+    static_assert(sizeof(std::uintptr_t) == 8);
     std::memcpy(data_ + size_, from, bytes);
     size_ += bytes;
   }
 
   std::byte data_[128];
   std::size_t size_ = 0;
+  std::vector<Access> accesses_;
 };
 
 /// Threads of a workgroup of most kernels.
 inline constexpr std::uint32_t usual_threads = 128;
 
+/// Values of a scan that a workgroup adds up.
+inline constexpr std::uint32_t scan_part = 8 * usual_threads;
+
+/// Digits of a pass of a sort.
+inline constexpr std::uint32_t sort_digits = 256;
+
+/// Workgroups of kernels that run over a number which the device counts, as settle.comp writes them.
+struct Groups {
+  enum Of : std::uint32_t { usual, scan, sort, scan_of_sort, kinds };
+  VkDispatchIndirectCommand each[kinds];
+  std::uint32_t sort_sums;  ///< that a pass of a sort scans
+};
+
 /// A command buffer, and what its commands read beside memory of the device.
 struct CommandSlot {
   VkCommandBuffer commands = VK_NULL_HANDLE;
-  std::vector<HostBlock> blocks;
+  std::vector<Block> blocks;
   std::size_t block = 0, used = 0;  ///< where the next copy goes
   std::uint64_t done_at = 0;        ///< value of the timeline
 };
@@ -72,21 +88,29 @@ struct Vulkan::State {
   State& operator=(const State&) = delete;
   ~State();
 
+  /// Makes what may fail: the destructor takes back what there is by then.
+  void create();
+
   VulkanDevice device;
   MemoryHook hook;
+  bool hooked;  ///< `hook` is the program's
   VkCommandPool pool = VK_NULL_HANDLE;
   VkQueryPool times = VK_NULL_HANDLE;
   std::array<vulkan::CommandSlot, 16> slots{};
   std::size_t next_slot = 0;
-  vulkan::CommandSlot* recording = nullptr;  ///< of the program: takes all commands
-  std::uint64_t last = 0;                    ///< value of the timeline when all is done
+  vulkan::CommandSlot* open = nullptr;  ///< begun and not submitted, or of the program
+  bool recording = false;               ///< `open` is the program's
+  vulkan::Hazards hazards;              ///< of `open`
+  std::uint64_t last = 0;               ///< value of the timeline when all is done
   std::uint64_t serial = 0;
   std::array<std::uint64_t, vulkan::time_points> reached_at{};  ///< values of the timeline of time points
-  vulkan::HostBlock report;                                     ///< a `FrameReport`
+  vulkan::Block report;                                         ///< a `FrameReport`
   std::uint64_t reported_at = 0;                                ///< value of the timeline
-  vulkan::HostBlock staging;
-  VulkanBuffer<std::uint32_t> sums;    ///< of scans
-  VulkanBuffer<std::uint32_t> places;  ///< of sorts
+  vulkan::Block staging;
+  VulkanBuffer<std::uint32_t> sums;               ///< of scans
+  VulkanBuffer<std::uint32_t> places;             ///< of sorts
+  vulkan::Block groups;                           ///< two `Groups`, by the last `bin`
+  std::array<const std::uint32_t*, 2> counted{};  ///< addresses of its numbers of splats and intersections
 };
 
 namespace vulkan {
@@ -94,19 +118,20 @@ namespace vulkan {
 /// Throws `OrderError` where `call` would have to wait for commands that the program has not submitted.
 void refuse_while_recording(const Vulkan::State& b, const char* call);
 
-/// Records commands behind all submitted ones, or into those of the program that `Vulkan::record` was given.
-/// Barriers follow from what each dispatch reads and writes.
+/// Appends commands to those that are not submitted yet, or to those of the program that `Vulkan::record` was
+/// given. Barriers follow from what each dispatch reads and writes.
 class Commands {
  public:
   explicit Commands(const Vulkan& b);
-  /// Drops the commands unless `submit` was called.
+  /// Drops all that is not submitted if an exception passes.
   ~Commands();
   Commands(const Commands&) = delete;
   Commands& operator=(const Commands&) = delete;
 
   std::uint32_t subgroup() const { return device_.subgroup; }
-  /// Threads of a workgroup that sorts.
+  /// Threads of a workgroup that sorts, and pairs that it has.
   std::uint32_t sort_threads() const { return subgroup() < 32 ? 8 * subgroup() : 256; }
+  std::uint32_t sort_part() const { return 16 * sort_threads(); }
 
   /// Copies `values` to where kernels of these commands read them.
   template <class T>
@@ -116,20 +141,27 @@ class Commands {
   }
 
   struct Shape {
-    std::uint32_t columns, rows = 1;
+    std::uint32_t columns = 0, rows = 1;
     std::uint32_t threads = usual_threads;
+    std::optional<std::size_t> at{};  ///< bytes into `State::groups`, where the device has columns and rows
 
     /// Workgroups of `each` elements.
     static Shape of(std::size_t elements, std::size_t each = usual_threads,
                     std::uint32_t threads = usual_threads);
   };
-  void run(Kernel kernel, const std::vector<std::uint32_t>& constants, const Push& push, const Shape& shape,
-           std::initializer_list<Access> accesses);
-  void fill(void* to, std::size_t words, std::uint32_t value);
+  /// Workgroups that run over `count` elements: as many as there are, if the last `bin` counted them, else as
+  /// there may be.
+  Shape over(Count count, Groups::Of of = Groups::usual) const;
 
-  /// Replaces each of `count` values by the sum of those before it.
-  void scan(std::uint32_t* values, Count count);
-  /// Takes the memory of scans of so many values. Call it before the first command of a recording.
+  void run(Kernel kernel, const std::vector<std::uint32_t>& constants, const Push& push, const Shape& shape);
+  void fill(std::uint32_t* to, std::size_t words, std::uint32_t value);
+
+  /// Replaces each of `count` values by the sum of those before it, by workgroups of `shape`.
+  void scan(std::uint32_t* values, Count count, const Shape& shape);
+  void scan(std::uint32_t* values, std::size_t count) { scan(values, count, Shape::of(count, scan_part)); }
+  /// Sums of a pass over `count` pairs, for 256 digits.
+  Count sort_sums(Count count) const;
+  /// Takes the memory of scans of so many values.
   void reserve_scan(std::size_t values);
 
   /// Orders these commands behind all earlier ones of the program.
@@ -141,16 +173,20 @@ class Commands {
   /// Lets the host read what the commands wrote.
   void release_to_host();
 
+  /// Ends a stage, which `submit` of a later one submits: memory of a hook alone has to be done with at once.
+  void finish();
+  /// Drops all that is not submitted.
+  void drop();
+  /// Submits all, and returns the value of the timeline when they are done.
   std::uint64_t submit();
 
  private:
   const void* copy(const void* from, std::size_t bytes);
+  std::optional<std::size_t> groups_of(Count count) const;
 
   Vulkan::State& b_;
   VulkanDevice::State& device_;
-  CommandSlot& slot_;
-  Hazards hazards_;
-  bool open_ = false;  ///< begun and not ended, of the library's own
+  int exceptions_;
 };
 
 }  // namespace vulkan

@@ -13,7 +13,7 @@
 #include <swiftgs/error.hpp>
 #include <swiftgs/vulkan/device.hpp>
 
-#include "device_state.hpp"
+#include "commands.hpp"
 
 namespace swiftgs {
 namespace {
@@ -207,6 +207,28 @@ class OwnDevice {
   VkPhysicalDeviceFeatures2 enabled_{};
 };
 
+/// Asks the device whether `fma` rounds once.
+bool find_fuses(const VulkanDevice& device) {
+  constexpr std::uint32_t products = vulkan::usual_threads;
+  std::vector<float> factors;
+  for (std::uint32_t i = 0; i < 2 * products; ++i)
+    factors.push_back(1 + 0x1p-23f * float((i * 2654435761u) >> 9));
+  std::vector<std::uint32_t> differs(products);
+  Vulkan b(device);
+  VulkanBuffer<float> there(b.memory_hook());
+  VulkanBuffer<std::uint32_t> found(b.memory_hook());
+  there.reset(factors.size()), found.reset(products);
+  b.write(factors.data(), there.data(), factors.size() * sizeof(float));
+  vulkan::Commands commands(b);
+  commands.run(
+      vulkan::Kernel::probe, {},
+      vulkan::Push(vulkan::reads(there.data(), factors.size()), vulkan::writes(found.data(), products)),
+      vulkan::Commands::Shape::of(products));
+  commands.submit();
+  b.download(std::as_const(found).span(), differs.data());
+  return std::all_of(differs.begin(), differs.end(), [](std::uint32_t yes) { return yes == 0; });
+}
+
 }  // namespace
 
 VulkanDevice::VulkanDevice(const VulkanHandles& handles) {
@@ -223,7 +245,9 @@ VulkanDevice::VulkanDevice(const VulkanHandles& handles) {
   auto state = std::make_shared<State>(handles);
   if (const std::string lacking = lacks(state->vk, handles.physical_device); !lacking.empty())
     throw Unavailable(lacking);
+  state->create();
   state_ = std::move(state);
+  state_->fuses = find_fuses(*this);
 }
 
 const VulkanDevice& VulkanDevice::own() {

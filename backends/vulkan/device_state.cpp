@@ -56,7 +56,9 @@ VulkanDevice::State::State(const VulkanHandles& handles)
   vk.name = reinterpret_cast<PFN_##name>(vk.vkGetDeviceProcAddr(device, #name));
   SWIFTGS_VULKAN_OF_DEVICE(SWIFTGS_VULKAN_GET)
 #undef SWIFTGS_VULKAN_GET
+}
 
+void VulkanDevice::State::create() {
   VkPhysicalDeviceVulkan11Properties of_1_1{};
   of_1_1.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES;
   VkPhysicalDeviceProperties2 properties{};
@@ -112,7 +114,8 @@ std::pair<vulkan::Allocation, void*> VulkanDevice::State::allocate_buffer(std::s
   vulkan::Allocation made;
   VkBufferCreateInfo buffer{};
   buffer.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, buffer.size = bytes;
-  buffer.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+  buffer.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
+                 VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
   const auto refuse = [&](VkResult result, const char* call) {
     free(made);
     if (result != VK_ERROR_OUT_OF_DEVICE_MEMORY && result != VK_ERROR_OUT_OF_HOST_MEMORY)
@@ -155,12 +158,17 @@ void* VulkanDevice::State::allocate(std::size_t bytes) {
 void VulkanDevice::State::release(void* memory) {
   const std::lock_guard lock(mutex_);
   const auto found = memories_.find(memory);
-  released_.emplace_back(submitted_, found->second);
+  put_off(found->second);
   memories_.erase(found);
-  collect();
 }
 
-vulkan::HostBlock VulkanDevice::State::allocate_block(std::size_t bytes) {
+vulkan::Block VulkanDevice::State::allocate_block(std::size_t bytes) {
+  const std::lock_guard lock(mutex_);
+  const auto [allocation, address] = allocate_buffer(bytes, device_type_);
+  return {allocation, nullptr, static_cast<std::byte*>(address), bytes};
+}
+
+vulkan::Block VulkanDevice::State::allocate_host_block(std::size_t bytes) {
   const std::lock_guard lock(mutex_);
   const auto [allocation, address] = allocate_buffer(bytes, host_type_);
   void* host = nullptr;
@@ -172,11 +180,28 @@ vulkan::HostBlock VulkanDevice::State::allocate_block(std::size_t bytes) {
   return {allocation, static_cast<std::byte*>(host), static_cast<std::byte*>(address), bytes};
 }
 
-void VulkanDevice::State::release(vulkan::HostBlock& block) {
-  if (!block.host) return;
+void VulkanDevice::State::release(vulkan::Block& block) {
+  if (!block.device) return;
   const std::lock_guard lock(mutex_);
-  released_.emplace_back(submitted_, std::exchange(block, {}).allocation);
+  put_off(std::exchange(block, {}).allocation);
+}
+
+namespace {
+/// In place of the value of the timeline where open commands may still use the memory.
+constexpr std::uint64_t behind_open = ~std::uint64_t(0);
+}  // namespace
+
+/// Frees memory once the queue has finished with it. The caller holds `mutex_`.
+void VulkanDevice::State::put_off(const vulkan::Allocation& allocation) {
+  released_.emplace_back(open_ != 0 ? behind_open : submitted_, allocation);
   collect();
+}
+
+void VulkanDevice::State::count_open(int more) {
+  const std::lock_guard lock(mutex_);
+  if ((open_ += more) != 0) return;
+  for (auto& [value, allocation] : released_)
+    if (value == behind_open) value = submitted_;
 }
 
 /// Frees released memory that the queue has finished with. The caller holds `mutex_`.
@@ -219,7 +244,7 @@ void VulkanDevice::State::wait(std::uint64_t value) {
 
 VkPipeline VulkanDevice::State::pipeline(vulkan::Kernel kernel, std::uint32_t threads,
                                          const std::vector<std::uint32_t>& constants) {
-  std::vector<std::uint32_t> key{std::uint32_t(kernel), subgroup, threads};
+  std::vector<std::uint32_t> key{std::uint32_t(kernel), subgroup, threads, fuses};
   key.insert(key.end(), constants.begin(), constants.end());
   const std::lock_guard lock(mutex_);
   VkPipeline& made = pipelines_[key];

@@ -27,10 +27,10 @@ struct Allocation {
   VkDeviceMemory memory = VK_NULL_HANDLE;
 };
 
-/// Memory that both the host and the device reach.
-struct HostBlock {
+/// Memory of the library's own.
+struct Block {
   Allocation allocation;
-  std::byte* host = nullptr;
+  std::byte* host = nullptr;    ///< null where the host does not reach it
   std::byte* device = nullptr;  ///< its address there
   std::size_t bytes = 0;
 };
@@ -39,16 +39,24 @@ struct HostBlock {
 /// All members but the constants may be used by several threads: `mutex` guards them.
 struct VulkanDevice::State {
   explicit State(const VulkanHandles& handles);
+  /// Makes what may fail, on a device that has all that is needed.
+  void create();
   State(const State&) = delete;
   State& operator=(const State&) = delete;
   ~State();
 
   /// Memory of the device by its address.
   void* allocate(std::size_t bytes);
-  /// Frees the memory once the queue has finished all work submitted so far.
+  /// Frees the memory once the queue has finished all work begun so far.
   void release(void* memory);
-  vulkan::HostBlock allocate_block(std::size_t bytes);
-  void release(vulkan::HostBlock& block);
+  vulkan::Block allocate_block(std::size_t bytes);
+  /// The same that the host reaches too.
+  vulkan::Block allocate_host_block(std::size_t bytes);
+  void release(vulkan::Block& block);
+
+  /// Counts command buffers that are begun and neither submitted nor dropped. What is released while there
+  /// are any is freed behind them.
+  void count_open(int more);
 
   /// Submits commands, and returns the value that the timeline reaches when they are done.
   std::uint64_t submit(VkCommandBuffer commands);
@@ -67,6 +75,7 @@ struct VulkanDevice::State {
   std::uint32_t queue_family;
   std::string name;
   std::uint32_t subgroup = 0;
+  bool fuses = false;     ///< whether `fma` rounds once
   float nanoseconds = 0;  ///< of a tick of timestamps; 0: there are none
   std::uint64_t tick_mask = 0;
   VkPipelineLayout layout = VK_NULL_HANDLE;
@@ -75,6 +84,7 @@ struct VulkanDevice::State {
  private:
   std::pair<vulkan::Allocation, void*> allocate_buffer(std::size_t bytes, std::uint32_t type);
   void free(const vulkan::Allocation& allocation);
+  void put_off(const vulkan::Allocation& allocation);
   void collect();
   std::uint32_t memory_type(VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) const;
 
@@ -82,6 +92,7 @@ struct VulkanDevice::State {
   VkQueue queue_;
   VkSemaphore timeline_ = VK_NULL_HANDLE;
   std::uint64_t submitted_ = 0, done_ = 0;
+  int open_ = 0;
   std::map<void*, vulkan::Allocation> memories_;
   std::vector<std::pair<std::uint64_t, vulkan::Allocation>> released_;
   std::map<std::vector<std::uint32_t>, VkPipeline> pipelines_;

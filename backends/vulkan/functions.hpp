@@ -21,11 +21,11 @@ namespace swiftgs::vulkan {
               f(vkDestroyPipelineLayout) f(vkCreateComputePipelines) f(vkDestroyPipeline)                  \
                   f(vkCreateCommandPool) f(vkDestroyCommandPool) f(vkAllocateCommandBuffers)               \
                       f(vkBeginCommandBuffer) f(vkEndCommandBuffer) f(vkCmdBindPipeline)                   \
-                          f(vkCmdPushConstants) f(vkCmdDispatch) f(vkCmdPipelineBarrier)                   \
-                              f(vkCreateQueryPool) f(vkDestroyQueryPool) f(vkCmdResetQueryPool)            \
-                                  f(vkCmdWriteTimestamp) f(vkGetQueryPoolResults) f(vkCreateSemaphore)     \
-                                      f(vkDestroySemaphore) f(vkGetSemaphoreCounterValue)                  \
-                                          f(vkWaitSemaphores) f(vkQueueSubmit)
+                          f(vkCmdPushConstants) f(vkCmdDispatch) f(vkCmdDispatchIndirect)                  \
+                              f(vkCmdPipelineBarrier) f(vkCreateQueryPool) f(vkDestroyQueryPool)           \
+                                  f(vkCmdResetQueryPool) f(vkCmdWriteTimestamp) f(vkGetQueryPoolResults)   \
+                                      f(vkCreateSemaphore) f(vkDestroySemaphore)                           \
+                                          f(vkGetSemaphoreCounterValue) f(vkWaitSemaphores) f(vkQueueSubmit)
 
 struct Functions {
 #define SWIFTGS_VULKAN_DECLARE(name) PFN_##name name = nullptr;

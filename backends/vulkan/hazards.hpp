@@ -3,42 +3,67 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <initializer_list>
 #include <vector>
+
+#include <swiftgs/frame/span.hpp>
 
 namespace swiftgs::vulkan {
 
-/// Memory that a dispatch reads or writes.
+/// Memory that a dispatch reads or writes. Null is none.
 struct Access {
+  enum How { read, written, shared };
+
   std::uintptr_t begin = 0, end = 0;
-  bool writes = false;
+  How how = read;
+
+  template <class T>
+  Access(const T* data, std::size_t count, How as)
+      : begin(reinterpret_cast<std::uintptr_t>(data)), end(data ? begin + count * sizeof(T) : 0), how(as) {}
+
+  /// Whether one has to wait for the other. Dispatches that share memory write to places of their own, or by
+  /// atomics.
+  bool conflicts_with(const Access& other) const {
+    return (how != other.how || how == written) && begin < other.end && other.begin < end;
+  }
 };
-inline Access reads(const void* data, std::size_t bytes) {
-  const auto begin = reinterpret_cast<std::uintptr_t>(data);
-  return {begin, begin + bytes, false};
+template <class T>
+Access reads(const T* data, std::size_t count) {
+  return {data, count, Access::read};
 }
-inline Access writes(const void* data, std::size_t bytes) {
-  const auto begin = reinterpret_cast<std::uintptr_t>(data);
-  return {begin, begin + bytes, true};
+template <class T>
+Access writes(const T* data, std::size_t count) {
+  return {data, count, Access::written};
+}
+template <class T>
+Access shares(const T* data, std::size_t count) {
+  return {data, count, Access::shared};
+}
+
+/// Memory that no kernel writes.
+template <class T>
+Access constant(const T* data) {
+  return reads(data, 0);
 }
 
 /// Derives barriers: a dispatch needs one if it touches what a dispatch since the last barrier wrote, or
 /// writes what one touched. The only place that decides.
 class Hazards {
  public:
+  /// What came before is not known: the next dispatch needs a barrier.
+  void forget() { unknown_ = true, since_barrier_.clear(); }
+
   /// Notes the accesses of the next dispatch, and returns whether a barrier has to stand before it.
-  bool next(std::initializer_list<Access> accesses) {
-    bool conflict = false;
+  bool next(Span<const Access> accesses) {
+    bool conflict = unknown_;
     for (const Access& now : accesses)
-      for (const Access& before : since_barrier_)
-        conflict =
-            conflict || ((now.writes || before.writes) && now.begin < before.end && before.begin < now.end);
-    if (conflict) since_barrier_.clear();
+      for (const Access& before : since_barrier_) conflict = conflict || now.conflicts_with(before);
+    if (conflict) since_barrier_.clear(), unknown_ = false;
     since_barrier_.insert(since_barrier_.end(), accesses.begin(), accesses.end());
     return conflict;
   }
 
  private:
+  bool unknown_ = true;
   std::vector<Access> since_barrier_;
 };
 

@@ -14,6 +14,7 @@ namespace {
 #include "fill.comp.hpp"
 #include "footprints.comp.hpp"
 #include "pick.comp.hpp"
+#include "probe.comp.hpp"
 #include "project.comp.hpp"
 #include "project_lens.comp.hpp"
 #include "ranges.comp.hpp"

@@ -10,38 +10,36 @@
 namespace swiftgs::vulkan {
 
 void emit(Vulkan& b, const SortJob& job, BoundsKind bounds, const std::uint32_t* order,
-          std::uint32_t* offsets, void* keys, std::uint32_t key_words, std::uint32_t* ids) {
+          std::uint32_t* offsets, Keys keys, std::uint32_t* ids) {
   const SplatsView& splats = job.splats;
-  const Count n = splats.count();
-  if (n.most == 0) return;
+  const Count count = splats.count();
+  const std::size_t n = count.most, found = job.footprints.intersections.most;
+  if (n == 0) return;
   Commands commands(b);
-  commands.reserve_scan(n.most);
-  const Footprint* const footprints = job.footprints.each.data;
-  const TileGrid* const grids = grids_of(commands, job.footprints.views);
-  const std::size_t found = job.footprints.intersections.most;
-  const Access number = reads(n.exact, n.exact ? 4 : 0);
-  commands.run(Kernel::tile_counts, {}, Push(footprints, order, offsets, n), Commands::Shape::of(n.most),
-               {reads(footprints, n.most * sizeof(Footprint)), reads(order, order ? 4 * n.most : 0), number,
-                writes(offsets, 4 * n.most)});
-  commands.scan(offsets, n);
-  commands.run(
-      Kernel::emit, {bounds.number, key_words},
-      Push(splats.shapes.data, splats.depths.data, splats.of_view, order, grids, footprints, offsets, keys,
-           ids, n),
-      Commands::Shape::of(n.most),
-      {reads(offsets, 4 * n.most), number, writes(keys, 4 * key_words * found), writes(ids, 4 * found)});
-  commands.submit();
+  commands.reserve_scan(n);
+  const Access footprints = reads(job.footprints.each.data, n);
+  commands.run(Kernel::tile_counts, {}, Push(footprints, reads(order, n), writes(offsets, n), count),
+               commands.over(count));
+  commands.scan(offsets, count, commands.over(count, Groups::scan));
+  commands.run(Kernel::emit, {bounds.number, keys.each},
+               Push(reads(splats.shapes.data, n), reads(splats.depths.data, n), reads(splats.of_view, n),
+                    reads(order, n), constant(grids_of(commands, job.footprints.views)), footprints,
+                    reads(offsets, n), writes(keys.words, keys.each * found), writes(ids, found), count),
+               commands.over(count));
+  commands.finish();
 }
 
-void find_ranges(Vulkan& b, const FootprintsView& footprints, Count count, const void* keys,
-                 std::uint32_t key_words, TileRange* ranges) {
-  const std::size_t tiles = footprints.views.tiles.size(), bytes = tiles * sizeof(TileRange);
+void find_ranges(Vulkan& b, const FootprintsView& footprints, Count count, Keys keys, TileRange* ranges) {
+  const std::size_t tiles = footprints.views.tiles.size();
   Commands commands(b);
-  commands.run(Kernel::ranges_clear, {}, Push(ranges, footprints.overflowed, std::uint32_t(tiles)),
-               Commands::Shape::of(tiles), {writes(ranges, bytes)});
-  commands.run(Kernel::ranges, {key_words}, Push(keys, ranges, count, std::uint32_t(tiles)),
-               Commands::Shape::of(count.most), {writes(ranges, bytes)});
-  commands.submit();
+  commands.run(Kernel::ranges_clear, {},
+               Push(writes(ranges, tiles), reads(footprints.overflowed, 1), std::uint32_t(tiles)),
+               Commands::Shape::of(tiles));
+  commands.run(
+      Kernel::ranges, {keys.each},
+      Push(reads(keys.words, keys.each * count.most), writes(ranges, tiles), count, std::uint32_t(tiles)),
+      commands.over(count));
+  commands.finish();
 }
 
 }  // namespace swiftgs::vulkan

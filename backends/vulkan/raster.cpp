@@ -98,20 +98,24 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
     const AttributeList list(view, job.attributes.first, job.attributes.rows);
     const bool is_base = !contributions && !job.only_attributes;
     const auto asks = [](bool yes) { return std::uint32_t(yes); };
-    // The views of a frame do not overlap in memory, and sums are added by atomics.
+    const std::size_t n = job.splats.size(), rows = n * job.attributes.rows;
+    // A frame's planes are not listed: its views do not overlap in memory, nor do the planes of its passes.
     commands.run(
         Kernel::raster,
         {kind.exponent, asks(kind.threshold), asks(job.sums_depth(view) && !view.camera.depth_along_ray),
          asks(job.picks(view)), asks(bool(frame.occluder)), asks(frame.conversion != Conversion::as_is),
          job.attributes.rows * AttributeRow::channels, asks(is_base), asks(view.camera.depth_along_ray),
          asks(contributions != nullptr), asks(!contributions || job.colours.each.data)},
-        Push(commands.constants(Span<const RasterView>{&words, 1}), job.splats.shapes.data,
-             job.colours.each.data, job.splats.gaussians.data, job.lists.ids.data, job.lists.ranges.data,
-             commands.constants(Span<const AttributeList>{&list, 1}), job.attributes.data,
-             job.attributes.first_row, contributions, job.attributes.first_stride * AttributeRow::channels),
+        Push(constant(commands.constants(Span<const RasterView>{&words, 1})),
+             reads(job.splats.shapes.data, n), reads(job.colours.each.data, n),
+             reads(job.splats.gaussians.data, n), reads(job.lists.ids.data, job.lists.ids.size),
+             reads(job.lists.ranges.data, job.lists.ranges.size),
+             constant(commands.constants(Span<const AttributeList>{&list, 1})),
+             reads(job.attributes.data, rows),
+             reads(job.attributes.first_row, n * job.attributes.first_stride), shares(contributions, 1),
+             job.attributes.first_stride * AttributeRow::channels),
         {(std::uint32_t(frame.width) + side - 1) / side, (std::uint32_t(frame.height) + side - 1) / side,
-         commands.subgroup()},
-        {});
+         commands.subgroup()});
   }
   commands.submit();
 }
@@ -133,21 +137,25 @@ void add_contributions(Vulkan& b, const ContributionJob& job) {
 
 void clear_sums(Vulkan& b, std::uint64_t* sums, std::size_t count) {
   vulkan::Commands commands(b);
-  commands.fill(sums, 2 * count, 0);
+  void* const words = sums;
+  commands.fill(static_cast<std::uint32_t*>(words), 2 * count, 0);
   commands.submit();
 }
 
 void pick_pixels(Vulkan& b, const PickJob& job) {
   static_assert(sizeof(PickedPixel) == 20 && PickedPixel::nothing == 0xffffffff);
   const vulkan::RasterView view(job.view);
+  const std::size_t n = job.splats.size();
   vulkan::Commands commands(b);
-  commands.run(
-      vulkan::Kernel::pick, {},
-      vulkan::Push(commands.constants(Span<const vulkan::RasterView>{&view, 1}), job.splats.shapes.data,
-                   job.colours.data, job.splats.gaussians.data, job.lists.ids.data, job.lists.ranges.data,
-                   job.to, std::uint32_t(job.x), std::uint32_t(job.y), std::uint32_t(job.width),
-                   std::uint32_t(job.height), std::uint32_t(job.pitch)),
-      vulkan::Commands::Shape::of(std::size_t(job.width) * std::size_t(job.height)), {});
+  commands.run(vulkan::Kernel::pick, {},
+               vulkan::Push(vulkan::constant(commands.constants(Span<const vulkan::RasterView>{&view, 1})),
+                            vulkan::reads(job.splats.shapes.data, n), vulkan::reads(job.colours.data, n),
+                            vulkan::reads(job.splats.gaussians.data, n),
+                            vulkan::reads(job.lists.ids.data, job.lists.ids.size),
+                            vulkan::reads(job.lists.ranges.data, job.lists.ranges.size),
+                            vulkan::writes(job.to, 1), std::uint32_t(job.x), std::uint32_t(job.y),
+                            std::uint32_t(job.width), std::uint32_t(job.height), std::uint32_t(job.pitch)),
+               vulkan::Commands::Shape::of(std::size_t(job.width) * std::size_t(job.height)));
   commands.submit();
 }
 

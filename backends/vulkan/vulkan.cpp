@@ -28,9 +28,12 @@ void vulkan::refuse_while_recording(const Vulkan::State& b, const char* call) {
 }
 
 Vulkan::State::State(const VulkanDevice& on, const std::optional<MemoryHook>& memory)
-    : device(on), hook(memory ? *memory : on.memory_hook()) {
+    : device(on), hook(memory ? *memory : on.memory_hook()), hooked(memory) {
   if (memory) validate(*memory);
   use_memory(hook, sums, places);
+}
+
+void Vulkan::State::create() {
   VulkanDevice::State& of = device.state();
   VkCommandPoolCreateInfo of_pool{};
   of_pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
@@ -49,11 +52,13 @@ Vulkan::State::State(const VulkanDevice& on, const std::optional<MemoryHook>& me
     queries.queryType = VK_QUERY_TYPE_TIMESTAMP, queries.queryCount = vulkan::time_points;
     vulkan::check(of.vk.vkCreateQueryPool(of.device, &queries, nullptr, &times), "vkCreateQueryPool");
   }
-  report = of.allocate_block(sizeof(FrameReport));
+  report = of.allocate_host_block(sizeof(FrameReport));
+  groups = of.allocate_block(counted.size() * sizeof(vulkan::Groups));
 }
 
 Vulkan::State::~State() {
   VulkanDevice::State& of = device.state();
+  if (open) of.count_open(-1);
   try {
     of.wait(last);
   } catch (const std::exception&) {
@@ -62,8 +67,8 @@ Vulkan::State::~State() {
   of.vk.vkDestroyCommandPool(of.device, pool, nullptr);
   of.vk.vkDestroyQueryPool(of.device, times, nullptr);
   for (vulkan::CommandSlot& slot : slots)
-    for (vulkan::HostBlock& block : slot.blocks) of.release(block);
-  of.release(report), of.release(staging);
+    for (vulkan::Block& block : slot.blocks) of.release(block);
+  of.release(report), of.release(groups), of.release(staging);
 }
 
 bool Vulkan::usable() {
@@ -72,7 +77,9 @@ bool Vulkan::usable() {
 }
 
 Vulkan::Vulkan(const VulkanDevice& device, const std::optional<MemoryHook>& memory)
-    : state_(std::make_unique<State>(device, memory)) {}
+    : state_(std::make_unique<State>(device, memory)) {
+  state_->create();
+}
 Vulkan::~Vulkan() = default;
 Vulkan::Vulkan(Vulkan&&) noexcept = default;
 Vulkan& Vulkan::operator=(Vulkan&&) noexcept = default;
@@ -86,7 +93,7 @@ struct VulkanRecording::Kept {
 
   Kept(const VulkanDevice& on, VkCommandBuffer commands) : device(on) { slot.commands = commands; }
   ~Kept() {
-    for (vulkan::HostBlock& block : slot.blocks) device.state().release(block);
+    for (vulkan::Block& block : slot.blocks) device.state().release(block);
   }
 };
 VulkanRecording::VulkanRecording(std::unique_ptr<Kept> kept) : kept_(std::move(kept)) {}
@@ -97,11 +104,14 @@ VulkanRecording& VulkanRecording::operator=(VulkanRecording&&) noexcept = defaul
 VulkanRecording Vulkan::record(VkCommandBuffer_T* commands, const std::function<void()>& draw) {
   State& b = *state_;
   vulkan::refuse_while_recording(b, "record");
+  if (b.open) vulkan::Commands(*this).submit();
   auto kept = std::make_unique<VulkanRecording::Kept>(b.device, commands);
   const struct Recording {
     State& b;
-    Recording(State& of, vulkan::CommandSlot& slot) : b(of) { b.recording = &slot; }
-    ~Recording() { b.recording = nullptr; }
+    Recording(State& of, vulkan::CommandSlot& slot) : b(of) {
+      b.open = &slot, b.recording = true, b.hazards.forget();
+    }
+    ~Recording() { b.open = nullptr, b.recording = false; }
   } recording(b, kept->slot);
   vulkan::Commands(*this).follow_program();
   draw();
@@ -113,7 +123,7 @@ void Vulkan::write(const void* from, void* to, std::size_t bytes) const {
   State& b = *state_;
   vulkan::refuse_while_recording(b, "write");
   if (bytes == 0) return;
-  if (!b.staging.host) b.staging = b.device.state().allocate_block(staging_bytes);
+  if (!b.staging.host) b.staging = b.device.state().allocate_host_block(staging_bytes);
   for (std::size_t at = 0; at < bytes; at += staging_bytes) {
     const std::size_t part = std::min(staging_bytes, bytes - at), words = (part + 3) / 4;
     std::byte* const to_part = static_cast<std::byte*>(to) + at;
@@ -121,8 +131,10 @@ void Vulkan::write(const void* from, void* to, std::size_t bytes) const {
     if (part % 4 != 0) read(to_part + part / 4 * 4, b.staging.host + part / 4 * 4, 4);
     std::memcpy(b.staging.host, static_cast<const std::byte*>(from) + at, part);
     vulkan::Commands commands(*this);
-    commands.run(vulkan::Kernel::copy, {}, vulkan::Push(b.staging.device, to_part, std::uint32_t(words)),
-                 vulkan::Commands::Shape::of(words), {vulkan::writes(to_part, 4 * words)});
+    commands.run(vulkan::Kernel::copy, {},
+                 vulkan::Push(vulkan::constant(b.staging.device), vulkan::writes(to_part, 4 * words),
+                              std::uint32_t(words)),
+                 vulkan::Commands::Shape::of(words));
     b.device.state().wait(commands.submit());
   }
 }
@@ -131,13 +143,15 @@ void Vulkan::read(const void* from, void* to, std::size_t bytes) const {
   State& b = *state_;
   vulkan::refuse_while_recording(b, "read");
   if (bytes == 0) return wait();
-  if (!b.staging.host) b.staging = b.device.state().allocate_block(staging_bytes);
+  if (!b.staging.host) b.staging = b.device.state().allocate_host_block(staging_bytes);
   for (std::size_t at = 0; at < bytes; at += staging_bytes) {
     const std::size_t part = std::min(staging_bytes, bytes - at), words = (part + 3) / 4;
     const std::byte* const from_part = static_cast<const std::byte*>(from) + at;
     vulkan::Commands commands(*this);
-    commands.run(vulkan::Kernel::copy, {}, vulkan::Push(from_part, b.staging.device, std::uint32_t(words)),
-                 vulkan::Commands::Shape::of(words), {vulkan::reads(from_part, 4 * words)});
+    commands.run(vulkan::Kernel::copy, {},
+                 vulkan::Push(vulkan::reads(from_part, 4 * words),
+                              vulkan::writes(b.staging.device, 4 * words), std::uint32_t(words)),
+                 vulkan::Commands::Shape::of(words));
     commands.release_to_host();
     b.device.state().wait(commands.submit());
     std::memcpy(static_cast<std::byte*>(to) + at, b.staging.host, part);
@@ -146,6 +160,7 @@ void Vulkan::read(const void* from, void* to, std::size_t bytes) const {
 
 void Vulkan::wait() const {
   vulkan::refuse_while_recording(*state_, "wait");
+  if (state_->open) vulkan::Commands(*this).submit();
   state_->device.state().wait(state_->last);
 }
 

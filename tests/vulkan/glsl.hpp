@@ -16,7 +16,7 @@ namespace swiftgs::test::glsl {
 
 using uint = std::uint32_t;
 using uvec4 = glm::uvec4;
-using std::abs, std::ceil, std::floor, std::max, std::min, std::sqrt;
+using std::abs, std::ceil, std::floor, std::fma, std::log2, std::max, std::min, std::sqrt;
 
 inline uint floatBitsToUint(float x) { return __builtin_bit_cast(uint, x); }
 inline float uintBitsToFloat(uint x) { return __builtin_bit_cast(float, x); }
@@ -24,6 +24,7 @@ inline float roundEven(float x) { return std::nearbyint(x); }
 /// Off by two units in the last place, as Vulkan allows.
 inline float inversesqrt(float x) { return 1 / std::sqrt(x) * (1 + 0x1p-22f); }
 
+inline bool FUSES = false;
 #define FUNCTION inline
 #define PRECISE
 #define INOUT(T) T&

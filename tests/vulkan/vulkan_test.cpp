@@ -69,17 +69,18 @@ void check_like(const Frame& frame, const Frame& serial) {
 }  // namespace
 
 TEST_CASE("vulkan: a barrier stands between dispatches that share what one of them writes") {
-  const float memory[8] = {};
-  const auto at = [&](std::size_t first, std::size_t count, bool write) {
-    return write ? vulkan::writes(memory + first, 4 * count) : vulkan::reads(memory + first, 4 * count);
-  };
+  const std::uint32_t memory[8] = {}, *const counted = memory + 4;
   vulkan::Hazards hazards;
-  CHECK(!hazards.next({at(0, 4, true)}));
-  CHECK(!hazards.next({at(4, 4, true)}));
-  CHECK(hazards.next({at(3, 1, false)}));
-  CHECK(!hazards.next({at(3, 1, false), at(0, 0, true)}));
-  CHECK(hazards.next({at(3, 2, true)}));
-  CHECK(hazards.next({at(4, 1, true)}));
+  const auto next = [&](auto... accesses) { return hazards.next(vulkan::Push(accesses...).accesses()); };
+  CHECK(next(vulkan::reads(memory, 1)));  // what came before is not known
+  CHECK(!next(vulkan::writes(memory + 1, 3)));
+  CHECK(!next(vulkan::writes(memory + 4, 4)));
+  CHECK(next(vulkan::reads(memory + 3, 1)));
+  CHECK(!next(vulkan::reads(memory + 3, 1), vulkan::writes(memory, 0)));
+  CHECK(next(vulkan::writes(memory + 3, 2)));
+  CHECK(next(vulkan::shares(memory + 4, 1)));
+  CHECK(!next(vulkan::shares(memory + 4, 1), vulkan::constant(memory + 4)));
+  CHECK(next(Count(8, counted)));
 }
 
 SWIFTGS_VULKAN_CASE("vulkan: frames are as near to the reference as those of Serial and repeat their bits") {

@@ -4,8 +4,8 @@
 
 // The exponent representation, and whether pixels compare the exponent with the splat's cutoff.
 const uint half_split = 0u, float_split = 1u, float_cholesky = 2u;
-layout(constant_id = 2) const uint EXPONENT = float_cholesky;
-layout(constant_id = 3) const bool THRESHOLD = true;
+layout(constant_id = 3) const uint EXPONENT = float_cholesky;
+layout(constant_id = 4) const bool THRESHOLD = true;
 
 // 2^-s for s >= 0, a unit in the last place, by the series of the remainder of an integer.
 float exp2_negative(float s) {

@@ -18,6 +18,7 @@ spirv_execution_mode(capabilities = [4467], 4462, 32);
 
 layout(constant_id = 0) const uint SUBGROUP = 32;
 layout(constant_id = 1) const uint THREADS = 128;
+layout(constant_id = 2) const bool FUSES = false;  // whether `fma` rounds once
 layout(local_size_x_id = 1) in;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Uints { uint at[]; };

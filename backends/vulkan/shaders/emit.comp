@@ -4,8 +4,8 @@
 #include "common.glsl"
 #include "frame.glsl"
 
-layout(constant_id = 2) const uint BOUNDS = ellipse;
-layout(constant_id = 3) const uint KEY_WORDS = 1u;
+layout(constant_id = 3) const uint BOUNDS = ellipse;
+layout(constant_id = 4) const uint KEY_WORDS = 1u;
 
 // Writes a key and an id for each tile of splat `order[i]`, from `offsets[i]` on. Keys of two words hold the tile above
 // the 31 bits of the depth, others the tile alone.

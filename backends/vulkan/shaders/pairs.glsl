@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Arithmetic in pairs of floats as swiftgs/frame/float_pair.hpp has it: high + low, where high is the sum rounded to
-// float. Products are split into halves, because `fma` of Vulkan may round twice. Each operation has a name of its
+// float. Products are split into halves unless FUSES, because `fma` of Vulkan may round twice. Each operation has a name of its
 // own, `precise`, so that no compiler fuses or reorders. tests/vulkan compiles this file as C++.
 
 #ifndef __cplusplus
@@ -42,7 +42,7 @@ FUNCTION FloatPair two_sum(float a, float b) {
 }
 
 // a b, exactly: the upper 12 bits of each factor and the others make four exact products.
-FUNCTION FloatPair two_product(float a, float b) {
+FUNCTION FloatPair split_product(float a, float b) {
   PRECISE float product = a * b;
   float ah = uintBitsToFloat(floatBitsToUint(a) & 0xfffff000u);
   float bh = uintBitsToFloat(floatBitsToUint(b) & 0xfffff000u);
@@ -56,6 +56,13 @@ FUNCTION FloatPair two_product(float a, float b) {
   PRECISE float with_hl = rest + hl;
   PRECISE float with_lh = with_hl + lh;
   PRECISE float low = with_lh + ll;
+  return pair(product, low);
+}
+
+FUNCTION FloatPair two_product(float a, float b) {
+  if (!FUSES) return split_product(a, b);
+  PRECISE float product = a * b;
+  PRECISE float low = fma(a, b, -product);
   return pair(product, low);
 }
 

@@ -7,7 +7,7 @@
 #include "frame.glsl"
 
 #ifdef THROUGH_LENS
-layout(constant_id = 2) const uint LENS = perspective;
+layout(constant_id = 3) const uint LENS = perspective;
 #endif
 
 layout(push_constant, scalar) uniform Push {

@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 
-layout(constant_id = 2) const uint KEY_WORDS = 1u;
+layout(constant_id = 3) const uint KEY_WORDS = 1u;
 
 // Marks where the intersections of each tile begin and end in keys sorted by tile.
 layout(push_constant, scalar) uniform Push {

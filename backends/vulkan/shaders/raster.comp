@@ -11,21 +11,21 @@
 // tests a splat a lane against the block, then blends the splats that touch it, one after the other.
 
 // What the view asks for beside colour and alpha.
-layout(constant_id = 4) const bool DEPTH = false;
-layout(constant_id = 5) const bool PICKS = false;
-layout(constant_id = 6) const bool OCCLUDER = false;
-layout(constant_id = 7) const bool CONVERTS = false;
+layout(constant_id = 5) const bool DEPTH = false;
+layout(constant_id = 6) const bool PICKS = false;
+layout(constant_id = 7) const bool OCCLUDER = false;
+layout(constant_id = 8) const bool CONVERTS = false;
 // Attributes of a pass, at most; and whether the pass draws the other planes too. Loops count to a number in memory:
 // unrolled by each pixel they compile for a minute. lavapipe ends the loops of a thread after 65,535 rounds and cuts long
 // lists short.
-layout(constant_id = 8) const uint ATTRIBUTES = 0u;
-layout(constant_id = 9) const bool IS_BASE = true;
+layout(constant_id = 9) const uint ATTRIBUTES = 0u;
+layout(constant_id = 10) const bool IS_BASE = true;
 // Whether depths are those along the ray: the first attributes of a splat.
-layout(constant_id = 10) const bool ALONG_RAY = false;
+layout(constant_id = 11) const bool ALONG_RAY = false;
 
 // Whether the weights are added to `contributions` and nothing is drawn, and whether colours tell who is hidden.
-layout(constant_id = 11) const bool CONTRIBUTES = false;
-layout(constant_id = 12) const bool HAS_COLOURS = true;
+layout(constant_id = 12) const bool CONTRIBUTES = false;
+layout(constant_id = 13) const bool HAS_COLOURS = true;
 
 layout(push_constant, scalar) uniform Push {
   RasterViews views;  // this view alone

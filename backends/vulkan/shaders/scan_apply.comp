@@ -6,8 +6,9 @@
 
 // Replaces each value by the sum of those before it.
 void main() {
-  if (workgroup() * PART >= count.most) return;
-  const uint n = number_of(count), begin = workgroup() * PART + thread() * EACH;
+  const uint n = number_of(count);
+  if (workgroup() * PART >= n) return;
+  const uint begin = workgroup() * PART + thread() * EACH;
   uint each[EACH], sum = 0u, total;
   for (uint k = 0u; k < EACH; ++k) {
     each[k] = begin + k < n ? values.at[begin + k] : 0u;

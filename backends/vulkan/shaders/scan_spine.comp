@@ -4,9 +4,9 @@
 #include "common.glsl"
 #include "scan.glsl"
 
-// One workgroup: the sums before each part, and behind them that of all.
+// One workgroup: the sums before each part.
 void main() {
-  const uint parts = (count.most + PART - 1u) / PART;
+  const uint parts = (number_of(count) + PART - 1u) / PART;
   uint carry = 0u;
   for (uint first = 0u; first < parts; first += THREADS) {
     const uint i = first + thread();
@@ -15,5 +15,4 @@ void main() {
     if (i < parts) sums.at[i] = carry + before;
     carry += total;
   }
-  if (thread() == 0u) sums.at[parts] = carry;
 }

@@ -6,8 +6,9 @@
 
 // The sum of each part.
 void main() {
-  if (workgroup() * PART >= count.most) return;
-  const uint n = number_of(count), begin = workgroup() * PART + thread() * EACH;
+  const uint n = number_of(count);
+  if (workgroup() * PART >= n) return;
+  const uint begin = workgroup() * PART + thread() * EACH;
   uint sum = 0u, total;
   for (uint k = 0u; k < EACH; ++k)
     if (begin + k < n) sum += values.at[begin + k];

@@ -4,13 +4,13 @@
 #include "common.glsl"
 #include "frame.glsl"
 
-// One workgroup: adds up all tiles, and decides whether the frame fits.
+// One workgroup: adds up all tiles, decides whether the frame fits, and writes the numbers of workgroups of later kernels.
 layout(push_constant, scalar) uniform Push {
   Uints tile_counts;
   TotalsAt to;
-  Uints report;
+  Uints report, groups;  // of the splats, then of the intersections
   Count visible;
-  uint groups, splat_capacity, intersection_capacity, draws;
+  uint parts, splat_capacity, intersection_capacity, draws, sort_part;
 };
 
 shared uvec2 sums[THREADS];
@@ -21,9 +21,26 @@ uvec2 plus(uvec2 a, uint high, uint low) {
   return uvec2(sum, a.y + high + carry);
 }
 
+// `VkDispatchIndirectCommand` for workgroups of `each` elements, as `Shape::of`.
+void store_command(uint at, uint elements, uint each) {
+  const uint all = (elements + each - 1u) / each, rows = max((all + 65534u) / 65535u, 1u);
+  groups.at[at] = (all + rows - 1u) / rows;
+  groups.at[at + 1u] = rows;
+  groups.at[at + 2u] = 1u;
+}
+// `Groups` of the host.
+void store_groups(uint at, uint elements) {
+  const uint sums = 256u * ((elements + sort_part - 1u) / sort_part);
+  store_command(at, elements, 128u);
+  store_command(at + 3u, elements, 1024u);
+  store_command(at + 6u, elements, sort_part);
+  store_command(at + 9u, sums, 1024u);
+  groups.at[at + 12u] = sums;
+}
+
 void main() {
   uvec2 sum = uvec2(0u);
-  for (uint g = thread(); g < groups; g += THREADS) {
+  for (uint g = thread(); g < parts; g += THREADS) {
     const uint high = tile_counts.at[2u * g + 1u];
     sum = plus(plus(sum, 0u, tile_counts.at[2u * g]), high >> 16, high << 16);
   }
@@ -41,6 +58,8 @@ void main() {
   to.totals.overflowed = uvec2(overflowed, 0u);
   to.totals.splats = fits ? splats : 0u;
   to.totals.kept_intersections = fits ? intersections.x : 0u;
+  store_groups(0u, fits ? splats : 0u);
+  store_groups(13u, fits ? intersections.x : 0u);
   report.at[0] = splats;
   report.at[1] = 0u;
   report.at[2] = intersections.x;

@@ -7,7 +7,6 @@
 // Evaluates the colours of splats: the only kernel that reads spherical harmonics.
 layout(push_constant, scalar) uniform Push {
   Seens seen;            // by view, then by placed scene
-  Shapes shapes;
   Uints gaussians;
   uvec2 of_view;
   Floats depths;

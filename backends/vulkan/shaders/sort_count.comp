@@ -7,7 +7,7 @@
 shared uint numbers[DIGITS];
 
 void main() {
-  const uint n = number_of(count), part = workgroup();
+  const uint n = number_of(count), part = workgroup(), parts = (n + PART - 1u) / PART;
   for (uint d = thread(); d < DIGITS; d += THREADS) numbers[d] = 0u;
   barrier();
   for (uint k = 0u; k < EACH; ++k) {

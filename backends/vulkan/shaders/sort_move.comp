@@ -2,6 +2,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
+#define MOVES
 #include "sort.glsl"
 
 const uint SUBGROUPS = THREADS / SUBGROUP;
@@ -12,7 +13,7 @@ shared uint places_of[SUBGROUPS * DIGITS];
 uint ones(uvec4 lanes) { return bitCount(lanes.x) + bitCount(lanes.y); }
 
 void main() {
-  const uint n = number_of(count), part = workgroup();
+  const uint n = number_of(count), part = workgroup(), parts = (n + PART - 1u) / PART;
   for (uint d = thread(); d < SUBGROUPS * DIGITS; d += THREADS) places_of[d] = 0u;
   barrier();
 

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-layout(constant_id = 2) const uint BOUNDS = ellipse;
+layout(constant_id = 3) const uint BOUNDS = ellipse;
 
 // Adds up the tiles of a workgroup's splats, in halves that do not leave 32 bits.
 void add_tiles(Uints tile_counts, uint tiles) {

@@ -149,11 +149,23 @@ SWIFTGS_API void project(Vulkan& b, const FramePlan& plan, BoundsKind bounds, Pr
                          Splats<Vulkan>& splats, Footprints<Vulkan>& footprints);
 SWIFTGS_API void bin(Vulkan& b, const FramePlan& plan, BoundsKind bounds, Splats<Vulkan>& splats,
                      Footprints<Vulkan>& footprints);
-/// `keys` of one word or two.
+
+/// Keys as kernels read them: of one word or two, the lower one first.
+struct Keys {
+  std::uint32_t* words;
+  std::uint32_t each;
+
+  template <class Key>
+  explicit Keys(Key* keys) : words(words_at(keys)), each(sizeof(Key) / sizeof(std::uint32_t)) {}
+
+ private:
+  static std::uint32_t* words_at(void* keys) { return static_cast<std::uint32_t*>(keys); }
+};
+
 SWIFTGS_API void emit(Vulkan& b, const SortJob& job, BoundsKind bounds, const std::uint32_t* order,
-                      std::uint32_t* offsets, void* keys, std::uint32_t key_words, std::uint32_t* ids);
-SWIFTGS_API void find_ranges(Vulkan& b, const FootprintsView& footprints, Count count, const void* keys,
-                             std::uint32_t key_words, TileRange* ranges);
+                      std::uint32_t* offsets, Keys keys, std::uint32_t* ids);
+SWIFTGS_API void find_ranges(Vulkan& b, const FootprintsView& footprints, Count count, Keys keys,
+                             TileRange* ranges);
 SWIFTGS_API void rasterize(Vulkan& b, RasterKind kind, const RasterJob& job);
 }  // namespace vulkan
 
@@ -190,8 +202,8 @@ Count emit_intersections(Vulkan& b, const SortJob& job, const Bounds&, const std
   const Count count = job.footprints.intersections;
   check_intersections(count.most);
   scratch.offsets.reset(job.splats.size()), intersections.reset(count.most);
-  vulkan::emit(b, job, vulkan::bounds_kind<Bounds>, order, scratch.offsets.data(), intersections.keys.data(),
-               sizeof(Key) / sizeof(std::uint32_t), intersections.values.data());
+  vulkan::emit(b, job, vulkan::bounds_kind<Bounds>, order, scratch.offsets.data(),
+               vulkan::Keys(intersections.keys.data()), intersections.values.data());
   return count;
 }
 
@@ -201,8 +213,7 @@ void finish_lists(Vulkan& b, const FootprintsView& footprints, Count count, int,
   const std::size_t tiles = footprints.views.tiles.size();
   lists.tiles = lists.intersections = 0;
   lists.ranges.reset(tiles);
-  vulkan::find_ranges(b, footprints, count, intersections.keys.data(), sizeof(Key) / sizeof(std::uint32_t),
-                      lists.ranges.data());
+  vulkan::find_ranges(b, footprints, count, vulkan::Keys(intersections.keys.data()), lists.ranges.data());
   std::swap(lists.ids, intersections.values);
   lists.tiles = tiles, lists.intersections = count.most;
   intersections.values.reset(count.most);
