@@ -13,6 +13,7 @@
 #include <swiftgs/frame/views.hpp>
 #include <swiftgs/placed_scene.hpp>
 #include <swiftgs/plane/attributes.hpp>
+#include <swiftgs/project/chunks.hpp>
 
 #include "commands.hpp"
 #include "eye.hpp"
@@ -31,7 +32,7 @@ struct Address {
 
 /// As frame.glsl declares them.
 struct SceneWords {
-  Address means, scales, rotations, opacities, sh0, sh_rest, labels, features;
+  Address means, scales, rotations, opacities, sh0, sh_rest, labels, features, chunks;
   std::uint32_t means_stride, scales_stride, rotations_stride, opacities_stride, sh0_stride, sh_stride,
       features_stride;
   std::uint32_t sh_format;
@@ -48,6 +49,7 @@ struct SceneWords {
         sh_rest(scene.sh_rest.data),
         labels(scene.sh_rest.labels),
         features(scene.features.data),
+        chunks(scene.chunks.data),
         means_stride(scene.means.stride),
         scales_stride(scene.scales.stride),
         rotations_stride(scene.rotations.stride),
@@ -62,6 +64,17 @@ struct SceneWords {
         plain_colours(scene.plain_colours) {}
 };
 
+/// As chunks.glsl declares it.
+struct Culler {
+  float wide, high, blur;
+
+  explicit Culler(const ChunkCuller& of)
+      : wide(1.0001f * float(of.wide())),
+        high(1.0001f * float(of.high())),
+        blur(1.0001f * float(of.blur())) {}
+};
+static_assert(chunk_size == usual_threads);
+
 struct Seen {
   Eye eye;
   SceneWords scene;
@@ -72,16 +85,21 @@ struct Seen {
   vec3 tint{0};
   float tint_amount = 0;
   std::uint32_t first_gaussian = 0;
+  Culler culler;
 
-  Seen(const View& view, const StoredScene& placed)
-      : eye(swiftgs::eye(view.camera, placed)),
+  Seen(const View& view, const StoredScene& placed) : Seen(swiftgs::eye(view.camera, placed), placed) {}
+
+ private:
+  Seen(const ViewConstants& from, const StoredScene& placed)
+      : eye(from),
         scene(placed.scene),
         half_space_count(std::uint32_t(placed.clip.half_space_count)),
         clip_centre(placed.clip.centre),
         clip_radius(placed.clip.radius),
         tint(placed.tint.colour),
         tint_amount(placed.tint.amount),
-        first_gaussian(placed.first_gaussian) {
+        first_gaussian(placed.first_gaussian),
+        culler(ChunkCuller(from)) {
     for (int k = 0; k < Clip::max_half_spaces; ++k) half_spaces[k] = placed.clip.half_spaces[k];
   }
 };

@@ -8,6 +8,7 @@
 
 #include <swiftgs/error.hpp>
 #include <swiftgs/memory/harmonic_packing.hpp>
+#include <swiftgs/project/chunks.hpp>
 #include <swiftgs/tools/parallel.hpp>
 #include <swiftgs/vulkan/backend.hpp>
 
@@ -19,10 +20,11 @@ struct VulkanScene::Arrays {
   VulkanBuffer<float> opacities, features;
   VulkanBuffer<unsigned char> sh_rest;
   VulkanBuffer<std::uint16_t> labels;  ///< empty: no palette
+  VulkanBuffer<ChunkBounds> chunks;
 
   static auto buffers(auto& self) {
     return std::tie(self.means, self.scales, self.sh0, self.rotations, self.opacities, self.features,
-                    self.sh_rest, self.labels);
+                    self.sh_rest, self.labels, self.chunks);
   }
 };
 
@@ -60,7 +62,7 @@ VulkanScene Vulkan::upload(const Scene& scene, HarmonicsKept kept) const {
   copy(*this, scene.means, arrays->means), copy(*this, scene.scales, arrays->scales);
   copy(*this, scene.rotations, arrays->rotations), copy(*this, scene.opacities, arrays->opacities);
   copy(*this, scene.sh0, arrays->sh0), copy(*this, scene.features, arrays->features);
-  copy(*this, packing, *arrays);
+  copy(*this, packing, *arrays), copy(*this, chunk_bounds(host), arrays->chunks);
   SceneView device = host;
   device.means = std::as_const(arrays->means).span(), device.scales = std::as_const(arrays->scales).span();
   device.rotations = std::as_const(arrays->rotations).span();
@@ -68,6 +70,7 @@ VulkanScene Vulkan::upload(const Scene& scene, HarmonicsKept kept) const {
   device.sh0 = std::as_const(arrays->sh0).span();
   device.features.data = arrays->features.data();
   device.sh_rest = packing.rows_at(arrays->sh_rest.data(), arrays->labels.data());
+  device.chunks = std::as_const(arrays->chunks).span();
   device.identity = new_scene_identity();
   return VulkanScene(arrays, device);
 }

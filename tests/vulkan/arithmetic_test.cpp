@@ -18,13 +18,14 @@
 #include <swiftgs/frame/bounds.hpp>
 #include <swiftgs/lens/view.hpp>
 #include <swiftgs/plane/attribute_stage.hpp>
+#include <swiftgs/project/chunks.hpp>
 #include <swiftgs/project/project.hpp>
 #include <swiftgs/tools/policy_lists.hpp>
 
-#include "eye.hpp"
 #include "policies/lenses.hpp"
 #include "policies/planes.hpp"
 #include "policies/random_splats.hpp"
+#include "seen.hpp"
 #include "vulkan/glsl.hpp"
 
 namespace swiftgs::test {
@@ -71,6 +72,47 @@ TEST_CASE("vulkan arithmetic: pairs of floats are as exact as their bounds say")
     check(glsl::inverse_root(y), 1 / std::sqrt(of_y), 1 / std::sqrt(of_y));
     REQUIRE(std::fabs(value_of(glsl::log2_of(y.high)) - std::log2(double(y.high))) < 2e-9);
   }
+}
+
+TEST_CASE("vulkan arithmetic: products are split into the bits of a product that is rounded once") {
+  Random random(8);
+  for (int i = 0; i < 100000; ++i) {
+    const float a = random.f(-100, 100), b = random.f(-1, 1);
+    const glsl::FloatPair split = glsl::two_product(a, b);
+    glsl::FUSES = true;
+    const glsl::FloatPair fused = glsl::two_product(a, b);
+    glsl::FUSES = false;
+    REQUIRE(split.high == fused.high);
+    REQUIRE(split.low == fused.low);
+  }
+}
+
+TEST_CASE("vulkan arithmetic: chunks that shaders hide are hidden by the library and few others are") {
+  const Scene scene = order_spatially(make_builtin_scene(100'000));
+  const std::vector<ChunkBounds> chunks = chunk_bounds(view(scene));
+  Random random(9);
+  std::size_t hidden = 0, found = 0;
+  for (int i = 0; i < 50; ++i) {
+    Camera camera = builtin_camera(640, 360);
+    camera.fx = camera.fy = random.scale(300, 20000);
+    camera.cx += random.in(-300, 300), camera.translation.z += random.in(-5, 1);
+    Conventions conventions;
+    conventions.near_plane = float(random.scale(0.1, 10));
+    conventions.far_plane = conventions.near_plane + float(random.scale(1, 30));
+    const ViewConstants constants = view_constants(camera, conventions);
+    const ChunkCuller culler(constants);
+    const glsl::Eye eye = in_glsl(vulkan::Eye(constants));
+    const auto in_shader = std::bit_cast<glsl::Culler>(vulkan::Culler(culler));
+    for (const ChunkBounds& chunk : chunks) {
+      const bool expected = culler.hides(chunk);
+      const bool hides = glsl::hides(eye, in_shader, std::bit_cast<glsl::Chunk>(chunk));
+      REQUIRE((expected || !hides));
+      hidden += expected, found += hides;
+    }
+  }
+  MESSAGE(found, " of ", hidden, " hidden chunks of ", 50 * chunks.size(), " are hidden");
+  CHECK(hidden > 10 * chunks.size());
+  CHECK(found * 100 > hidden * 98);
 }
 
 TEST_CASE("vulkan arithmetic: projection has the bits of the library but for ties of its rounding") {

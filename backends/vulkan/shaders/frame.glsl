@@ -6,10 +6,11 @@
 #include "project.glsl"
 #include "lens.glsl"
 #include "bounds.glsl"
+#include "chunks.glsl"
 
 // Arrays of a scene: `SceneView`.
 struct SceneArrays {
-  uvec2 means, scales, rotations, opacities, sh0, sh_rest, labels, features;
+  uvec2 means, scales, rotations, opacities, sh0, sh_rest, labels, features, chunks;
   uint means_stride, scales_stride, rotations_stride, opacities_stride, sh0_stride, sh_stride, features_stride;
   uint sh_format;  // as `HarmonicFormat`
   float sh_scale;
@@ -27,6 +28,7 @@ struct Seen {
   vec3 tint;
   float tint_amount;
   uint first_gaussian;
+  Culler culler;
 };
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Seens { Seen at[]; };
 

@@ -8,6 +8,8 @@
 
 #ifdef THROUGH_LENS
 layout(constant_id = 3) const uint LENS = perspective;
+#else
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Chunks { Chunk at[]; };
 #endif
 
 layout(push_constant, scalar) uniform Push {
@@ -32,6 +34,14 @@ bool shows(vec3 mean) {
 
 void main() {
   if (workgroup() * THREADS >= gaussians) return;
+#ifndef THROUGH_LENS
+  // A workgroup has a chunk.
+  const uvec2 chunks = seen.at[0].scene.chunks;
+  if (!is_null(chunks) && hides(seen.at[0].eye, seen.at[0].culler, Chunks(chunks).at[workgroup()])) {
+    if (thread() == 0u) counts.at[workgroup()] = 0u;
+    return;
+  }
+#endif
   const uint i = invocation();
   ProjectedShape shape;
   shape.visible = false;

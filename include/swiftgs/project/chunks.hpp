@@ -141,6 +141,11 @@ class ChunkCuller {
            most(0, -v.fy, v.bottom - v.cy + margin) < -y || most(0, v.fy, v.cy - v.top + margin) < -y;
   }
 
+  /// Half width and height of a splat for k = size = z = 1, and the blur. @units{pixels}
+  double wide() const { return wide_; }
+  double high() const { return high_; }
+  double blur() const { return blur_; }
+
  private:
   /// Whether all of a box is nearer or further than what is shown. The rotation may lengthen by 1e-3.
   SWIFTGS_HD bool hidden_by_distance(const double (&centre)[3], const double (&half)[3],
@@ -205,8 +210,7 @@ class ChunkCuller {
   }
 
   const ViewConstants* view_;
-  double wide_, high_;  ///< half width and height of a splat for k = size = z = 1 @units{pixels}
-  double blur_;         ///< @units{pixels}
+  double wide_, high_, blur_;
 };
 
 }  // namespace swiftgs
