@@ -43,12 +43,19 @@ struct Closing {
 
 }  // namespace
 
+void clear_images(const VulkanDevice::State& device, CommandSlot& slot) {
+  for (const VkDescriptorPool pool : slot.images)
+    device.vk.vkDestroyDescriptorPool(device.device, pool, nullptr);
+  slot.images.clear();
+}
+
 Commands::Commands(const Vulkan& b)
     : b_(b.state()), device_(b_.device.state()), exceptions_(std::uncaught_exceptions()) {
   if (b_.open) return;
   CommandSlot& slot = b_.slots[b_.next_slot++ % b_.slots.size()];
   device_.wait(slot.done_at);
   slot.block = slot.used = 0;
+  clear_images(device_, slot);
   VkCommandBufferBeginInfo begin{};
   begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
@@ -117,6 +124,29 @@ void Commands::run(Kernel kernel, const std::vector<std::uint32_t>& constants, c
     vk.vkCmdDispatchIndirect(commands, b_.groups.allocation.buffer, *shape.at);
   else
     vk.vkCmdDispatch(commands, shape.columns, shape.rows, 1);
+}
+
+void Commands::bind_image(VkImageView image, std::uint32_t binding) {
+  const Functions& vk = device_.vk;
+  const VkDescriptorPoolSize sizes[] = {{image_types[0], 1}, {image_types[1], 1}};
+  VkDescriptorPoolCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
+  info.maxSets = 1, info.poolSizeCount = 2, info.pPoolSizes = sizes;
+  VkDescriptorPool& pool = b_.open->images.emplace_back(VK_NULL_HANDLE);
+  check(vk.vkCreateDescriptorPool(device_.device, &info, nullptr, &pool), "vkCreateDescriptorPool");
+  VkDescriptorSetAllocateInfo of_set{};
+  of_set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO;
+  of_set.descriptorPool = pool, of_set.descriptorSetCount = 1, of_set.pSetLayouts = &device_.images;
+  VkDescriptorSet set = VK_NULL_HANDLE;
+  check(vk.vkAllocateDescriptorSets(device_.device, &of_set, &set), "vkAllocateDescriptorSets");
+  const VkDescriptorImageInfo of_image{VK_NULL_HANDLE, image, VK_IMAGE_LAYOUT_GENERAL};
+  VkWriteDescriptorSet write{};
+  write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+  write.dstSet = set, write.dstBinding = binding, write.descriptorCount = 1;
+  write.descriptorType = image_types[binding], write.pImageInfo = &of_image;
+  vk.vkUpdateDescriptorSets(device_.device, 1, &write, 0, nullptr);
+  vk.vkCmdBindDescriptorSets(b_.open->commands, VK_PIPELINE_BIND_POINT_COMPUTE, device_.layout, 0, 1, &set, 0,
+                             nullptr);
 }
 
 void Commands::fill(std::uint32_t* to, std::size_t words, std::uint32_t value) {

@@ -30,6 +30,8 @@ class Push {
   }
   const std::byte* data() const { return data_; }
   std::uint32_t size() const { return std::uint32_t(size_); }
+  /// Notes what the kernel finds by other addresses than these.
+  void touch(const Access& at) { accesses_.push_back(at); }
   Span<const Access> accesses() const { return {accesses_.data(), accesses_.size()}; }
 
  private:
@@ -73,9 +75,13 @@ struct Groups {
 struct CommandSlot {
   VkCommandBuffer commands = VK_NULL_HANDLE;
   std::vector<Block> blocks;
-  std::size_t block = 0, used = 0;  ///< where the next copy goes
-  std::uint64_t done_at = 0;        ///< value of the timeline
+  std::vector<VkDescriptorPool> images;  ///< a set each
+  std::size_t block = 0, used = 0;       ///< where the next copy goes
+  std::uint64_t done_at = 0;             ///< value of the timeline
 };
+
+/// Gives back what commands that are done have read.
+void clear_images(const VulkanDevice::State& device, CommandSlot& slot);
 
 /// Points of `Vulkan::now` that can be read.
 inline constexpr std::uint32_t time_points = 256;
@@ -154,6 +160,8 @@ class Commands {
   Shape over(Count count, Groups::Of of = Groups::usual) const;
 
   void run(Kernel kernel, const std::vector<std::uint32_t>& constants, const Push& push, const Shape& shape);
+  /// Lets the next kernels see `image`, at one of `image_types`.
+  void bind_image(VkImageView image, std::uint32_t binding);
   void fill(std::uint32_t* to, std::size_t words, std::uint32_t value);
 
   /// Replaces each of `count` values by the sum of those before it, by workgroups of `shape`.

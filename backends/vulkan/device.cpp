@@ -170,6 +170,11 @@ class OwnDevice {
     of_1_3_.subgroupSizeControl = of_1_3_.computeFullSubgroups = VK_TRUE;
     of_1_2_.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, of_1_2_.pNext = &of_1_3_;
     of_1_2_.bufferDeviceAddress = of_1_2_.timelineSemaphore = of_1_2_.scalarBlockLayout = VK_TRUE;
+    VkPhysicalDeviceFeatures2 found{};
+    found.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
+    vk_.vkGetPhysicalDeviceFeatures2(device, &found);
+    enabled_.features.shaderStorageImageWriteWithoutFormat =
+        found.features.shaderStorageImageWriteWithoutFormat;
     enabled_.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, enabled_.pNext = &of_1_2_;
     const float priority = 1;
     VkDeviceQueueCreateInfo queue{};
@@ -253,9 +258,9 @@ VulkanDevice::VulkanDevice(const VulkanHandles& handles) {
 const VulkanDevice& VulkanDevice::own() {
   // Never destroyed: objects of the program that end after `main` may still have memory of it.
   static const VulkanDevice* const device = [] {
-    OwnDevice own;
-    own.make(own.choose());
-    return new VulkanDevice(own.handles());
+    auto own = std::make_unique<OwnDevice>();
+    own->make(own->choose());
+    return new VulkanDevice(own.release()->handles());
   }();
   return *device;
 }
@@ -267,6 +272,34 @@ bool VulkanDevice::has_own() {
   } catch (const std::exception&) {
     return false;
   }
+}
+
+const VulkanHandles& VulkanDevice::handles() const { return state_->handles; }
+
+std::vector<std::byte> VulkanDevice::pipelines() const {
+  const auto get = [&](std::size_t& bytes, void* to) {
+    return state_->vk.vkGetPipelineCacheData(state_->device, state_->pipelines, &bytes, to);
+  };
+  std::size_t bytes = 0;
+  vulkan::check(get(bytes, nullptr), "vkGetPipelineCacheData");
+  std::vector<std::byte> kept(bytes);
+  // A kernel that another thread compiles meanwhile may be left out.
+  if (const VkResult result = get(bytes, kept.data()); result != VK_INCOMPLETE)
+    vulkan::check(result, "vkGetPipelineCacheData");
+  kept.resize(bytes);
+  return kept;
+}
+
+void VulkanDevice::add_pipelines(Span<const std::byte> kept) const {
+  VkPipelineCacheCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO;
+  info.initialDataSize = kept.size, info.pInitialData = kept.data;
+  VkPipelineCache more = VK_NULL_HANDLE;
+  const vulkan::Functions& vk = state_->vk;
+  vulkan::check(vk.vkCreatePipelineCache(state_->device, &info, nullptr, &more), "vkCreatePipelineCache");
+  const VkResult result = state_->merge(more);
+  vk.vkDestroyPipelineCache(state_->device, more, nullptr);
+  vulkan::check(result, "vkMergePipelineCaches");
 }
 
 const MemoryHook& VulkanDevice::memory_hook() const { return state_->hook; }

@@ -41,15 +41,10 @@ void release_by_hook(void* context, void* memory, std::size_t) {
 }
 }  // namespace
 
-VulkanDevice::State::State(const VulkanHandles& handles)
-    : instance(handles.instance),
-      physical_device(handles.physical_device),
-      device(handles.device),
-      queue_family(handles.queue_family),
-      hook{allocate_by_hook, release_by_hook, this},
-      queue_(handles.queue) {
+VulkanDevice::State::State(const VulkanHandles& of)
+    : handles(of), device(of.device), hook{allocate_by_hook, release_by_hook, this} {
   const auto get = reinterpret_cast<PFN_vkGetInstanceProcAddr>(handles.get_instance_proc_addr);
-#define SWIFTGS_VULKAN_GET(name) vk.name = reinterpret_cast<PFN_##name>(get(instance, #name));
+#define SWIFTGS_VULKAN_GET(name) vk.name = reinterpret_cast<PFN_##name>(get(of.instance, #name));
   SWIFTGS_VULKAN_OF_INSTANCE(SWIFTGS_VULKAN_GET)
 #undef SWIFTGS_VULKAN_GET
 #define SWIFTGS_VULKAN_GET(name) \
@@ -63,42 +58,60 @@ void VulkanDevice::State::create() {
   of_1_1.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES;
   VkPhysicalDeviceProperties2 properties{};
   properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, properties.pNext = &of_1_1;
-  vk.vkGetPhysicalDeviceProperties2(physical_device, &properties);
+  vk.vkGetPhysicalDeviceProperties2(handles.physical_device, &properties);
   name = properties.properties.deviceName, subgroup = of_1_1.subgroupSize;
   std::uint32_t families = 0;
-  vk.vkGetPhysicalDeviceQueueFamilyProperties(physical_device, &families, nullptr);
+  vk.vkGetPhysicalDeviceQueueFamilyProperties(handles.physical_device, &families, nullptr);
   std::vector<VkQueueFamilyProperties> family(families);
-  vk.vkGetPhysicalDeviceQueueFamilyProperties(physical_device, &families, family.data());
-  if (const std::uint32_t bits = family.at(queue_family).timestampValidBits; bits != 0) {
+  vk.vkGetPhysicalDeviceQueueFamilyProperties(handles.physical_device, &families, family.data());
+  if (const std::uint32_t bits = family.at(handles.queue_family).timestampValidBits; bits != 0) {
     nanoseconds = properties.properties.limits.timestampPeriod;
     tick_mask = bits >= 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << bits) - 1;
   }
 
-  vk.vkGetPhysicalDeviceMemoryProperties(physical_device, &memory_);
+  vk.vkGetPhysicalDeviceMemoryProperties(handles.physical_device, &memory_);
   device_type_ = memory_type(0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
   host_type_ = memory_type(VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
                            VK_MEMORY_PROPERTY_HOST_CACHED_BIT);
 
-  VkSemaphoreTypeCreateInfo timeline{};
-  timeline.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO;
-  timeline.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
+  VkSemaphoreTypeCreateInfo of_type{};
+  of_type.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO;
+  of_type.semaphoreType = VK_SEMAPHORE_TYPE_TIMELINE;
   VkSemaphoreCreateInfo semaphore{};
-  semaphore.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, semaphore.pNext = &timeline;
-  vulkan::check(vk.vkCreateSemaphore(device, &semaphore, nullptr, &timeline_), "vkCreateSemaphore");
+  semaphore.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO, semaphore.pNext = &of_type;
+  vulkan::check(vk.vkCreateSemaphore(device, &semaphore, nullptr, &timeline), "vkCreateSemaphore");
 
+  stores_images = handles.enabled_features->features.shaderStorageImageWriteWithoutFormat;
+  VkDescriptorSetLayoutBinding of_images[2]{};
+  for (std::uint32_t k = 0; k < 2; ++k) {
+    of_images[k].binding = k, of_images[k].descriptorCount = 1;
+    of_images[k].descriptorType = vulkan::image_types[k];
+    of_images[k].stageFlags = VK_SHADER_STAGE_COMPUTE_BIT;
+  }
+  VkDescriptorSetLayoutCreateInfo of_set{};
+  of_set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
+  of_set.bindingCount = 2, of_set.pBindings = of_images;
+  vulkan::check(vk.vkCreateDescriptorSetLayout(device, &of_set, nullptr, &images),
+                "vkCreateDescriptorSetLayout");
   const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, 128};
   VkPipelineLayoutCreateInfo of_layout{};
   of_layout.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
+  of_layout.setLayoutCount = 1, of_layout.pSetLayouts = &images;
   of_layout.pushConstantRangeCount = 1, of_layout.pPushConstantRanges = &push;
   vulkan::check(vk.vkCreatePipelineLayout(device, &of_layout, nullptr, &layout), "vkCreatePipelineLayout");
+  VkPipelineCacheCreateInfo of_cache{};
+  of_cache.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO;
+  vulkan::check(vk.vkCreatePipelineCache(device, &of_cache, nullptr, &pipelines), "vkCreatePipelineCache");
 }
 
 VulkanDevice::State::~State() {
   for (const auto& [key, pipeline] : pipelines_) vk.vkDestroyPipeline(device, pipeline, nullptr);
   for (const auto& [value, allocation] : released_) free(allocation);
   for (const auto& [address, allocation] : memories_) free(allocation);
+  vk.vkDestroyPipelineCache(device, pipelines, nullptr);
   vk.vkDestroyPipelineLayout(device, layout, nullptr);
-  vk.vkDestroySemaphore(device, timeline_, nullptr);
+  vk.vkDestroyDescriptorSetLayout(device, images, nullptr);
+  vk.vkDestroySemaphore(device, timeline, nullptr);
 }
 
 std::uint32_t VulkanDevice::State::memory_type(VkMemoryPropertyFlags required,
@@ -207,7 +220,7 @@ void VulkanDevice::State::count_open(int more) {
 /// Frees released memory that the queue has finished with. The caller holds `mutex_`.
 void VulkanDevice::State::collect() {
   if (released_.empty()) return;
-  if (vk.vkGetSemaphoreCounterValue(device, timeline_, &done_) != VK_SUCCESS) return;
+  if (vk.vkGetSemaphoreCounterValue(device, timeline, &done_) != VK_SUCCESS) return;
   std::erase_if(released_, [&](const auto& released) {
     if (released.first > done_) return false;
     free(released.second);
@@ -218,28 +231,33 @@ void VulkanDevice::State::collect() {
 std::uint64_t VulkanDevice::State::submit(VkCommandBuffer commands) {
   const std::lock_guard lock(mutex_);
   const std::uint64_t value = submitted_ + 1;
-  VkTimelineSemaphoreSubmitInfo timeline{};
-  timeline.sType = VK_STRUCTURE_TYPE_TIMELINE_SEMAPHORE_SUBMIT_INFO;
-  timeline.signalSemaphoreValueCount = 1, timeline.pSignalSemaphoreValues = &value;
+  VkTimelineSemaphoreSubmitInfo values{};
+  values.sType = VK_STRUCTURE_TYPE_TIMELINE_SEMAPHORE_SUBMIT_INFO;
+  values.signalSemaphoreValueCount = 1, values.pSignalSemaphoreValues = &value;
   VkSubmitInfo submit{};
-  submit.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, submit.pNext = &timeline;
+  submit.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, submit.pNext = &values;
   submit.commandBufferCount = 1, submit.pCommandBuffers = &commands;
-  submit.signalSemaphoreCount = 1, submit.pSignalSemaphores = &timeline_;
-  vulkan::check(vk.vkQueueSubmit(queue_, 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit");
+  submit.signalSemaphoreCount = 1, submit.pSignalSemaphores = &timeline;
+  vulkan::check(vk.vkQueueSubmit(handles.queue, 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit");
   return submitted_ = value;
 }
 
 bool VulkanDevice::State::is_done(std::uint64_t value) {
   std::uint64_t reached = 0;
-  vulkan::check(vk.vkGetSemaphoreCounterValue(device, timeline_, &reached), "vkGetSemaphoreCounterValue");
+  vulkan::check(vk.vkGetSemaphoreCounterValue(device, timeline, &reached), "vkGetSemaphoreCounterValue");
   return reached >= value;
 }
 
 void VulkanDevice::State::wait(std::uint64_t value) {
   VkSemaphoreWaitInfo wait{};
   wait.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO;
-  wait.semaphoreCount = 1, wait.pSemaphores = &timeline_, wait.pValues = &value;
+  wait.semaphoreCount = 1, wait.pSemaphores = &timeline, wait.pValues = &value;
   vulkan::check(vk.vkWaitSemaphores(device, &wait, ~std::uint64_t(0)), "vkWaitSemaphores");
+}
+
+VkResult VulkanDevice::State::merge(VkPipelineCache more) {
+  const std::lock_guard lock(mutex_);
+  return vk.vkMergePipelineCaches(device, pipelines, 1, &more);
 }
 
 VkPipeline VulkanDevice::State::pipeline(vulkan::Kernel kernel, std::uint32_t threads,
@@ -271,7 +289,7 @@ VkPipeline VulkanDevice::State::pipeline(vulkan::Kernel kernel, std::uint32_t th
   info.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
   info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT, info.stage.module = module, info.stage.pName = "main";
   info.stage.pSpecializationInfo = &specialization;
-  const VkResult result = vk.vkCreateComputePipelines(device, VK_NULL_HANDLE, 1, &info, nullptr, &made);
+  const VkResult result = vk.vkCreateComputePipelines(device, pipelines, 1, &info, nullptr, &made);
   vk.vkDestroyShaderModule(device, module, nullptr);
   vulkan::check(result, "vkCreateComputePipelines");
   return made;

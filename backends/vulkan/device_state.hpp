@@ -21,6 +21,10 @@ namespace vulkan {
 /// Throws `DeviceError` unless `result` is VK_SUCCESS.
 void check(VkResult result, const char* call);
 
+/// Descriptors of an image to store to, and of one to load from, by their bindings.
+inline constexpr VkDescriptorType image_types[] = {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
+                                                   VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE};
+
 /// A buffer with memory of its own.
 struct Allocation {
   VkBuffer buffer = VK_NULL_HANDLE;
@@ -67,18 +71,23 @@ struct VulkanDevice::State {
   VkPipeline pipeline(vulkan::Kernel kernel, std::uint32_t threads,
                       const std::vector<std::uint32_t>& constants);
 
+  /// Adds pipelines to those that are kept.
+  VkResult merge(VkPipelineCache more);
+
   // Constants.
   vulkan::Functions vk;
-  VkInstance instance;
-  VkPhysicalDevice physical_device;
+  VulkanHandles handles;
   VkDevice device;
-  std::uint32_t queue_family;
   std::string name;
   std::uint32_t subgroup = 0;
   bool fuses = false;     ///< whether `fma` rounds once
   float nanoseconds = 0;  ///< of a tick of timestamps; 0: there are none
   std::uint64_t tick_mask = 0;
+  bool stores_images = false;
+  VkDescriptorSetLayout images = VK_NULL_HANDLE;  ///< of an image to store to, and of one to load from
   VkPipelineLayout layout = VK_NULL_HANDLE;
+  VkPipelineCache pipelines = VK_NULL_HANDLE;
+  VkSemaphore timeline = VK_NULL_HANDLE;
   MemoryHook hook;
 
  private:
@@ -89,8 +98,6 @@ struct VulkanDevice::State {
   std::uint32_t memory_type(VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) const;
 
   std::mutex mutex_;
-  VkQueue queue_;
-  VkSemaphore timeline_ = VK_NULL_HANDLE;
   std::uint64_t submitted_ = 0, done_ = 0;
   int open_ = 0;
   std::map<void*, vulkan::Allocation> memories_;

@@ -39,11 +39,8 @@ Access shares(const T* data, std::size_t count) {
   return {data, count, Access::shared};
 }
 
-/// Memory that no kernel writes.
-template <class T>
-Access constant(const T* data) {
-  return reads(data, 0);
-}
+/// An address of memory that no kernel writes, or whose accesses are told apart.
+inline Access address(const void* data) { return {static_cast<const std::byte*>(data), 0, Access::read}; }
 
 /// Derives barriers: a dispatch needs one if it touches what a dispatch since the last barrier wrote, or
 /// writes what one touched. The only place that decides.

@@ -13,6 +13,7 @@ namespace {
 #include "emit.comp.hpp"
 #include "fill.comp.hpp"
 #include "footprints.comp.hpp"
+#include "load_image.comp.hpp"
 #include "pick.comp.hpp"
 #include "probe.comp.hpp"
 #include "project.comp.hpp"
@@ -27,6 +28,7 @@ namespace {
 #include "shade.comp.hpp"
 #include "sort_count.comp.hpp"
 #include "sort_move.comp.hpp"
+#include "store_image.comp.hpp"
 #include "tile_counts.comp.hpp"
 // clang-format on
 }  // namespace

@@ -23,7 +23,7 @@ void emit(Vulkan& b, const SortJob& job, BoundsKind bounds, const std::uint32_t*
   commands.scan(offsets, count, commands.over(count, Groups::scan));
   commands.run(Kernel::emit, {bounds.number, keys.each},
                Push(reads(splats.shapes.data, n), reads(splats.depths.data, n), reads(splats.of_view, n),
-                    reads(order, n), constant(grids_of(commands, job.footprints.views)), footprints,
+                    reads(order, n), address(grids_of(commands, job.footprints.views)), footprints,
                     reads(offsets, n), writes(keys.words, keys.each * found), writes(ids, found), count),
                commands.over(count));
   commands.finish();

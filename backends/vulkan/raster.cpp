@@ -11,6 +11,7 @@
 #include <swiftgs/vulkan/stages.hpp>
 
 #include "commands.hpp"
+#include "planes.hpp"
 #include "seen.hpp"
 
 namespace swiftgs::vulkan {
@@ -71,14 +72,6 @@ struct RasterView {
         middle(0.5f * view.camera.width, 0.5f * view.camera.height) {}
 };
 
-/// Shaders write words: a pixel may not begin within one.
-void check_colours(const FrameView& frame) {
-  const auto address = reinterpret_cast<std::uintptr_t>(frame.colour.data);
-  if (address % 4 != 0 || frame.colour.pitch % 4 != 0)
-    detail::refuse("backend vulkan: colours at ", address, " with a pitch of ", frame.colour.pitch,
-                   " bytes, expected multiples of 4");
-}
-
 /// Whether a view is drawn for nothing. Launches over the largest image would take software minutes.
 bool has_no_planes(const FrameView& frame) {
   bool none = true;
@@ -99,21 +92,25 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
     const bool is_base = !contributions && !job.only_attributes;
     const auto asks = [](bool yes) { return std::uint32_t(yes); };
     const std::size_t n = job.splats.size(), rows = n * job.attributes.rows;
-    // A frame's planes are not listed: its views do not overlap in memory, nor do the planes of its passes.
+    Push push(
+        address(commands.constants(Span<const RasterView>{&words, 1})), reads(job.splats.shapes.data, n),
+        reads(job.colours.each.data, n), reads(job.splats.gaussians.data, n),
+        reads(job.lists.ids.data, job.lists.ids.size), reads(job.lists.ranges.data, job.lists.ranges.size),
+        address(commands.constants(Span<const AttributeList>{&list, 1})), reads(job.attributes.data, rows),
+        reads(job.attributes.first_row, n * job.attributes.first_stride), shares(contributions, 1),
+        job.attributes.first_stride * AttributeRow::channels);
+    // The views of a frame do not overlap in memory, nor do the planes of its passes.
+    for_each_plane(
+        [&](std::size_t, const auto& plane) { push.touch(pixels_of(plane, frame.height, Access::shared)); },
+        frame);
+    push.touch(pixels_of(frame.occluder, frame.height, Access::read));
     commands.run(
         Kernel::raster,
         {kind.exponent, asks(kind.threshold), asks(job.sums_depth(view) && !view.camera.depth_along_ray),
          asks(job.picks(view)), asks(bool(frame.occluder)), asks(frame.conversion != Conversion::as_is),
          job.attributes.rows * AttributeRow::channels, asks(is_base), asks(view.camera.depth_along_ray),
          asks(contributions != nullptr), asks(!contributions || job.colours.each.data)},
-        Push(constant(commands.constants(Span<const RasterView>{&words, 1})),
-             reads(job.splats.shapes.data, n), reads(job.colours.each.data, n),
-             reads(job.splats.gaussians.data, n), reads(job.lists.ids.data, job.lists.ids.size),
-             reads(job.lists.ranges.data, job.lists.ranges.size),
-             constant(commands.constants(Span<const AttributeList>{&list, 1})),
-             reads(job.attributes.data, rows),
-             reads(job.attributes.first_row, n * job.attributes.first_stride), shares(contributions, 1),
-             job.attributes.first_stride * AttributeRow::channels),
+        push,
         {(std::uint32_t(frame.width) + side - 1) / side, (std::uint32_t(frame.height) + side - 1) / side,
          commands.subgroup()});
   }
@@ -148,7 +145,7 @@ void pick_pixels(Vulkan& b, const PickJob& job) {
   const std::size_t n = job.splats.size();
   vulkan::Commands commands(b);
   commands.run(vulkan::Kernel::pick, {},
-               vulkan::Push(vulkan::constant(commands.constants(Span<const vulkan::RasterView>{&view, 1})),
+               vulkan::Push(vulkan::address(commands.constants(Span<const vulkan::RasterView>{&view, 1})),
                             vulkan::reads(job.splats.shapes.data, n), vulkan::reads(job.colours.data, n),
                             vulkan::reads(job.splats.gaussians.data, n),
                             vulkan::reads(job.lists.ids.data, job.lists.ids.size),

@@ -62,7 +62,7 @@ void project(Vulkan& b, const FramePlan& plan, BoundsKind bounds, ProjectScratch
     const ViewConstants& camera = plan.views[v].camera;
     commands.run(
         camera.through_lens ? Kernel::project_lens : Kernel::project, {Eye::lens_of(camera)},
-        Push(constant(seen + v * scenes + s), writes(scratch.projected.data() + first * usual_threads, n),
+        Push(address(seen + v * scenes + s), writes(scratch.projected.data() + first * usual_threads, n),
              writes(places + first, (n + usual_threads - 1) / usual_threads), std::uint32_t(n)),
         Commands::Shape::of(n));
   });
@@ -74,7 +74,7 @@ void project(Vulkan& b, const FramePlan& plan, BoundsKind bounds, ProjectScratch
                       reads(places + first, groups + 1), shares(splats.shapes.data(), capacity),
                       shares(splats.depths.data(), capacity), shares(splats.gaussians.data(), capacity),
                       shares(view_words, (capacity + 1) / 2), shares(footprints.each.data(), capacity),
-                      writes(scratch.tile_counts.data() + 2 * first, 2 * groups), constant(grids + v),
+                      writes(scratch.tile_counts.data() + 2 * first, 2 * groups), address(grids + v),
                       std::uint32_t(n), std::uint32_t(capacity), placed.first_gaussian, std::uint32_t(v)),
                  Commands::Shape::of(n));
   });
@@ -94,7 +94,7 @@ void find_footprints(Commands& commands, const FramePlan& plan, BoundsKind bound
   footprints.found = {footprints.tile_counts.data(), std::uint32_t(groups)};
   const SplatsView view = splats.view();
   commands.run(Kernel::footprints, {bounds.number},
-               Push(reads(view.shapes.data, n), reads_views(view), constant(grids_of(commands, plan.views)),
+               Push(reads(view.shapes.data, n), reads_views(view), address(grids_of(commands, plan.views)),
                     writes(footprints.each.data(), n), writes(footprints.tile_counts.data(), 2 * groups),
                     view.count()),
                Commands::Shape::of(n));
@@ -161,7 +161,7 @@ Shading<Vulkan> shade(Vulkan& b, const FramePlan& plan, const Splats<Vulkan>& sp
   const SplatsView view = splats.view();
   commands.run(
       vulkan::Kernel::shade, {},
-      vulkan::Push(vulkan::constant(vulkan::all_seen(commands, plan.views, plan.scenes)),
+      vulkan::Push(vulkan::address(vulkan::all_seen(commands, plan.views, plan.scenes)),
                    vulkan::reads(view.gaussians.data, n), vulkan::reads_views(view),
                    vulkan::reads(view.depths.data, n), vulkan::writes(colours.each.data(), n),
                    vulkan::writes(colours.hidden.data(), 1), view.count(), std::uint32_t(plan.scenes.size())),
@@ -180,10 +180,10 @@ void gather_attributes(Vulkan& b, const SplatAttributes& from, const StoredScene
   commands.run(
       from.along_ray(views.each) ? vulkan::Kernel::attributes_ray : vulkan::Kernel::attributes, {},
       vulkan::Push(
-          vulkan::constant(vulkan::all_seen(commands, views, scenes)), vulkan::reads(splats.shapes.data, n),
+          vulkan::address(vulkan::all_seen(commands, views, scenes)), vulkan::reads(splats.shapes.data, n),
           vulkan::reads(splats.gaussians.data, n), vulkan::reads_views(splats),
           vulkan::reads(splats.depths.data, n),
-          vulkan::constant(commands.constants(Span<const vulkan::AttributeList>{lists.data(), lists.size()})),
+          vulkan::address(commands.constants(Span<const vulkan::AttributeList>{lists.data(), lists.size()})),
           vulkan::writes(to, n * from.rows), splats.count(), std::uint32_t(scenes.size())),
       commands.over(splats.count()));
   commands.finish();

@@ -27,6 +27,13 @@ void vulkan::refuse_while_recording(const Vulkan::State& b, const char* call) {
   if (b.recording) throw OrderError(std::string("vulkan: ") + call + " within record, expected it before");
 }
 
+namespace {
+void release(VulkanDevice::State& device, vulkan::CommandSlot& slot) {
+  vulkan::clear_images(device, slot);
+  for (vulkan::Block& block : slot.blocks) device.release(block);
+}
+}  // namespace
+
 Vulkan::State::State(const VulkanDevice& on, const std::optional<MemoryHook>& memory)
     : device(on), hook(memory ? *memory : on.memory_hook()), hooked(memory) {
   if (memory) validate(*memory);
@@ -38,7 +45,7 @@ void Vulkan::State::create() {
   VkCommandPoolCreateInfo of_pool{};
   of_pool.sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO;
   of_pool.flags = VK_COMMAND_POOL_CREATE_RESET_COMMAND_BUFFER_BIT;
-  of_pool.queueFamilyIndex = of.queue_family;
+  of_pool.queueFamilyIndex = of.handles.queue_family;
   vulkan::check(of.vk.vkCreateCommandPool(of.device, &of_pool, nullptr, &pool), "vkCreateCommandPool");
   VkCommandBufferAllocateInfo info{};
   info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
@@ -66,8 +73,7 @@ Vulkan::State::~State() {
   }
   of.vk.vkDestroyCommandPool(of.device, pool, nullptr);
   of.vk.vkDestroyQueryPool(of.device, times, nullptr);
-  for (vulkan::CommandSlot& slot : slots)
-    for (vulkan::Block& block : slot.blocks) of.release(block);
+  for (vulkan::CommandSlot& slot : slots) release(of, slot);
   of.release(report), of.release(groups), of.release(staging);
 }
 
@@ -92,9 +98,7 @@ struct VulkanRecording::Kept {
   vulkan::CommandSlot slot;
 
   Kept(const VulkanDevice& on, VkCommandBuffer commands) : device(on) { slot.commands = commands; }
-  ~Kept() {
-    for (vulkan::Block& block : slot.blocks) device.state().release(block);
-  }
+  ~Kept() { release(device.state(), slot); }
 };
 VulkanRecording::VulkanRecording(std::unique_ptr<Kept> kept) : kept_(std::move(kept)) {}
 VulkanRecording::~VulkanRecording() = default;
@@ -132,7 +136,7 @@ void Vulkan::write(const void* from, void* to, std::size_t bytes) const {
     std::memcpy(b.staging.host, static_cast<const std::byte*>(from) + at, part);
     vulkan::Commands commands(*this);
     commands.run(vulkan::Kernel::copy, {},
-                 vulkan::Push(vulkan::constant(b.staging.device), vulkan::writes(to_part, 4 * words),
+                 vulkan::Push(vulkan::address(b.staging.device), vulkan::writes(to_part, 4 * words),
                               std::uint32_t(words)),
                  vulkan::Commands::Shape::of(words));
     b.device.state().wait(commands.submit());
@@ -169,6 +173,8 @@ void Vulkan::trim() {
   trim_parts(*this, state_->sums, state_->places);
   state_->device.state().release(state_->staging);
 }
+
+Vulkan::Signal Vulkan::last_signal() const { return {state_->device.state().timeline, state_->last}; }
 
 Vulkan::TimePoint Vulkan::now() {
   State& b = *state_;

@@ -8,6 +8,8 @@
 #include <cstddef>
 #include <vector>
 
+#include <doctest/doctest.h>
+
 #include <swiftgs/vulkan.hpp>
 
 #include "policies/tile_lists.hpp"
@@ -46,3 +48,12 @@ struct CopySplats<Vulkan> {
 };
 
 }  // namespace swiftgs::test
+
+/// A case that is skipped where there is no device.
+#define SWIFTGS_VULKAN_CASE(sentence) SWIFTGS_VULKAN_CASE_(DOCTEST_ANONYMOUS(swiftgs_vulkan_case_), sentence)
+#define SWIFTGS_VULKAN_CASE_(run, sentence)      \
+  static void run();                             \
+  TEST_CASE(sentence) {                          \
+    if (!swiftgs::test::without_vulkan()) run(); \
+  }                                              \
+  static void run()

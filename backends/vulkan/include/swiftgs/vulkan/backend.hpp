@@ -11,6 +11,7 @@
 #include <type_traits>
 #include <utility>
 
+#include <swiftgs/frame.hpp>
 #include <swiftgs/frame/api.hpp>
 #include <swiftgs/frame/backend.hpp>
 #include <swiftgs/memory/growing_buffer.hpp>
@@ -120,6 +121,22 @@ class SWIFTGS_API Vulkan {
   /// renderer stays as it is until the commands are done. The recording keeps views and placed scenes as they
   /// were: `set_views` and `set_scenes` change later recordings alone. If `draw` throws, drop the commands.
   VulkanRecording record(VkCommandBuffer_T* commands, const std::function<void()>& draw);
+
+  /// Copies the colours of `frame` to an image of the program, or from it, so that a frame is drawn over it.
+  /// `image` is a view of one level of an image of two dimensions, as large as the frame or larger, in the
+  /// layout VK_IMAGE_LAYOUT_GENERAL, with the usage STORAGE for `store` and SAMPLED for `load`. `store`
+  /// throws `Unavailable` where the device was made without shaderStorageImageWriteWithoutFormat.
+  void store(const FrameView& frame, VkImageView_T* image);
+  void load(VkImageView_T* image, const FrameView& frame);
+  /// Copies the depths of an image, which is one as of `load`, for an occluder. @shape{height, width}
+  void load_depth(VkImageView_T* image, float* to, int width, int height);
+
+  /// The device's timeline semaphore, and its value when all work submitted so far is done.
+  struct Signal {
+    VkSemaphore_T* semaphore = nullptr;
+    std::uint64_t value = 0;
+  };
+  Signal last_signal() const;
 
   /// Gives back the memory that scans and sorts keep.
   void trim();

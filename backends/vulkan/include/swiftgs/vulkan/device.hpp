@@ -4,9 +4,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include <swiftgs/frame/api.hpp>
 #include <swiftgs/frame/backend.hpp>
+#include <swiftgs/frame/span.hpp>
 
 // As <vulkan/vulkan_core.h> declares them: this header needs nothing of Vulkan.
 struct VkInstance_T;
@@ -14,6 +16,8 @@ struct VkPhysicalDevice_T;
 struct VkDevice_T;
 struct VkQueue_T;
 struct VkCommandBuffer_T;
+struct VkImageView_T;
+struct VkSemaphore_T;
 struct VkPhysicalDeviceFeatures2;
 
 namespace swiftgs {
@@ -26,7 +30,8 @@ struct VulkanHandles {
   VkQueue_T* queue = nullptr;  ///< runs compute; backends use it from the threads that call them
   std::uint32_t queue_family = 0;
   /// As `device` was made with: the chain has bufferDeviceAddress, timelineSemaphore, scalarBlockLayout,
-  /// subgroupSizeControl and computeFullSubgroups.
+  /// subgroupSizeControl and computeFullSubgroups. Images are drawn to with
+  /// shaderStorageImageWriteWithoutFormat alone.
   const VkPhysicalDeviceFeatures2* enabled_features = nullptr;
   /// `vkGetInstanceProcAddr`: the library links nothing of Vulkan.
   void (*(*get_instance_proc_addr)(VkInstance_T*, const char*))() = nullptr;
@@ -48,6 +53,14 @@ class SWIFTGS_API VulkanDevice {
   /// Whether `own` finds a device, without making it: threads of a device without a GPU delay the end of a
   /// program.
   static bool has_own();
+
+  /// What it was made of. `own` has a queue that other work needs a lock for where several threads submit.
+  const VulkanHandles& handles() const;
+
+  /// The kernels that were compiled so far, for `add_pipelines` of a later run on this device and driver.
+  std::vector<std::byte> pipelines() const;
+  /// Spares the compilation of kernels that `kept` has. Bytes of another device or driver spare nothing.
+  void add_pipelines(Span<const std::byte> kept) const;
 
   /// Memory of this device.
   const MemoryHook& memory_hook() const;

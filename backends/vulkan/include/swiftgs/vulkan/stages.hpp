@@ -175,6 +175,14 @@ void project(Vulkan& b, const FramePlan& plan, const Bounds&, ProjectScratch<Vul
   vulkan::project(b, plan, vulkan::bounds_kind<Bounds>, scratch, splats, footprints);
 }
 
+/// Bounds of the caller have no shader.
+template <class Bounds>
+requires(!vulkan::KnownBounds<Bounds>) void project(Vulkan&, const FramePlan&, const Bounds&,
+                                                    ProjectScratch<Vulkan>&, Splats<Vulkan>&,
+                                                    Footprints<Vulkan>&) {
+  static_assert(vulkan::KnownBounds<Bounds>, "bounds: expected some of the library's on the backend Vulkan");
+}
+
 SWIFTGS_API Shading<Vulkan> shade(Vulkan& b, const FramePlan& plan, const Splats<Vulkan>& splats,
                                   Colours<Vulkan>& colours);
 
@@ -231,6 +239,13 @@ void group_by_tile(Vulkan& b, const SortJob& job, const Bounds& bounds, const st
 template <vulkan::KnownRaster Raster>
 void rasterize(Vulkan& b, Raster, const RasterJob& job) {
   vulkan::rasterize(b, vulkan::KindOf<Raster>::kind, job);
+}
+
+/// Nor have rasterizers.
+template <class Raster>
+requires(!vulkan::KnownRaster<Raster>) void rasterize(Vulkan&, Raster, const RasterJob&) {
+  static_assert(vulkan::KnownRaster<Raster>,
+                "rasterizer: expected one of the library's on the backend Vulkan");
 }
 
 /// Downloads what `job` was rasterized from, and counts on all cores of the host. Waits.

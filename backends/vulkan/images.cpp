@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Images of the program: colours to and from them, and depths from them.
+#include <cstddef>
+#include <cstdint>
+
+#include <swiftgs/error.hpp>
+#include <swiftgs/frame.hpp>
+#include <swiftgs/vulkan/backend.hpp>
+
+#include "commands.hpp"
+#include "planes.hpp"
+
+namespace swiftgs {
+
+namespace {
+
+/// Copies pixels of `plane` by one kernel.
+void copy_pixels(const Vulkan& b, vulkan::Kernel kernel, VkImageView image, const Plane<void>& plane,
+                 const FrameView& frame, std::uint32_t format) {
+  const bool stores = kernel == vulkan::Kernel::store_image;
+  const auto as = [](bool writes) { return writes ? vulkan::Access::written : vulkan::Access::read; };
+  const std::uint64_t pitch = std::uint64_t(plane.pitch);
+  vulkan::Push push(vulkan::address(plane.data), std::uint32_t(pitch), std::uint32_t(pitch >> 32),
+                    std::uint32_t(frame.width), std::uint32_t(frame.height), format);
+  push.touch(vulkan::pixels_of(plane, frame.height, as(!stores)));
+  push.touch({reinterpret_cast<const std::byte*>(image), 1, as(stores)});
+  vulkan::Commands commands(b);
+  commands.bind_image(image, stores ? 0 : 1);
+  commands.run(kernel, {}, push,
+               vulkan::Commands::Shape::of(std::size_t(frame.width) * std::size_t(frame.height)));
+  commands.submit();
+}
+
+}  // namespace
+
+void Vulkan::store(const FrameView& frame, VkImageView_T* image) {
+  if (!state_->device.state().stores_images)
+    throw Unavailable(
+        "vulkan: the device was made without shaderStorageImageWriteWithoutFormat, expected it for images");
+  vulkan::check_colours(frame);
+  copy_pixels(*this, vulkan::Kernel::store_image, image, frame.colour, frame, std::uint32_t(frame.format));
+}
+
+void Vulkan::load(VkImageView_T* image, const FrameView& frame) {
+  vulkan::check_colours(frame);
+  copy_pixels(*this, vulkan::Kernel::load_image, image, frame.colour, frame, std::uint32_t(frame.format));
+}
+
+void Vulkan::load_depth(VkImageView_T* image, float* to, int width, int height) {
+  constexpr std::uint32_t depth = 5;  // behind the formats of colours
+  copy_pixels(*this, vulkan::Kernel::load_image, image, {to, std::ptrdiff_t(sizeof(float)) * width},
+              {.width = width, .height = height}, depth);
+}
+
+}  // namespace swiftgs

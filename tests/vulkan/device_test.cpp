@@ -1,0 +1,171 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// Devices of the program, and what programs do with them beside frames.
+#include "vulkan/device.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <doctest/doctest.h>
+
+#include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/swiftgs.hpp>
+
+#include "commands.hpp"
+#include "policies/images.hpp"
+#include "policies/random_splats.hpp"
+
+namespace swiftgs::test {
+namespace {
+
+/// The features that a program enables.
+struct EnabledFeatures {
+  VkPhysicalDeviceVulkan13Features of_1_3{};
+  VkPhysicalDeviceVulkan12Features of_1_2{};
+  VkPhysicalDeviceFeatures2 all{};
+
+  EnabledFeatures() {
+    of_1_3.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
+    of_1_3.subgroupSizeControl = of_1_3.computeFullSubgroups = VK_TRUE;
+    of_1_2.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, of_1_2.pNext = &of_1_3;
+    of_1_2.bufferDeviceAddress = of_1_2.timelineSemaphore = of_1_2.scalarBlockLayout = VK_TRUE;
+    all.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, all.pNext = &of_1_2;
+  }
+  EnabledFeatures(const EnabledFeatures&) = delete;
+};
+
+VulkanHandles with_features(const EnabledFeatures& features) {
+  VulkanHandles handles = VulkanDevice::own().handles();
+  handles.enabled_features = &features.all;
+  return handles;
+}
+
+/// A device whose submits and waits fail once it is lost.
+std::atomic<bool> lost = false;
+using Function = void (*)();
+VkResult submit_or_fail(VkQueue queue, std::uint32_t count, const VkSubmitInfo* submits, VkFence fence) {
+  if (lost) return VK_ERROR_DEVICE_LOST;
+  return VulkanDevice::own().state().vk.vkQueueSubmit(queue, count, submits, fence);
+}
+VkResult wait_or_fail(VkDevice device, const VkSemaphoreWaitInfo* wait, std::uint64_t) {
+  if (lost) return VK_ERROR_DEVICE_LOST;
+  return VulkanDevice::own().state().vk.vkWaitSemaphores(device, wait, ~std::uint64_t(0));
+}
+PFN_vkVoidFunction get_of_device(VkDevice device, const char* name) {
+  const std::string wanted = name;
+  if (wanted == "vkQueueSubmit") return reinterpret_cast<PFN_vkVoidFunction>(submit_or_fail);
+  if (wanted == "vkWaitSemaphores") return reinterpret_cast<PFN_vkVoidFunction>(wait_or_fail);
+  return VulkanDevice::own().state().vk.vkGetDeviceProcAddr(device, name);
+}
+Function get_that_may_be_lost(VkInstance instance, const char* name) {
+  if (std::string(name) == "vkGetDeviceProcAddr") return reinterpret_cast<Function>(get_of_device);
+  return VulkanDevice::own().handles().get_instance_proc_addr(instance, name);
+}
+
+}  // namespace
+
+TEST_CASE("vulkan: a device without handles is refused by name") {
+  CHECK_THROWS_WITH_AS(VulkanDevice{VulkanHandles{}},
+                       doctest::Contains("vulkan: a handle is missing, expected instance, physical_device"),
+                       InvalidArgument);
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: each feature that a program did not enable is refused by name") {
+  const auto check = [](VkBool32& feature, const EnabledFeatures& features, const std::string& name) {
+    feature = VK_FALSE;
+    const std::string expected =
+        "vulkan: the device was made without " + name + ", expected it among enabled_features";
+    CHECK_THROWS_WITH_AS(VulkanDevice{with_features(features)}, expected.c_str(), Unavailable);
+    feature = VK_TRUE;
+  };
+  EnabledFeatures features;
+  check(features.of_1_2.bufferDeviceAddress, features, "bufferDeviceAddress");
+  check(features.of_1_2.timelineSemaphore, features, "timelineSemaphore");
+  check(features.of_1_2.scalarBlockLayout, features, "scalarBlockLayout");
+  check(features.of_1_3.subgroupSizeControl, features, "subgroupSizeControl");
+  check(features.of_1_3.computeFullSubgroups, features, "computeFullSubgroups");
+  Vulkan b{VulkanDevice(with_features(features))};
+  CHECK_THROWS_WITH_AS(
+      b.store({.width = 1, .height = 1}, nullptr),
+      "vulkan: the device was made without shaderStorageImageWriteWithoutFormat, expected it "
+      "for images",
+      Unavailable);
+}
+
+SWIFTGS_VULKAN_CASE(
+    "vulkan: a lost device is an error of the device and ends no program by a wait for ever") {
+  VulkanHandles handles = VulkanDevice::own().handles();
+  handles.get_instance_proc_addr = get_that_may_be_lost;
+  const VulkanDevice device(handles);
+  {
+    Renderer<Vulkan> renderer{Vulkan(device)};
+    const VulkanScene scene = renderer.backend().upload(make_builtin_scene(500));
+    const Camera camera = builtin_camera(32, 32);
+    CHECK(renderer.render(scene, camera).colour.size() == 3 * 32 * 32);
+    lost = true;
+    CHECK_THROWS_WITH_AS(renderer.render(scene, camera), doctest::Contains("the device is lost"),
+                         DeviceError);
+    CHECK_THROWS_WITH_AS(renderer.backend().wait(), doctest::Contains("the device is lost"), DeviceError);
+  }
+  lost = false;
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: pipelines are kept for a later run and bytes that are none are ignored") {
+  const VulkanDevice& device = VulkanDevice::own();
+  std::vector<std::byte> kept = device.pipelines();
+  REQUIRE(kept.size() >= sizeof(VkPipelineCacheHeaderVersionOne));
+  device.add_pipelines({kept.data(), kept.size()});
+  kept[sizeof(VkPipelineCacheHeaderVersionOne) - 1] ^= std::byte(255);  // of another device
+  device.add_pipelines({kept.data(), kept.size()});
+  device.add_pipelines({});
+  CHECK(device.pipelines().size() >= sizeof(VkPipelineCacheHeaderVersionOne));
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: a frame within commands of the program has the bits of one that is submitted") {
+  const int width = 90, height = 50;
+  Renderer<Vulkan> renderer;
+  Vulkan& b = renderer.backend();
+  VulkanDevice::State& device = b.state().device.state();
+  const VulkanScene scene = b.upload(random_scene(1000, 1, 4));
+  VulkanBuffer<float> colours;
+  VulkanBuffer<FrameReport> report;
+  colours.reset(3 * width * height), report.reset(1);
+  FrameView frame{.width = width, .height = height};
+  frame.colour = {colours.data(), 12 * width};
+  const View view = make_view(forward_camera(width, height), {}, frame);
+  renderer.render_into(scene, {&view, 1});
+  const std::vector<float> expected = to_host(b, std::as_const(colours).span());
+  const std::vector<float> nothing(expected.size());
+  b.write(nothing.data(), colours.data(), 4 * nothing.size());
+  renderer.reserve(scene, {&view, 1});
+
+  VkCommandBufferAllocateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
+  info.commandPool = b.state().pool, info.commandBufferCount = 1;
+  VkCommandBuffer commands = VK_NULL_HANDLE;
+  REQUIRE(device.vk.vkAllocateCommandBuffers(device.device, &info, &commands) == VK_SUCCESS);
+  VkCommandBufferBeginInfo begin{};
+  begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
+  REQUIRE(device.vk.vkBeginCommandBuffer(commands, &begin) == VK_SUCCESS);
+  const VulkanRecording recording = b.record(commands, [&] {
+    renderer.record(scene.view(), report.data());
+    CHECK_THROWS_WITH_AS(b.read(report.data(), &frame, 24), "vulkan: read within record, expected it before",
+                         OrderError);
+  });
+  REQUIRE(device.vk.vkEndCommandBuffer(commands) == VK_SUCCESS);
+  CHECK(same_bits(to_host(b, std::as_const(colours).span()), nothing));
+  for (int again = 0; again < 2; ++again) {
+    device.wait(device.submit(commands));
+    CHECK(same_bits(to_host(b, std::as_const(colours).span()), expected));
+    CHECK(to_host(b, std::as_const(report).span())[0].visible == renderer.statistics().visible);
+    b.write(nothing.data(), colours.data(), 4 * nothing.size());
+  }
+}
+
+}  // namespace swiftgs::test
