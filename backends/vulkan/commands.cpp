@@ -123,7 +123,7 @@ void Commands::run(Kernel kernel, const std::vector<std::uint32_t>& constants, c
   if (shape.at)
     vk.vkCmdDispatchIndirect(commands, b_.groups.allocation.buffer, *shape.at);
   else
-    vk.vkCmdDispatch(commands, shape.columns, shape.rows, 1);
+    vk.vkCmdDispatch(commands, shape.columns, shape.rows, shape.layers);
 }
 
 void Commands::bind_image(VkImageView image, std::uint32_t binding) {

@@ -148,7 +148,7 @@ class Commands {
 
   struct Shape {
     std::uint32_t columns = 0, rows = 1;
-    std::uint32_t threads = usual_threads;
+    std::uint32_t threads = usual_threads, layers = 1;
     std::optional<std::size_t> at{};  ///< bytes into `State::groups`, where the device has columns and rows
 
     /// Workgroups of `each` elements.

@@ -84,6 +84,9 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
   raster_blocks_of(job);  // checks the number of lists
   Commands commands(b);
   constexpr std::uint32_t side = 8;
+  // The sums of attributes by a small subgroup of software would take it a minute to compile.
+  const std::uint32_t parts =
+      job.attributes.rows != 0 && commands.subgroup() < 32 ? side * side / commands.subgroup() : 1;
   for (const View& view : job.views) {
     if (!contributions && has_no_planes(view.frame)) continue;
     const RasterView words(view);
@@ -109,10 +112,10 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
         {kind.exponent, asks(kind.threshold), asks(job.sums_depth(view) && !view.camera.depth_along_ray),
          asks(job.picks(view)), asks(bool(frame.occluder)), asks(frame.conversion != Conversion::as_is),
          job.attributes.rows * AttributeRow::channels, asks(is_base), asks(view.camera.depth_along_ray),
-         asks(contributions != nullptr), asks(!contributions || job.colours.each.data)},
+         asks(contributions != nullptr), asks(!contributions || job.colours.each.data), parts},
         push,
         {(std::uint32_t(frame.width) + side - 1) / side, (std::uint32_t(frame.height) + side - 1) / side,
-         commands.subgroup()});
+         commands.subgroup(), parts});
   }
   commands.submit();
 }

@@ -7,17 +7,16 @@
 #include "pixels.glsl"
 #include "alpha.glsl"
 
-// Blends the splats of a warp block of 8x8 pixels, which a subgroup shares: each lane has every SUBGROUP-th pixel. It
-// tests a splat a lane against the block, then blends the splats that touch it, one after the other.
+// Blends the splats of a warp block of 8x8 pixels, which a subgroup shares, or several that have PARTS of it: each lane
+// has every SUBGROUP-th pixel of a part. It tests a splat a lane against the block, then blends the splats that touch it,
+// one after the other.
 
 // What the view asks for beside colour and alpha.
 layout(constant_id = 5) const bool DEPTH = false;
 layout(constant_id = 6) const bool PICKS = false;
 layout(constant_id = 7) const bool OCCLUDER = false;
 layout(constant_id = 8) const bool CONVERTS = false;
-// Attributes of a pass, at most; and whether the pass draws the other planes too. Loops count to a number in memory:
-// unrolled by each pixel they compile for a minute. lavapipe ends the loops of a thread after 65,535 rounds and cuts long
-// lists short.
+// Attributes of a pass; and whether the pass draws the other planes too.
 layout(constant_id = 9) const uint ATTRIBUTES = 0u;
 layout(constant_id = 10) const bool IS_BASE = true;
 // Whether depths are those along the ray: the first attributes of a splat.
@@ -26,6 +25,8 @@ layout(constant_id = 11) const bool ALONG_RAY = false;
 // Whether the weights are added to `contributions` and nothing is drawn, and whether colours tell who is hidden.
 layout(constant_id = 12) const bool CONTRIBUTES = false;
 layout(constant_id = 13) const bool HAS_COLOURS = true;
+
+layout(constant_id = 14) const uint PARTS = 1u;
 
 layout(push_constant, scalar) uniform Push {
   RasterViews views;  // this view alone
@@ -39,12 +40,12 @@ layout(push_constant, scalar) uniform Push {
   uint ray_depth_stride;
 };
 
-const uint SIDE = 8u, EACH = SIDE * SIDE / SUBGROUP;
+const uint SIDE = 8u, EACH = SIDE * SIDE / (SUBGROUP * PARTS);
 const uint NONE = 0xffffffffu, SUMS = ATTRIBUTES == 0u ? 1u : ATTRIBUTES;
 
 // Place of pixel `p` of this lane in the block.
 uvec2 place_of(uint p) {
-  const uint n = p * SUBGROUP + gl_SubgroupInvocationID;
+  const uint n = (gl_WorkGroupID.z * EACH + p) * SUBGROUP + gl_SubgroupInvocationID;
   return uvec2(n % SIDE, n / SIDE);
 }
 
@@ -111,8 +112,7 @@ void main() {
     const bool inside = at.x < view.width && at.y < view.height;
     transmittance[p] = 1.0;
     colour[p] = vec3(0.0);
-    if (ATTRIBUTES != 0u)
-      for (uint k = 0u; k < attributes_of.at[0].count; ++k) sums[p * SUMS + k] = 0.0;
+    for (uint k = 0u; k < SUMS; ++k) sums[p * SUMS + k] = 0.0;
     depth[p] = 0.0;
     first[p] = median[p] = largest[p] = NONE;
     weight_of_largest[p] = 0.0;
@@ -167,9 +167,7 @@ void main() {
             precise vec3 sum = colour[p] + more;
             colour[p] = sum;
             if (DEPTH) depth[p] += weight * rgb_depth.w;
-            if (ATTRIBUTES != 0u)
-              for (uint k = 0u; k < attributes_of.at[0].count; ++k)
-                sums[p * SUMS + k] += weight * attributes.at[id * ATTRIBUTES + k];
+            for (uint k = 0u; k < ATTRIBUTES; ++k) sums[p * SUMS + k] += weight * attributes.at[id * ATTRIBUTES + k];
             transmittance[p] = next;
             if (PICKS) {
               if (weight > weight_of_largest[p]) {
@@ -192,7 +190,7 @@ void main() {
     if (at.x >= view.width || at.y >= view.height) continue;
     const vec2 place = first_place + vec2(place_of(p));
     precise float alpha = 1.0 - transmittance[p];
-    for (uint k = 0u; ATTRIBUTES != 0u && k < attributes_of.at[0].count; ++k) {
+    for (uint k = 0u; k < ATTRIBUTES; ++k) {
       const Attribute to = attributes_of.at[0].each[k];
       const uint from = p * SUMS + k;
       const float sum = sums[from];
