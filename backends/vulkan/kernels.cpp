@@ -8,7 +8,9 @@ namespace {
 // clang-format off
 #include "attributes.comp.hpp"
 #include "attributes_ray.comp.hpp"
+#include "bound_chunks.comp.hpp"
 #include "copy.comp.hpp"
+#include "copy_rows.comp.hpp"
 #include "compact.comp.hpp"
 #include "emit.comp.hpp"
 #include "fill.comp.hpp"

@@ -47,6 +47,32 @@ struct Hooked<Cuda> : WithStream, StreamPool {
 };
 #endif
 
+#if defined(SWIFTGS_TEST_VULKAN)
+/// Memory of the device, by its own hook.
+template <>
+struct Hooked<Vulkan> : CountedBlocks {
+  MemoryHook hook() { return {&Hooked::allocate, &Hooked::release, this}; }
+  Vulkan backend(int = 2) { return Vulkan(VulkanDevice::own(), hook()); }
+
+ private:
+  static void* allocate(void* context, std::size_t bytes) {
+    auto& self = *static_cast<Hooked*>(context);
+    if (self.refuses(bytes)) return nullptr;
+    void* const memory = VulkanMemory::allocate(bytes);
+    self.add(memory, bytes);
+    return memory;
+  }
+  static void release(void* context, void* memory, std::size_t bytes) {
+    static_cast<Hooked*>(context)->remove(memory, bytes);
+    VulkanMemory::release(memory);
+  }
+};
+template <>
+inline Vulkan make<Vulkan>(const MemoryHook& memory, int) {
+  return Vulkan(VulkanDevice::own(), memory);
+}
+#endif
+
 /// Stereo pairs that come nearer: the first show less than the later ones.
 inline std::vector<AskedView> asked_of(int frame, int views, double scale = 1) {
   std::vector<AskedView> asked;

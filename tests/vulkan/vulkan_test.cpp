@@ -307,13 +307,4 @@ SWIFTGS_VULKAN_CASE("vulkan: every lens is drawn as Serial draws it, at centres 
   }
 }
 
-SWIFTGS_VULKAN_CASE("vulkan: what it cannot do yet is refused by name") {
-  UsualVulkan renderer;
-  renderer.set_scene(std::make_shared<const Scene>(random_scene(50, 0, 1)));
-  CHECK_THROWS_WITH_AS(renderer.update_scene(0, 0, {}), "backend vulkan: expected a function update",
-                       Unavailable);
-  CHECK_THROWS_WITH_AS(renderer.set_scene(SceneArrays()),
-                       "backend vulkan: expected a function upload of scenes to keep", Unavailable);
-}
-
 }  // namespace swiftgs::test

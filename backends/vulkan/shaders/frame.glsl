@@ -8,6 +8,8 @@
 #include "bounds.glsl"
 #include "chunks.glsl"
 
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Chunks { Chunk at[]; };
+
 // Arrays of a scene: `SceneView`.
 struct SceneArrays {
   uvec2 means, scales, rotations, opacities, sh0, sh_rest, labels, features, chunks;

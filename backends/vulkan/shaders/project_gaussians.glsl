@@ -8,8 +8,6 @@
 
 #ifdef THROUGH_LENS
 layout(constant_id = 3) const uint LENS = perspective;
-#else
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Chunks { Chunk at[]; };
 #endif
 
 layout(push_constant, scalar) uniform Push {

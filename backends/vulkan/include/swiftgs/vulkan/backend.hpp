@@ -16,6 +16,7 @@
 #include <swiftgs/frame/backend.hpp>
 #include <swiftgs/memory/growing_buffer.hpp>
 #include <swiftgs/scene.hpp>
+#include <swiftgs/scene_arrays.hpp>
 #include <swiftgs/vulkan/device.hpp>
 
 namespace swiftgs {
@@ -37,6 +38,8 @@ class VulkanScene {
   SceneView view() const { return view_; }
 
  private:
+  friend class Vulkan;
+
   std::shared_ptr<Arrays> arrays_;
   SceneView view_;
 };
@@ -96,6 +99,14 @@ class SWIFTGS_API Vulkan {
   /// Waits. Throws `InvalidArgument` as `validate`, `validate_numbers` and `HarmonicPacking`.
   SceneOn upload(const Scene& scene, HarmonicsKept kept = HarmonicsKept::smallest) const;
   SceneOn upload(std::shared_ptr<const Scene> scene, HarmonicsKept kept = HarmonicsKept::smallest) const;
+
+  /// Copies arrays that lie in memory of the device, in the memory of `reuse` if nobody else has that scene.
+  /// Does not wait. Throws `InvalidArgument` as `validate`.
+  SceneOn upload(const SceneArrays& arrays, std::optional<VulkanScene>& reuse) const;
+  /// Replaces Gaussians from number `first` on by those of `arrays`, in memory of the device, whose null
+  /// arrays stay as they are, and all copies of `scene` with them. Does not wait. Throws `InvalidArgument`,
+  /// and changes nothing, as `validate_update` and `require_replaceable`, and for a borrowed scene.
+  void update(VulkanScene& scene, std::size_t first, const SceneArrays& arrays) const;
 
   /// Copies from the host or to it after all work submitted before, and waits. Addresses on the device are
   /// multiples of 4.

@@ -235,6 +235,10 @@ void group_by_tile(Vulkan& b, const SortJob& job, const Bounds& bounds, const st
   finish_lists(b, job.footprints, count, 0, scratch.intersections, lists);
 }
 
+/// Splats that do not touch a warp block are rejected by one lane.
+template <vulkan::KnownRaster Raster>
+inline constexpr bool may_gain_by_coarse_tiles<Vulkan, Raster> = true;
+
 /// A subgroup blends a warp block of 8x8 pixels, and tests a splat a lane.
 template <vulkan::KnownRaster Raster>
 void rasterize(Vulkan& b, Raster, const RasterJob& job) {
