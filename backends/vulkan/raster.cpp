@@ -84,7 +84,7 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
   raster_blocks_of(job);  // checks the number of lists
   Commands commands(b);
   constexpr std::uint32_t side = 8;
-  // The sums of attributes by a small subgroup of software would take it a minute to compile.
+  // lavapipe, whose subgroups are small, would compile the sums of all pixels of a block for a minute.
   const std::uint32_t parts =
       job.attributes.rows != 0 && commands.subgroup() < 32 ? side * side / commands.subgroup() : 1;
   for (const View& view : job.views) {

@@ -99,6 +99,13 @@ void find_footprints(Commands& commands, const FramePlan& plan, BoundsKind bound
                     view.count()),
                Commands::Shape::of(n));
 }
+
+/// Tells the host what the device counted of a frame that fits.
+void tell(const FrameReport& report, Splats<Vulkan>& splats, Footprints<Vulkan>& footprints) {
+  if (report.overflowed != 0) return;
+  splats.count = footprints.count = std::size_t(report.visible), splats.exact = nullptr;
+  footprints.intersections = std::size_t(report.intersections), footprints.overflowed = nullptr;
+}
 }  // namespace
 
 void bin(Vulkan& b, const FramePlan& plan, BoundsKind bounds, Splats<Vulkan>& splats,
@@ -135,7 +142,8 @@ void bin(Vulkan& b, const FramePlan& plan, BoundsKind bounds, Splats<Vulkan>& sp
   FrameReport known;
   b.download(Span<const FrameReport>{&totals->report, 1}, &known);
   check_intersections(known.intersections);
-  footprints.intersections = known.overflowed != 0 ? 0 : std::size_t(known.intersections);
+  tell(known, splats, footprints);
+  if (known.overflowed != 0) footprints.intersections = 0;
 }
 
 }  // namespace vulkan
@@ -146,9 +154,7 @@ FrameReport await_report(Vulkan& b, Splats<Vulkan>& splats, Footprints<Vulkan>& 
   state.device.state().wait(state.reported_at);
   FrameReport report;
   std::memcpy(&report, state.report.host, sizeof report);
-  if (report.overflowed) return report;
-  splats.count = footprints.count = std::size_t(report.visible), splats.exact = nullptr;
-  footprints.intersections = std::size_t(report.intersections), footprints.overflowed = nullptr;
+  vulkan::tell(report, splats, footprints);
   return report;
 }
 
