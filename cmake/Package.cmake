@@ -56,9 +56,14 @@ and Vulkan. They need the driver; without one they load, and say that they are n
   list(APPEND libraries ${name}@)
 endif()
 set(name libswiftgs${interface})
+set(draws_on "processors")
+if(TARGET swiftgs_vulkan)
+  set(draws_on "processors and on GPUs by Vulkan")
+  set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS libvulkan1)
+endif()
 swiftgs_package(runtime ${name} libs "This package has the shared libraries of C++: the renderer on
-processors, the built-in scene, the float64 reference, readers and writers of
-scenes, and the table of renderers." ${libraries})
+${draws_on}, the built-in scene, the float64
+reference, readers and writers of scenes, and the table of renderers." ${libraries})
 list(APPEND libraries ${name}@)
 if(TARGET swiftgs_cli)
   swiftgs_package(tools swiftgs graphics "This package has the command-line tool, which renders,
