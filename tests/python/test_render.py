@@ -327,6 +327,12 @@ def test_vulkan_draws_into_arrays_of_the_host(scene, camera):
     frame = renderer.render(camera, format="rgba8")
     wanted = swiftgs.Renderer("serial", scene=scene).render(camera, format="rgba8")
     assert np.abs(np.int16(frame.colour) - np.int16(wanted.colour)).max() <= 1 and not renderer.on_device
+    dark = np.full((3, 3), -1, np.float32)
+    serial = swiftgs.Renderer("serial", scene=scene)
+    for drawing in (renderer, serial):
+        drawing.update_scene(first=2, sh0=dark[::2])
+    found, wanted = (np.int16(drawing.render(camera, format="rgba8").colour) for drawing in (renderer, serial))
+    assert np.abs(found - wanted).max() <= 1
     with pytest.raises(swiftgs.Unavailable, match="draws in memory of Vulkan, expected swiftgs_renderer_render"):
         renderer.reserve(camera, swiftgs.Frame(np.empty((HEIGHT, WIDTH, 3), np.float32)))
 

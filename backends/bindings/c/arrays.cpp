@@ -130,6 +130,8 @@ swiftgs_status swiftgs_renderer_update_scene(swiftgs_renderer* renderer, uint64_
   return guarded([&] {
     const Turn any = of(renderer);
     const swiftgs_gaussians from = read_gaussians(gaussians);
+    if (renderer->draws_in == DrawsIn::vulkan && from.memory == SWIFTGS_HOST)
+      return update_vulkan_scene(*any, std::size_t(scene), std::size_t(first), to_arrays(from));
     require_where_drawn("update_scene", *renderer, from);
     in_stream_order(*renderer, from, [&](const swiftgs::SceneArrays& arrays) {
       any->update_scene(std::size_t(scene), std::size_t(first), arrays);

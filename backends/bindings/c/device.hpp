@@ -5,9 +5,11 @@
 #include <memory>
 
 #include <swiftgs/any_renderer.hpp>
+#include <swiftgs/scene_arrays.hpp>
 
 /// @file
-/// What needs a device: one of CUDA, but for frames of `vulkan`. A build without CUDA has no device.
+/// What needs a device: one of CUDA, but for frames and updates of `vulkan`. A build without CUDA has no
+/// device.
 
 namespace swiftgs::c {
 
@@ -38,5 +40,8 @@ class HostFrames {
 /// For renderers of `cuda` or `vulkan` that are made with `options`. Null in a build without the backend.
 std::unique_ptr<HostFrames> make_cuda_frames(const BackendOptions& options);
 std::unique_ptr<HostFrames> make_vulkan_frames(const BackendOptions& options);
+
+/// `AnyRenderer::update_scene` of a renderer of `vulkan`, by arrays in the host's memory.
+void update_vulkan_scene(AnyRenderer& renderer, std::size_t scene, std::size_t first, SceneArrays arrays);
 
 }  // namespace swiftgs::c

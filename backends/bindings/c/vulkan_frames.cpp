@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Frames of `Vulkan` in the memory of the host.
+// Frames of `Vulkan` in the memory of the host, and arrays from there.
 #include <cstddef>
 #include <cstring>
 #include <memory>
 #include <type_traits>
 #include <vector>
 
+#include <swiftgs/scene_arrays.hpp>
 #include <swiftgs/vulkan.hpp>
 
 #include "device_frames.hpp"
@@ -45,6 +46,22 @@ class VulkanCopies {
 
 std::unique_ptr<HostFrames> make_vulkan_frames(const BackendOptions& options) {
   return std::make_unique<DeviceFrames<VulkanCopies>>(options);
+}
+
+void update_vulkan_scene(AnyRenderer& renderer, std::size_t scene, std::size_t first, SceneArrays arrays) {
+  std::vector<VulkanBuffer<float>> copies;
+  const auto copy = [&](const char* name, std::size_t width, FloatArray& array) {
+    if (!array.data || arrays.count == 0 || width == 0) return;
+    swiftgs::detail::validate_array(name, width, array, arrays.count);
+    const std::size_t stride = array.stride != 0 ? std::size_t(array.stride) / sizeof(float) : width;
+    VulkanBuffer<float>& there = copies.emplace_back();
+    there.reset((arrays.count - 1) * stride + width);
+    Vulkan().write(array.data, there.data(), there.size() * sizeof(float));
+    array.data = there.data();
+  };
+  swiftgs::detail::validate_shape(arrays);
+  for_each_array(copy, arrays);
+  renderer.update_scene(scene, first, arrays);
 }
 
 }  // namespace swiftgs::c

@@ -135,8 +135,8 @@ typedef struct swiftgs_placement {
 } swiftgs_placement;
 
 /// Replaces Gaussians [first, first + count) of a scene of the renderer by those of `gaussians`, whose arrays
-/// lie where the renderer draws; arrays that are NULL stay as they are, `origin` and the model are not
-/// looked at. Renderers that share the scene show the update too, as do all later and recorded frames. On a
+/// lie where the renderer draws, or on the host for `vulkan`; arrays that are NULL stay as they are, `origin`
+/// and the model are not looked at. Renderers that share the scene show the update too, as do all later and recorded frames. On a
 /// device it is in stream order, as `swiftgs_renderer_set_gaussians`, and numbers are not checked; a scene
 /// that was uploaded from the host has no bands there above the highest one with a number other than 0. On
 /// hosts no frame of the scene may be under way, in no renderer, and numbers that are not finite are refused;
