@@ -41,7 +41,7 @@ using Clock = std::chrono::steady_clock;
 struct Options {
   std::string file, renderer, disk, images;
   std::vector<double> pools{2000, 512};
-  int side = 10, views = 3000, width = 1920, height = 1080, compared = 10, threads = 8;
+  int side = 10, views = 3000, width = 1920, height = 1080, compared = 10, threads = 8, ahead = 10;
   double spacing = 0, speed = 14, hertz = 60, pixels = 1, millions = 4, upload = 16;
 };
 
@@ -198,6 +198,18 @@ class WholeScene {
   UploadedScene scene_;
 };
 
+/// The camera in some frames if it goes on as it went from `before` to `now`.
+Camera gone_on(const Camera& before, const Camera& now, double frames) {
+  const auto row = [](const Camera& camera, int k) {
+    return dvec3(camera.rotation[0][k], camera.rotation[1][k], camera.rotation[2][k]);
+  };
+  const dvec3 eye = now.centre() + frames * (now.centre() - before.centre());
+  Camera ahead = look_at(eye, eye + row(now, 2) + frames * (row(now, 2) - row(before, 2)), -row(now, 1), 1.0,
+                         now.width, now.height);
+  ahead.fx = now.fx, ahead.fy = now.fy;
+  return ahead;
+}
+
 Measured walk(const Options& options, const Walk& path, const std::vector<PlacedPages>& placed,
               double megabytes) {
   const std::unique_ptr<AnyRenderer> renderer = renderer_of(options.renderer),
@@ -212,7 +224,7 @@ Measured walk(const Options& options, const Walk& path, const std::vector<Placed
   settings.conventions.antialiased = true;
   const CutGoal goal{.pixels = options.pixels, .splats = std::uint64_t(1e6 * options.millions)};
   Measured measured;
-  std::vector<View> views;
+  std::vector<View> views, ahead;
   std::vector<std::pair<std::size_t, Frame>> kept;
   const auto prepare_cut = [&](std::size_t i) {
     const Camera camera = path.camera(i);
@@ -235,7 +247,11 @@ Measured walk(const Options& options, const Walk& path, const std::vector<Placed
                                   std::chrono::duration_cast<Clock::duration>(
                                       std::chrono::duration<double>(double(i) / options.hertz)));
     const auto start = Clock::now();
-    const Cut cut = pool.cut({views.data(), views.size()}, goal);
+    if (options.ahead > 0 && i > 0) {
+      const Camera expected = gone_on(path.camera(i - 1), camera, options.ahead);
+      make_views({&expected, 1}, settings, ahead);
+    }
+    const Cut cut = pool.cut({views.data(), views.size()}, goal, {ahead.data(), ahead.size()});
     const auto chosen = Clock::now();
     renderer->show({cut.scenes().data(), cut.scenes().size()});
     renderer->render_resident(camera, settings);
@@ -331,6 +347,7 @@ int main(int argc, char** argv) try {
   app.add_option("--splats", options.millions, "Most millions of splats")->capture_default_str();
   app.add_option("--upload", options.upload, "MB that a frame uploads")->capture_default_str();
   app.add_option("--threads", options.threads, "That read pages")->capture_default_str();
+  app.add_option("--ahead", options.ahead, "Frames that pages are asked for ahead")->capture_default_str();
   app.add_option("--compared", options.compared, "Frames to compare with the whole scene")
       ->capture_default_str();
   app.add_option("--images", options.images, "Folder for the images of these");

@@ -322,6 +322,24 @@ TEST_CASE("pages: copies of a file share its pages and stereo views share a cut"
   CHECK_THROWS_AS(PagePool<Cpu>(renderer.backend(), std::vector<PlacedPages>()), InvalidArgument);
 }
 
+TEST_CASE("pages: views ahead bring their pages and draw none") {
+  const PagedScene pages = open(TestSource::of(ordered_scene(20000)));
+  Renderer<Serial> renderer;
+  PagePool<Serial> pool(renderer.backend(), pages), plain(renderer.backend(), pages);
+  const std::vector<Camera> cameras = builtin_cameras(4, width, height);
+  const std::vector<View> now{view_of(cameras[0])}, ahead{view_of(cameras[2])};
+  Cut alone = plain.cut(all_of(now), {.pixels = 0.5}), later = plain.cut(all_of(ahead), {.pixels = 0.5});
+  plain.wait(alone), plain.wait(later);
+  Cut cut;
+  for (int k = 0; k < 5000 && pool.resident() < plain.resident(); ++k) {
+    cut = pool.cut(all_of(now), {.pixels = 0.5}, all_of(ahead));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  CHECK(pool.cut(all_of(ahead), {.pixels = 0.5}).missing() == 0);
+  CHECK(cut.splats() == alone.splats());
+  CHECK(cut.wanted() == alone.wanted());
+}
+
 TEST_CASE("pages: a renderer without a named backend draws cuts and what is placed anew stays in memory") {
   const PagedScene pages = open(TestSource::of(ordered_scene(5000))),
                    others = open(TestSource::of(ordered_scene(500)));

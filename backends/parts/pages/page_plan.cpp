@@ -98,26 +98,36 @@ void PagePlan::place(std::vector<PlacedPages> placed) {
   for (const PlacedPages& each : placed_) seen_.emplace_back(each.pages.pages().size);
 }
 
-PagePlan::Wanted PagePlan::choose(Span<const View> views, const CutGoal& goal) {
+PagePlan::Wanted PagePlan::choose(Span<const View> views, const CutGoal& goal, Span<const View> ahead) {
   if (!(goal.pixels >= 0)) refuse("cut: an error of ", goal.pixels, " pixels, expected 0 or more");
-  for (const View& view : views)
-    if (view.shows.first != 0 || view.shows.count != ShownScenes().count)
-      throw InvalidArgument("cut: a view of some scenes, expected views that show all");
+  for (const Span<const View> each : {views, ahead})
+    for (const View& view : each)
+      if (view.shows.first != 0 || view.shows.count != ShownScenes().count)
+        throw InvalidArgument("cut: a view of some scenes, expected views that show all");
   ++frame_;
-  Wanted wanted;
   std::size_t bytes = 0;
-  std::vector<Eyes> eyes;
-  std::priority_queue<Candidate> candidates;
   for (std::uint32_t file = 0; file < files_.size(); ++file) {
     const PageKey root{file, files_[file].root()};
     state(root).used = frame_, bytes += resident_bytes(row(root));
   }
+  Wanted wanted = grow(views, goal, true, bytes);
+  wanted.now = wanted.missing.size();
+  if (ahead.empty()) return wanted;
+  const Wanted later = grow(ahead, goal, false, bytes);
+  wanted.missing.insert(wanted.missing.end(), later.missing.begin(), later.missing.end());
+  return wanted;
+}
+
+PagePlan::Wanted PagePlan::grow(Span<const View> views, const CutGoal& goal, bool draws, std::size_t& bytes) {
+  Wanted wanted;
+  std::vector<Eyes> eyes;
+  std::priority_queue<Candidate> candidates;
   for (std::size_t scene = 0; scene < placed_.size(); ++scene) {
     const PageKey root{file_of_[scene], files_[file_of_[scene]].root()};
     eyes.emplace_back(placed_[scene], views);
     double error = 0;
     if (!eyes.back().shows(row(root), error)) continue;
-    seen_[scene][root.page].shown = frame_;
+    if (draws) seen_[scene][root.page].shown = frame_;
     wanted.splats += row(root).count;
     candidates.push({error, scene, root.page});
   }
@@ -146,11 +156,11 @@ PagePlan::Wanted PagePlan::choose(Span<const View> views, const CutGoal& goal) {
       wanted.pixels = next.error;
       break;
     }
-    seen_[next.scene][next.page].refined = frame_;
+    if (draws) seen_[next.scene][next.page].refined = frame_;
     wanted.splats = splats, bytes += more;
     for (const Candidate& each : shown) {
       const PageKey child{file, each.page};
-      seen_[next.scene][child.page].shown = frame_;
+      if (draws) seen_[next.scene][child.page].shown = frame_;
       if (!is_wanted(child) && !is_resident(child)) wanted.missing.push_back(child);
       state(child).used = frame_;
       candidates.push(each);

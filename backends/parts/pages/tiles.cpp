@@ -196,7 +196,8 @@ class Tiles {
     const std::vector<double> m = numbers(tile["transform"], 16, expect, "transform");
     expect(m[3] == 0 && m[7] == 0 && m[11] == 0 && m[15] == 1, "a transform whose last row is 0, 0, 0, 1");
     for (int column = 0; column < 3; ++column)
-      for (int row = 0; row < 3; ++row) by.linear[column][row] = m[std::size_t(4 * column + row)];
+      for (int row = 0; row < 3; ++row)
+        by.linear[column][row] = m[4 * std::size_t(column) + std::size_t(row)];
     by.translation = {m[12], m[13], m[14]};
     expect(by.unmet() == nullptr, std::string("a transform with ") + (by.unmet() ? by.unmet() : ""));
     return by;

@@ -37,11 +37,13 @@ class SWIFTGS_API PagePlan {
   struct Wanted {
     std::uint64_t splats = 0;
     double pixels = 0;
-    std::vector<PageKey> missing;  ///< coarse before fine
+    std::vector<PageKey> missing;  ///< coarse before fine; those of views ahead last
+    std::size_t now = 0;           ///< of `missing`, those of the frame
   };
   /// Chooses the pages of a frame: the largest error is mended first, until all are at most the goal's, or
-  /// the next would exceed the budget of splats or memory.
-  Wanted choose(Span<const View> views, const CutGoal& goal);
+  /// the next would exceed the budget of splats or memory. Then the same for views ahead, in the memory that
+  /// is left.
+  Wanted choose(Span<const View> views, const CutGoal& goal, Span<const View> ahead);
 
   struct Drawn {
     std::size_t scene;
@@ -75,6 +77,8 @@ class SWIFTGS_API PagePlan {
 
   PageState& state(PageKey key) { return states_[key.file][key.page]; }
   const PageState& state(PageKey key) const { return states_[key.file][key.page]; }
+  /// Adds pages to those wanted. `draws`: for the frame, which shows them. @units{bytes}
+  Wanted grow(Span<const View> views, const CutGoal& goal, bool draws, std::size_t& bytes);
   void draw(std::size_t scene, std::uint32_t page, std::vector<Drawn>& to) const;
 
   std::vector<PlacedPages> placed_;

@@ -69,13 +69,14 @@ class PagePool {
   void place(std::vector<PlacedPages> placed) { plan_.place(std::move(placed)); }
 
   /// What to draw for all views of a frame, which show all placed scenes. Uploads pages that were read, at
-  /// most `upload_per_frame`, and asks for others. Makes no call that waits for a file, a thread or a device,
-  /// but what uploads and releases of memory do. Which pages it draws depends on the views, the goal and the
-  /// pages in memory alone. Throws `InvalidArgument` for a goal that is not valid, and what `upload` of the
-  /// backend throws.
-  Cut cut(Span<const View> views, const CutGoal& goal = {}) {
+  /// most `upload_per_frame`, and asks for others. Then it brings those of views `ahead`, such as the
+  /// camera's in some frames if it goes on as it does, so that they are there in time. Makes no call that
+  /// waits for a file, a thread or a device, but what uploads and releases of memory do. Which pages it draws
+  /// depends on the views, the goal and the pages in memory alone. Throws `InvalidArgument` for a goal that
+  /// is not valid, and what `upload` of the backend throws.
+  Cut cut(Span<const View> views, const CutGoal& goal = {}, Span<const View> ahead = {}) {
     bool stuck = false;
-    return cut(views, goal, options_.upload_per_frame, stuck);
+    return cut(views, goal, ahead, options_.upload_per_frame, stuck);
   }
 
   /// Makes `cut` complete: returns when no page is missing but those that fail, or memory that other cuts
@@ -86,7 +87,7 @@ class PagePool {
     for (;;) {
       bool stuck = false;
       cut = {};  // which gives back memory
-      cut = this->cut({views.data(), views.size()}, goal, options_.bytes, stuck);
+      cut = this->cut({views.data(), views.size()}, goal, {}, options_.bytes, stuck);
       if (stuck || cut.is_settled()) return;
       loader_.wait();
     }
@@ -112,13 +113,14 @@ class PagePool {
     ~Resident() { *used -= bytes; }
   };
 
-  Cut cut(Span<const View> views, const CutGoal& goal, std::size_t most_uploaded, bool& stuck) {
+  Cut cut(Span<const View> views, const CutGoal& goal, Span<const View> ahead, std::size_t most_uploaded,
+          bool& stuck) {
     note_loaded();
-    const detail::PagePlan::Wanted wanted = plan_.choose(views, goal);
+    const detail::PagePlan::Wanted wanted = plan_.choose(views, goal, ahead);
     Cut cut;
     cut.wanted_ = wanted.splats, cut.pixels_ = wanted.pixels;
     cut.views_.assign(views.begin(), views.end()), cut.goal_ = goal;
-    loader_.request(bring(wanted.missing, most_uploaded, cut, stuck));
+    loader_.request(bring(wanted, most_uploaded, cut, stuck));
     draw(cut);
     return cut;
   }
@@ -153,9 +155,9 @@ class PagePool {
     }
   }
 
-  /// Uploads pages of `missing` that were read, parents before children, and returns what to ask for. Pages
+  /// Uploads missing pages that were read, parents before children, and returns what to ask for. Pages
   /// below one that fails have to wait for it. Sets `stuck` if memory has no room for one.
-  std::vector<detail::PageKey> bring(const std::vector<detail::PageKey>& missing, std::size_t most_uploaded,
+  std::vector<detail::PageKey> bring(const detail::PagePlan::Wanted& wanted, std::size_t most_uploaded,
                                      Cut& cut, bool& stuck) {
     std::map<detail::PageKey, detail::LoadedPage> read;
     read.swap(waiting_);
@@ -164,12 +166,14 @@ class PagePool {
     std::set<detail::PageKey> lacked;
     std::size_t uploaded = 0;
     bool full = false;
-    for (const detail::PageKey& key : missing) {
+    for (std::size_t i = 0; i < wanted.missing.size(); ++i) {
+      const detail::PageKey key = wanted.missing[i];
+      const bool now = i < wanted.now;  // rather than ahead
       const bool waits = blocked.contains(plan_.parent_of(key));
       const auto failure = failures_.find(key);
       const bool fails = failure != failures_.end();
-      if (fails) cut.failed_.push_back({scene_of(key), key.page, failure->second.reason});
-      if (waits || fails) blocked.insert(key);
+      if (fails && now) cut.failed_.push_back({scene_of(key), key.page, failure->second.reason});
+      if (waits || fails) blocked.insert(key), cut.blocked_ += now;
       bool lacks = true;
       if (const auto page = read.find(key); page != read.end() && !waits) {
         const std::size_t bytes = detail::resident_bytes(plan_.row(key));
@@ -184,10 +188,9 @@ class PagePool {
       } else if (!waits && (!fails || cuts_ >= failure->second.try_again)) {
         asked.push_back(key);
       }
-      if (lacks) lacked.insert(key), ++cut.missing_, cut.late_ += lacked_.contains(key);
+      if (lacks && now) lacked.insert(key), ++cut.missing_, cut.late_ += lacked_.contains(key);
     }
     lacked_.swap(lacked);
-    cut.blocked_ = blocked.size();
     loader_.keep(waiting_bytes());
     return asked;
   }
