@@ -42,7 +42,7 @@ struct Options {
   std::string file, renderer, disk, images;
   std::vector<double> pools{2000, 512};
   int side = 10, views = 3000, width = 1920, height = 1080, compared = 10, threads = 8, ahead = 10;
-  double spacing = 0, speed = 14, hertz = 60, pixels = 1, millions = 4, upload = 16;
+  double spacing = 0, speed = 14, hertz = 60, pixels = 4, millions = 4, upload = 16;
 };
 
 /// The walk: a curve that crosses the copies in many directions, at eye height, looking ahead and about.

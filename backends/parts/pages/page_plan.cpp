@@ -110,7 +110,11 @@ PagePlan::Wanted PagePlan::choose(Span<const View> views, const CutGoal& goal, S
     const PageKey root{file, files_[file].root()};
     state(root).used = frame_, bytes += resident_bytes(row(root));
   }
+  // The frame leaves some memory to views ahead: those that come would else be late in every frame.
+  const std::size_t kept = ahead.empty() ? 0 : most_bytes_ / 8;
+  bytes += kept;
   Wanted wanted = grow(views, goal, true, bytes);
+  bytes -= kept;
   wanted.now = wanted.missing.size();
   if (ahead.empty()) return wanted;
   const Wanted later = grow(ahead, goal, false, bytes);
