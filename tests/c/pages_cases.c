@@ -24,7 +24,7 @@ void test_pages(void) {
   swiftgs_pages_free(pages);
   const swiftgs_cut_goal all = {.size = sizeof(all), .pixels = -1};
   swiftgs_cut cut = {.size = sizeof(cut)};
-  CHECK_OK(swiftgs_pool_cut(pool, &d.frame, &all, &cut));
+  CHECK_OK(swiftgs_pool_cut(pool, &d.frame, &d.frame, &all, &cut));
   CHECK(cut.splats == 65 && !cut.is_settled && cut.missing > 0 && cut.failure == NULL);
   CHECK_OK(swiftgs_pool_wait(pool, &cut));
   CHECK(cut.splats == cut.wanted && cut.is_settled && cut.pixels == 0);
@@ -39,7 +39,7 @@ void test_pages(void) {
 
   swiftgs_placement placement = {.size = sizeof(placement), .translation = {0, 0, 3}};
   CHECK_OK(swiftgs_pool_place(pool, &placement, 1));
-  CHECK_OK(swiftgs_pool_cut(pool, &d.frame, NULL, NULL));
+  CHECK_OK(swiftgs_pool_cut(pool, &d.frame, NULL, NULL, NULL));
   CHECK_OK(swiftgs_pool_wait(pool, NULL));
   CHECK(!draws(&d, near));
   placement.scene = 1;
@@ -73,11 +73,11 @@ void test_pages_errors(void) {
   CHECK_INVALID(swiftgs_pool_create(d.renderer, files, 1, &options, &pool), "reserved is 1");
   CHECK_OK(swiftgs_pool_create(d.renderer, files, 1, NULL, &pool));
   swiftgs_cut cut = {.size = 4};
-  CHECK_INVALID(swiftgs_pool_cut(NULL, &d.frame, NULL, NULL), "pool is NULL");
-  CHECK_INVALID(swiftgs_pool_cut(pool, NULL, NULL, NULL), "swiftgs_frame is NULL");
-  CHECK_INVALID(swiftgs_pool_cut(pool, &d.frame, NULL, &cut), "swiftgs_cut: size is 4");
+  CHECK_INVALID(swiftgs_pool_cut(NULL, &d.frame, NULL, NULL, NULL), "pool is NULL");
+  CHECK_INVALID(swiftgs_pool_cut(pool, NULL, NULL, NULL, NULL), "swiftgs_frame is NULL");
+  CHECK_INVALID(swiftgs_pool_cut(pool, &d.frame, NULL, NULL, &cut), "swiftgs_cut: size is 4");
   const swiftgs_cut_goal goal = {.size = sizeof(goal), .reserved = 1};
-  CHECK_INVALID(swiftgs_pool_cut(pool, &d.frame, &goal, NULL), "reserved is 1");
+  CHECK_INVALID(swiftgs_pool_cut(pool, &d.frame, NULL, &goal, NULL), "reserved is 1");
   CHECK_INVALID(swiftgs_pool_wait(NULL, NULL), "pool is NULL");
   CHECK_INVALID(swiftgs_pool_place(NULL, NULL, 0), "pool is NULL");
   swiftgs_named_node named = {.size = sizeof(named)};

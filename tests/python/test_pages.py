@@ -21,7 +21,7 @@ def test_a_cut_is_drawn_and_named(pages, camera):
     assert np.less(pages.lower, pages.upper).all() and len(pages.origin) == 3
     renderer = swiftgs.Renderer("cpu")
     pool = swiftgs.PagePool(renderer, pages, bytes=10_000_000)
-    cut = pool.cut(camera, pixels=0)
+    cut = pool.cut(camera, pixels=0, ahead=camera)
     assert cut.splats == 65 and cut.missing > 0 and not cut.is_settled and cut.failure is None
     cut = pool.cut([camera, camera], pixels=0, wait=True)
     assert cut.is_settled and cut.splats == cut.wanted and cut.bytes <= 10_000_000

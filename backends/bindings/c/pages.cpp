@@ -151,15 +151,18 @@ swiftgs_status swiftgs_pool_place(swiftgs_pool* pool, const swiftgs_placement* p
   });
 }
 
-swiftgs_status swiftgs_pool_cut(swiftgs_pool* pool, const swiftgs_frame* frame, const swiftgs_cut_goal* goal,
-                                swiftgs_cut* cut) {
+swiftgs_status swiftgs_pool_cut(swiftgs_pool* pool, const swiftgs_frame* frame, const swiftgs_frame* ahead,
+                                const swiftgs_cut_goal* goal, swiftgs_cut* cut) {
   return guarded([&] {
     swiftgs_renderer& renderer = *open(pool).renderer;
     const Turn any = of(&renderer);
     check_cut(cut);
     read_views(read_struct(frame, "swiftgs_frame"), renderer.views);
-    pool->cut = pool->pool->cut({renderer.views.data(), renderer.views.size()},
-                                to_goal(read_options(goal, "swiftgs_cut_goal")));
+    std::vector<swiftgs::View> later;
+    if (ahead) read_views(read_struct(ahead, "swiftgs_frame"), later);
+    pool->cut =
+        pool->pool->cut({renderer.views.data(), renderer.views.size()},
+                        to_goal(read_options(goal, "swiftgs_cut_goal")), {later.data(), later.size()});
     show(*pool, *any, cut);
   });
 }

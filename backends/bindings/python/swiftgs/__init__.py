@@ -25,10 +25,10 @@ from ._scene import Scene, SceneBounds, load
 __version__ = _lib.version().decode()
 
 __all__ = [
-    "Camera", "Cameras", "Cancelled", "CapacityError", "Clip", "Conventions", "Cut", "DeviceArray", "DeviceError", "Error",
-    "FileError", "FormatError", "Frame", "InternalError", "InvalidArgument", "InvalidType", "LentArray", "Memory", "NamedNode",
-    "NoSuchResult", "NOTHING", "NotLent", "NotOffered", "OrbitView", "OrderError", "OutOfMemory", "PagePool", "Pages", "Picked", "Placement",
-    "RecordedScenes", "Renderer", "RendererEntry", "RenderingModel", "Report", "Scene", "SceneBounds", "Statistics", "StoredDepth",
-    "Times", "Tint", "Unavailable", "find_renderer", "list_renderers", "load", "load_cameras", "load_image", "open_pages",
-    "rasterization"
+    "Camera", "Cameras", "Cancelled", "CapacityError", "Clip", "Conventions", "Cut", "DeviceArray", "DeviceError",
+    "Error", "FileError", "FormatError", "Frame", "InternalError", "InvalidArgument", "InvalidType", "LentArray",
+    "Memory", "NamedNode", "NoSuchResult", "NOTHING", "NotLent", "NotOffered", "OrbitView", "OrderError",
+    "OutOfMemory", "PagePool", "Pages", "Picked", "Placement", "RecordedScenes", "Renderer", "RendererEntry",
+    "RenderingModel", "Report", "Scene", "SceneBounds", "Statistics", "StoredDepth", "Times", "Tint", "Unavailable",
+    "find_renderer", "list_renderers", "load", "load_cameras", "load_image", "open_pages", "rasterization"
 ]

@@ -314,7 +314,7 @@ for _name, _arguments in {
         "pages_get_info": (c_void_p, c_void_p),
         "pool_create": (c_void_p, c_void_p, c_size_t, c_void_p, c_void_p),
         "pool_place": (c_void_p, c_void_p, c_size_t),
-        "pool_cut": (c_void_p, c_void_p, c_void_p, c_void_p),
+        "pool_cut": (c_void_p, c_void_p, c_void_p, c_void_p, c_void_p),
         "pool_wait": (c_void_p, c_void_p),
         "pool_named": (c_void_p, c_uint32, c_void_p),
         "renderers_count": (c_void_p,),

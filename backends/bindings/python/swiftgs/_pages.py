@@ -70,7 +70,8 @@ class PagePool:
     >>> renderer.render(camera)
     """
 
-    def __init__(self, renderer: Renderer, pages: Union[Pages, Sequence[Pages]], *, bytes: int = 0,  # pylint: disable=redefined-builtin
+    def __init__(self, renderer: Renderer, pages: Union[Pages, Sequence[Pages]], *,
+                 bytes: int = 0,  # pylint: disable=redefined-builtin
                  upload_per_frame: int = 0, waiting: int = 0) -> None:
         """`bytes` bounds all pages in memory, 0 for 2 GB; `upload_per_frame` what a cut uploads, 0 for 16 MiB; and
         `waiting` pages that were read and not uploaded, 0 for 64 MiB. Each file is placed where it stands."""
@@ -92,19 +93,24 @@ class PagePool:
         lib.pool_place(self._open(), structs, len(structs))
 
     def cut(self, cameras: Union[Camera, Sequence[Camera]], *, pixels: float = 1, splats: int = 0, wait: bool = False,
-            out: Optional[Frame] = None) -> Cut:
+            out: Optional[Frame] = None, ahead: Union[Camera, Sequence[Camera], None] = None) -> Cut:
         """Chooses pages with errors of at most `pixels`, 0 for all Gaussians, and at most so many `splats`, 0 for any.
         The renderer shows them until another scene is set. Without `wait` it does not wait for files: frames draw what
-        is there, and later cuts more. `out` is a frame that will be drawn, where its conventions or sizes matter."""
+        is there, and later cuts more. `out` is a frame that will be drawn, where its conventions or sizes matter.
+        Pages that the cameras `ahead` need come next, such as the camera's in some frames if it goes on as it does."""
         frame = Renderer._new_frame(cameras, "rgb", {}) if out is None else _checks.of_type(out, Frame, "out")
         frame._aim(cameras)
+        later = None if ahead is None else Renderer._new_frame(ahead, "rgb", {})
+        if later is not None and ahead is not None:
+            later._aim(ahead)
         limit = _checks.real(pixels, "pixels")
         goal = _c.CutGoal(pixels=limit if limit != 0 else -1, splats=_checks.whole(splats, "splats", 0, 2**64))
         if limit < 0:
             raise InvalidType(f"pixels is {limit:g}, expected 0 or more")
         told = _c.Cut()
         with self._renderer._scene_lock:
-            lib.pool_cut(self._open(), frame._argument, ctypes.byref(goal), ctypes.byref(told))
+            lib.pool_cut(self._open(), frame._argument, None if later is None else later._argument, ctypes.byref(goal),
+                         ctypes.byref(told))
             if wait:
                 lib.pool_wait(self._open(), ctypes.byref(told))
         members = {name: getattr(told, name) for name in Cut._fields}
