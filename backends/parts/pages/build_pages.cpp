@@ -173,7 +173,8 @@ BuiltPages build(const std::filesystem::path& out, const PageBuildOptions& optio
   std::error_code none;
   if (const auto kind = std::filesystem::status(out, none).type();
       kind == std::filesystem::file_type::fifo || kind == std::filesystem::file_type::character)
-    detail::refuse(out.string(), ": expected a file, found a pipe or a device: a page file is not written front to back");
+    detail::refuse(out.string(),
+                   ": expected a file, found a pipe or a device: a page file is not written front to back");
   require_replaceable(out);
   const auto part_of_progress = [&](double begin, double end) -> Progress {
     return [&options, begin, end, out](double part) {
