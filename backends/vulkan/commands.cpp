@@ -161,7 +161,6 @@ void Commands::scan(std::uint32_t* values, Count count, const Shape& shape) {
     return Push(Access(values, count.most, to_values), Access(b_.sums.data(), parts, to_sums), count);
   };
   run(Kernel::scan_sums, {}, push(Access::read, Access::written), shape);
-  run(Kernel::scan_spine, {}, push(Access::read, Access::written), {1});
   run(Kernel::scan_apply, {}, push(Access::written, Access::read), shape);
 }
 

@@ -24,7 +24,6 @@ namespace {
 #include "ranges_clear.comp.hpp"
 #include "raster.comp.hpp"
 #include "scan_apply.comp.hpp"
-#include "scan_spine.comp.hpp"
 #include "scan_sums.comp.hpp"
 #include "settle.comp.hpp"
 #include "shade.comp.hpp"

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// A sum over an array in three steps: sums of parts, sums of sums, and the values.
+// A sum over an array in two steps: sums of parts, and the values.
 
 const uint EACH = 8u, PART = EACH * THREADS;
 
