@@ -178,6 +178,7 @@ void Commands::precede_program() { barrier(device_, b_.open->commands, kernels_w
 
 void Commands::drop() {
   const Closing closing{device_};
+  b_.open_points.clear();
   device_.vk.vkEndCommandBuffer(std::exchange(b_.open, nullptr)->commands);
 }
 
@@ -190,7 +191,10 @@ std::uint64_t Commands::submit() {
   CommandSlot& slot = *std::exchange(b_.open, nullptr);
   const Closing closing{device_};
   check(device_.vk.vkEndCommandBuffer(slot.commands), "vkEndCommandBuffer");
-  return b_.last = slot.done_at = device_.submit(slot.commands);
+  b_.last = slot.done_at = device_.submit(slot.commands);
+  for (const std::uint32_t point : b_.open_points) b_.reached_at[point] = b_.last;
+  b_.open_points.clear();
+  return b_.last;
 }
 
 }  // namespace swiftgs::vulkan

@@ -110,6 +110,7 @@ struct Vulkan::State {
   std::uint64_t last = 0;               ///< value of the timeline when all is done
   std::uint64_t serial = 0;
   std::array<std::uint64_t, vulkan::time_points> reached_at{};  ///< values of the timeline of time points
+  std::vector<std::uint32_t> open_points;                       ///< those within `open`
   vulkan::Block report;                                         ///< a `FrameReport`
   std::uint64_t reported_at = 0;                                ///< value of the timeline
   vulkan::Block staging;

@@ -184,13 +184,15 @@ Vulkan::TimePoint Vulkan::now() {
   const auto query = std::uint32_t(point.serial % vulkan::time_points);
   vulkan::Commands commands(*this);
   commands.timestamp(query);
-  b.reached_at[query] = commands.submit();
+  b.reached_at[query] = ~std::uint64_t(0), b.open_points.push_back(query);
+  commands.finish();
   return point;
 }
 
 std::optional<double> Vulkan::milliseconds(TimePoint from, TimePoint to) const {
   const State& b = *state_;
   VulkanDevice::State& of = b.device.state();
+  if (b.open && !b.recording) vulkan::Commands(*this).submit();
   if (!b.times || b.serial - from.serial >= vulkan::time_points - 1) return {};
   std::uint64_t ticks[2] = {};
   const TimePoint points[] = {from, to};
