@@ -45,15 +45,4 @@ Span<const std::uint32_t> code_of(Kernel kernel) {
   return {};
 }
 
-const char* name_of(Kernel kernel) {
-  switch (kernel) {
-#define SWIFTGS_VULKAN_TEXT(name) \
-  case Kernel::name:              \
-    return #name;
-    SWIFTGS_VULKAN_KERNELS(SWIFTGS_VULKAN_TEXT)
-#undef SWIFTGS_VULKAN_TEXT
-  }
-  return "";
-}
-
 }  // namespace swiftgs::vulkan

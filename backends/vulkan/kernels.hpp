@@ -20,8 +20,7 @@ enum class Kernel : std::uint32_t {
 #undef SWIFTGS_VULKAN_NAME
 };
 
-/// The words of its SPIR-V, and its name.
+/// The words of its SPIR-V.
 Span<const std::uint32_t> code_of(Kernel kernel);
-const char* name_of(Kernel kernel);
 
 }  // namespace swiftgs::vulkan
