@@ -186,7 +186,8 @@ void add_prune(CLI::App& app) {
       "--photos", options->photos,
       "Folder with photographs of the views that are left out\n[photos in SCENE where it is a "
       "folder, without --cameras]");
-  command->add_option("--backend", options->backend, "cuda, cpu, vulkan or serial [the first that runs here]");
+  command->add_option("--backend", options->backend,
+                      "cuda, cpu, vulkan or serial [the first that runs here]");
   add_json(*command, options->json);
   command->callback([options] { prune(*options); });
 }

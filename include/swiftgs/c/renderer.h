@@ -25,7 +25,8 @@ typedef struct swiftgs_renderer_entry {
   uint32_t size;      ///< `sizeof(swiftgs_renderer_entry)`
   int32_t usable;     ///< 1: it can run on this machine
   const char* name;   ///< BACKEND/SORT/RASTER/BOUNDS; valid as long as the library is loaded
-  int32_t on_device;  ///< 1: it draws in the memory of a CUDA device; 0: in the host's, or of `vulkan` in Vulkan's
+  int32_t on_device;  ///< 1: it draws in the memory of a CUDA device; 0: in the host's, or of `vulkan` in
+                      ///< Vulkan's
   uint32_t reserved;  ///< 0
 } swiftgs_renderer_entry;
 
@@ -34,8 +35,8 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderers_count(size_t* count);
 /// Fills `entry`, whose size is set. `SWIFTGS_INVALID_ARGUMENT` beyond the last.
 SWIFTGS_C_API swiftgs_status swiftgs_renderers_get(size_t index, swiftgs_renderer_entry* entry);
 /// Fills `entry`, whose size is set, with the renderer called `name`; or where `name` is a backend alone
-/// (`serial`, `vulkan`, `cpu`, `cuda`), with its usual one; or where `name` is NULL, with that of the quickest backend
-/// that can run here. `SWIFTGS_INVALID_ARGUMENT` for any other name.
+/// (`serial`, `vulkan`, `cpu`, `cuda`), with its usual one; or where `name` is NULL, with that of the
+/// quickest backend that can run here. `SWIFTGS_INVALID_ARGUMENT` for any other name.
 SWIFTGS_C_API swiftgs_status swiftgs_renderers_find(const char* name, swiftgs_renderer_entry* entry);
 
 /// Memory of `bytes` bytes, aligned to 64 bytes on a host and to 256 on a device, or NULL if there is none:
@@ -136,12 +137,12 @@ typedef struct swiftgs_placement {
 
 /// Replaces Gaussians [first, first + count) of a scene of the renderer by those of `gaussians`, whose arrays
 /// lie where the renderer draws, or on the host for `vulkan`; arrays that are NULL stay as they are, `origin`
-/// and the model are not looked at. Renderers that share the scene show the update too, as do all later and recorded frames. On a
-/// device it is in stream order, as `swiftgs_renderer_set_gaussians`, and numbers are not checked; a scene
-/// that was uploaded from the host has no bands there above the highest one with a number other than 0. On
-/// hosts no frame of the scene may be under way, in no renderer, and numbers that are not finite are refused;
-/// the `swiftgs_scene` stays as it is. Errors: `SWIFTGS_INVALID_ARGUMENT`, also for `sh_rest` of a scene that
-/// is not kept as floats (`swiftgs_renderer_options`), and nothing changes.
+/// and the model are not looked at. Renderers that share the scene show the update too, as do all later and
+/// recorded frames. On a device it is in stream order, as `swiftgs_renderer_set_gaussians`, and numbers are
+/// not checked; a scene that was uploaded from the host has no bands there above the highest one with a
+/// number other than 0. On hosts no frame of the scene may be under way, in no renderer, and numbers that are
+/// not finite are refused; the `swiftgs_scene` stays as it is. Errors: `SWIFTGS_INVALID_ARGUMENT`, also for
+/// `sh_rest` of a scene that is not kept as floats (`swiftgs_renderer_options`), and nothing changes.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_update_scene(swiftgs_renderer* renderer, uint64_t scene,
                                                            uint64_t first,
                                                            const swiftgs_gaussians* gaussians);
