@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """usage: find_slowdown.py COMPARE FOLDER MEASURE
 
-Asks COMPARE what moved from before.json in FOLDER to after.json, which rasterizes 5 % slower, and to same.json, which
+Asks COMPARE what moved from before.json in FOLDER to after.json, which rasterizes a fifth slower, and to same.json, which
 is the same renderer measured again. Of the first it must be rasterization that is slower, with what holds it, and
 nothing else, and of the second nothing at all. Stages of less than a fiftieth of the frame are not judged in the first:
 the two renderers are compiled apart, and where their loops lie moves so short a stage by some per cent. COMPARE names
 what moved by 2.6 standard errors, and of the stages that did not change chance moves one so far now and then, other
 programs more often. So MEASURE may write other files twice, and the test fails by what is wrong in all three. Exit code
-77 where the machine was too busy to tell 5 %.
+77 where the machine was too busy to tell 20 %.
 """
 import math
 import pathlib
@@ -21,8 +21,8 @@ from tables.comparison import standard_error  # noqa: E402
 from tables.results import STAGES, read  # noqa: E402
 
 SLOWER = {"slower", "worse"}  # COMPARE's words for means and for rows
-# What COMPARE and chance leave of 5 %: 2.6 standard errors for a mean to be named, and 2 for it to come out less.
-NOISE = math.log(1.05) / (2.6 + 2)
+# What COMPARE and chance leave of 20 %: 2.6 standard errors for a mean to be named, and 2 for it to come out less.
+NOISE = math.log(1.2) / (2.6 + 2)
 NOT_FOUND = "the slower rasterization was not found"
 
 
@@ -76,7 +76,7 @@ def main(compare, folder, measure):
         if left:
             subprocess.run([measure, folder], check=True)
     if NOT_FOUND in always and least > NOISE:
-        print(f"skipped: a standard error of {100 * least:.1f} % is too much to tell 5 %; expected a quiet machine")
+        print(f"skipped: a standard error of {100 * least:.1f} % is too much to tell 20 %; expected a quiet machine")
         sys.exit(77)
     sys.exit("three measurements were judged wrongly")
 
