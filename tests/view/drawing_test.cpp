@@ -34,7 +34,7 @@ ShownScene ball(const std::string& name, float x, vec3 colour) {
   Scene scene;
   scene.means = {vec3(x, 0, 4)}, scene.scales = {vec3(0.3f)}, scene.rotations = {Quaternion()};
   scene.opacities = {0.9f}, scene.sh0 = {colour};
-  return {{.file = name}, std::make_shared<const Scene>(std::move(scene))};
+  return {{.file = name}, std::make_shared<const Scene>(std::move(scene)), {}};
 }
 
 Camera camera() { return look_at({0, 0, 0}, {0, 0, 1}, {0, -1, 0}, 0.8, 96, 64); }
@@ -43,7 +43,7 @@ Camera camera() { return look_at({0, 0, 0}, {0, 0, 1}, {0, -1, 0}, 0.8, 96, 64);
 int column(double x) { return int(camera().fx * x / 4 + camera().cx); }
 
 ShownScene generated() {
-  return {{.file = "builtin"}, std::make_shared<const Scene>(make_builtin_scene(3000))};
+  return {{.file = "builtin"}, std::make_shared<const Scene>(make_builtin_scene(3000)), {}};
 }
 
 /// Changes scene `number` by `edit` of what its list says.
@@ -65,7 +65,7 @@ double brightness(const Frame& frame) {
 }  // namespace
 
 TEST_CASE("view drawing: a picked Gaussian is told by its scene though others are hidden") {
-  Drawing drawing(exact, {}, {ball("left", -1.4f, vec3(1, 0, 0)), ball("right", 1.4f, vec3(0, 1, 0))});
+  Drawing drawing(exact, {}, {}, {ball("left", -1.4f, vec3(1, 0, 0)), ball("right", 1.4f, vec3(0, 1, 0))});
   const auto pick = [&](double x) {
     drawing.draw(camera(), false);
     return drawing.pick(column(x), 32);
@@ -73,7 +73,7 @@ TEST_CASE("view drawing: a picked Gaussian is told by its scene though others ar
   const std::optional<Picked> right = pick(1.4);
   REQUIRE(right);
   CHECK(right->scene == 1);
-  CHECK(right->gaussian == 0);
+  CHECK(right->name == "Gaussian 0");
   CHECK(right->depth == 4);
   CHECK(right->weight > 0.8f);
   CHECK(pick(-1.4)->scene == 0);
@@ -89,7 +89,7 @@ TEST_CASE("view drawing: a picked Gaussian is told by its scene though others ar
 }
 
 TEST_CASE("view drawing: scenes go where they are placed and one without Gaussians is refused") {
-  Drawing drawing(exact, {}, {ball("ball", -1.4f, vec3(1))});
+  Drawing drawing(exact, {}, {}, {ball("ball", -1.4f, vec3(1))});
   drawing.draw(camera(), false);
   CHECK_FALSE(drawing.pick(column(0.4), 32));
   const std::size_t before = drawing.version();
@@ -101,7 +101,7 @@ TEST_CASE("view drawing: scenes go where they are placed and one without Gaussia
   CHECK_THROWS_AS(change(drawing, 0, [](ListedScene& listed) { listed.world_from_scene.scale = 0; }),
                   std::invalid_argument);
   CHECK(drawing.scenes()[0].listed.world_from_scene.scale == 1);
-  const ShownScene empty{{.file = "empty.ply"}, std::make_shared<const Scene>()};
+  const ShownScene empty{{.file = "empty.ply"}, std::make_shared<const Scene>(), {}};
   CHECK_THROWS_WITH_AS(drawing.add({ball("ball", 0, vec3(1)), empty}),
                        "empty.ply: expected a Gaussian or more to show, found none", std::invalid_argument);
   ShownScene beyond = ball("beyond", 0, vec3(1));
@@ -112,7 +112,7 @@ TEST_CASE("view drawing: scenes go where they are placed and one without Gaussia
 }
 
 TEST_CASE("view drawing: another renderer draws the same scenes") {
-  Drawing drawing(exact, {}, {ball("left", -1.4f, vec3(1)), ball("right", 1.4f, vec3(1))});
+  Drawing drawing(exact, {}, {}, {ball("left", -1.4f, vec3(1)), ball("right", 1.4f, vec3(1))});
   change(drawing, 0, hide);
   drawing.draw(camera(), false);
   const std::vector<float> before = drawing.picture().colour;
@@ -125,7 +125,7 @@ TEST_CASE("view drawing: another renderer draws the same scenes") {
 }
 
 TEST_CASE("view drawing: a plane shows in place of colour") {
-  Drawing drawing(exact, {}, {ball("ball", 0, vec3(1, -1, -1))});
+  Drawing drawing(exact, {}, {}, {ball("ball", 0, vec3(1, -1, -1))});
   drawing.draw(camera(), false);
   const std::vector<float> colour = drawing.picture().colour;
   drawing.show_plane("alpha");
@@ -148,7 +148,7 @@ TEST_CASE("view drawing: a plane shows in place of colour") {
 }
 
 TEST_CASE("view drawing: the range of depths is that of what shows") {
-  Drawing drawing(exact, {}, {ball("left", -1.4f, vec3(1)), ball("right", 1.4f, vec3(1))});
+  Drawing drawing(exact, {}, {}, {ball("left", -1.4f, vec3(1)), ball("right", 1.4f, vec3(1))});
   change(drawing, 1, [](ListedScene& listed) { listed.world_from_scene.scale = 2; });  // twice as far away
   drawing.draw(camera(), false);
   CHECK_FALSE(drawing.depth_range());
@@ -172,7 +172,7 @@ TEST_CASE("view drawing: the range of depths is that of what shows") {
 }
 
 TEST_CASE("view drawing: the error in a crop is that beside the reference of this picture and renderer") {
-  Drawing drawing(exact, {}, {generated()});
+  Drawing drawing(exact, {}, {}, {generated()});
   const Camera whole = builtin_camera(), crop = crop_around(whole, 640, 400, CropError::side);
   CHECK(crop.width == CropError::side);
   CropError error;
@@ -227,7 +227,7 @@ TEST_CASE("view drawing: angles of a rotation make the same rotation") {
 }
 
 TEST_CASE("view drawing: a scene is called by its file or folder") {
-  const auto name = [](const std::string& file) { return ShownScene{{.file = file}, nullptr}.name(); };
+  const auto name = [](const std::string& file) { return ShownScene{{.file = file}, nullptr, {}}.name(); };
   CHECK(name("captures/room.ply") == "room.ply");
   CHECK(name("captures/garden/") == "garden");
   CHECK(name("builtin:20") == "builtin:20");
