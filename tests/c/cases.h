@@ -28,6 +28,7 @@ CASE(placed, "placed scenes are those of programs of any age and tell their spla
 CASE(placed_recorded, "recorded frames follow placed scenes")
 CASE(placed_errors, "what cannot be placed is refused in one line")
 CASE(pages, "page files are drawn within a budget and their nodes are named")
+CASE(pages_freed, "a freed pool leaves the renderer what its frames show")
 CASE(pages_errors, "what cannot be pages is refused in one line")
 CASE(memory, "memory comes from the caller and may run out")
 CASE(frame_errors, "what cannot be drawn is refused in one line")

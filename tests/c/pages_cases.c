@@ -49,6 +49,34 @@ void test_pages(void) {
   swiftgs_pool_free(pool), swiftgs_renderer_free(d.renderer);
 }
 
+void test_pages_freed(void) {
+  struct drawing d;
+  set_up(&d, small_renderer);
+  swiftgs_pages* pages = NULL;
+  CHECK_OK(swiftgs_pages_open(SWIFTGS_TEST_PAGES, &pages));
+  const swiftgs_pages* const files[1] = {pages};
+  swiftgs_pool* pool = NULL;
+  CHECK_OK(swiftgs_pool_create(d.renderer, files, 1, NULL, &pool));
+  swiftgs_pages_free(pages);
+  float* const alone = draw_plain(d.renderer, &d.camera);
+  CHECK_OK(swiftgs_pool_cut(pool, &d.frame, NULL, NULL, NULL));
+  CHECK_OK(swiftgs_pool_wait(pool, NULL));
+  float* const expected = draw_plain(d.renderer, &d.camera);
+  CHECK_OK(swiftgs_renderer_reserve(d.renderer, &d.frame, NULL));
+
+  swiftgs_pool_free(pool);
+  swiftgs_scene* const other = make_scene(); /* takes the memory of freed pages */
+  CHECK(draws(&d, expected));
+  memset(d.colour, 0, floats * sizeof(float));
+  swiftgs_report report = {0};
+  CHECK_OK(swiftgs_renderer_record(d.renderer, &report));
+  CHECK_OK(swiftgs_renderer_wait(d.renderer));
+  CHECK(report.visible > 0 && same_floats(d.colour, expected, floats));
+  CHECK_OK(swiftgs_renderer_set_scene(d.renderer, other));
+  CHECK(draws(&d, alone));
+  swiftgs_scene_free(other), swiftgs_renderer_free(d.renderer);
+}
+
 void test_pages_errors(void) {
   swiftgs_pages* pages = NULL;
   CHECK_NULLS(swiftgs_pages_open, "none.sgp", "path", &pages, "pages");
@@ -82,7 +110,8 @@ void test_pages_errors(void) {
   CHECK_INVALID(swiftgs_pool_place(NULL, NULL, 0), "pool is NULL");
   swiftgs_named_node named = {.size = sizeof(named)};
   CHECK_INVALID(swiftgs_pool_named(NULL, 0, &named), "pool is NULL");
-  CHECK_INVALID(swiftgs_pool_named(pool, 0, &named), "expected less than 0");
+  CHECK_ERROR(swiftgs_pool_named(pool, 0, &named), SWIFTGS_LOGIC_ERROR, "expected swiftgs_pool_cut before");
+  CHECK_ERROR(swiftgs_pool_wait(pool, NULL), SWIFTGS_LOGIC_ERROR, "expected swiftgs_pool_cut before");
   swiftgs_pool_free(NULL), swiftgs_pool_free(pool);
   swiftgs_renderer_free(d.renderer), swiftgs_pages_free(pages);
 }

@@ -111,6 +111,7 @@ swiftgs_status swiftgs_renderer_set_gaussians(swiftgs_renderer* renderer,
     } else {
       in_stream_order(*renderer, from, [&](const swiftgs::SceneArrays& arrays) { any->set_scene(arrays); });
     }
+    renderer->shown.reset();
   });
 }
 
@@ -121,6 +122,7 @@ swiftgs_status swiftgs_renderer_borrow_gaussians(swiftgs_renderer* renderer,
     const swiftgs_gaussians from = read_gaussians(gaussians);
     require_where_drawn("borrow_gaussians", *renderer, from);
     any->borrow_scene(to_arrays(from));
+    renderer->shown.reset();
     if (from.memory == SWIFTGS_DEVICE) order_streams(from.stream, renderer->stream);
   });
 }

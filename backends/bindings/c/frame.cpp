@@ -78,6 +78,7 @@ swiftgs_status swiftgs_renderer_reserve(swiftgs_renderer* renderer, const swiftg
     const swiftgs_frame asked = read_frame(frame);
     any->reserve(views_of(*renderer, asked),
                  {std::size_t(asked_capacity.splats), std::size_t(asked_capacity.intersections)});
+    renderer->recorded = renderer->shown;
   });
 }
 

@@ -87,6 +87,7 @@ struct swiftgs_renderer {
   std::string name, device_name;
   swiftgs::c::DrawsIn draws_in{};
   std::unique_ptr<swiftgs::AnyRenderer> renderer;
+  std::shared_ptr<const void> shown{}, recorded{};        ///< cuts in `renderer`, whose pages frames read
   std::unique_ptr<swiftgs::c::HostFrames> host_frames{};  ///< null: the backend reaches the host's memory
   void* stream = nullptr;                                 ///< of a device
   swiftgs::HarmonicsKept harmonics{};                     ///< of scenes that are uploaded

@@ -4,10 +4,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
 #include <swiftgs/c/pages.h>
+#include <swiftgs/error.hpp>
 #include <swiftgs/pages/page_pool.hpp>
 #include <swiftgs/pages/paged_scene.hpp>
 
@@ -23,7 +25,7 @@ struct swiftgs_pool {
   swiftgs_renderer* renderer;
   std::vector<swiftgs::PagedScene> files;
   std::unique_ptr<swiftgs::PagePool<swiftgs::AnyRenderer>> pool;
-  swiftgs::Cut cut{};
+  std::shared_ptr<swiftgs::Cut> cut{};  ///< the last one; the renderer may keep it longer
 };
 
 namespace swiftgs::c {
@@ -55,10 +57,15 @@ swiftgs_pool& open(swiftgs_pool* pool) {
   return *pool;
 }
 
+void require_cut(const swiftgs_pool& pool, const char* call) {
+  if (!pool.cut) throw OrderError(std::string(call) + ": expected swiftgs_pool_cut before");
+}
+
 /// Has the renderer show the cut of `pool`, and tells what it is like.
 void show(swiftgs_pool& pool, AnyRenderer& renderer, swiftgs_cut* told) {
-  const Cut& cut = pool.cut;
+  const Cut& cut = *pool.cut;
   renderer.show({cut.scenes().data(), cut.scenes().size()});
+  pool.renderer->shown = pool.cut;
   if (!told) return;
   write_struct(told,
                {.size = 0,
@@ -160,9 +167,9 @@ swiftgs_status swiftgs_pool_cut(swiftgs_pool* pool, const swiftgs_frame* frame, 
     read_views(read_struct(frame, "swiftgs_frame"), renderer.views);
     std::vector<swiftgs::View> later;
     if (ahead) read_views(read_struct(ahead, "swiftgs_frame"), later);
-    pool->cut =
+    pool->cut = std::make_shared<swiftgs::Cut>(
         pool->pool->cut({renderer.views.data(), renderer.views.size()},
-                        to_goal(read_options(goal, "swiftgs_cut_goal")), {later.data(), later.size()});
+                        to_goal(read_options(goal, "swiftgs_cut_goal")), {later.data(), later.size()}));
     show(*pool, *any, cut);
   });
 }
@@ -171,7 +178,12 @@ swiftgs_status swiftgs_pool_wait(swiftgs_pool* pool, swiftgs_cut* cut) {
   return guarded([&] {
     const Turn any = of(open(pool).renderer);
     check_cut(cut);
-    pool->pool->wait(pool->cut);
+    require_cut(*pool, "pool_wait");
+    // Recorded frames may show the last cut. Others give its pages back before they wait for more.
+    pool->cut = std::make_shared<swiftgs::Cut>(*pool->cut);
+    any->show({});
+    pool->renderer->shown.reset();
+    pool->pool->wait(*pool->cut);
     show(*pool, *any, cut);
   });
 }
@@ -179,7 +191,8 @@ swiftgs_status swiftgs_pool_wait(swiftgs_pool* pool, swiftgs_cut* cut) {
 swiftgs_status swiftgs_pool_named(const swiftgs_pool* pool, uint32_t number, swiftgs_named_node* named) {
   return guarded([&] {
     const Turn any = of(open(pool).renderer);
-    const swiftgs::NamedNode node = pool->cut.named(number);
+    require_cut(*pool, "pool_named");
+    const swiftgs::NamedNode node = pool->cut->named(number);
     write_struct(named, {0, node.is_gaussian, node.scene, node.page, node.number}, "swiftgs_named_node");
   });
 }

@@ -85,7 +85,9 @@ swiftgs_status swiftgs_renderer_add_scene(swiftgs_renderer* renderer, const swif
   return guarded([&] {
     require_pointer(scene, "scene");
     require_pointer(number, "number");
-    *number = of(renderer)->add_scene(scene->scene, renderer->harmonics);
+    const Turn any = of(renderer);
+    *number = any->add_scene(scene->scene, renderer->harmonics);
+    renderer->shown.reset();
   });
 }
 
@@ -97,11 +99,16 @@ swiftgs_status swiftgs_renderer_place(swiftgs_renderer* renderer, const swiftgs_
     for_each_struct(placements, count, "swiftgs_placement",
                     [&](const swiftgs_placement& each) { all.push_back(to_placement(each)); });
     any->place({all.data(), all.size()});
+    renderer->shown.reset();
   });
 }
 
 swiftgs_status swiftgs_renderer_set_recorded_scenes(swiftgs_renderer* renderer) {
-  return guarded([&] { of(renderer)->set_recorded_scenes(); });
+  return guarded([&] {
+    const Turn any = of(renderer);
+    any->set_recorded_scenes();
+    renderer->recorded = renderer->shown;
+  });
 }
 
 swiftgs_status swiftgs_renderer_recorded_scenes(swiftgs_renderer* renderer, swiftgs_recorded_scenes* scenes) {

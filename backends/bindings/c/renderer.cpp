@@ -104,7 +104,9 @@ swiftgs_status swiftgs_renderer_device_name(const swiftgs_renderer* renderer, co
 swiftgs_status swiftgs_renderer_set_scene(swiftgs_renderer* renderer, const swiftgs_scene* scene) {
   return guarded([&] {
     require_pointer(scene, "scene");
-    of(renderer)->set_scene(scene->scene, renderer->harmonics);
+    const Turn any = of(renderer);
+    any->set_scene(scene->scene, renderer->harmonics);
+    renderer->shown.reset();
   });
 }
 
@@ -118,6 +120,7 @@ swiftgs_status swiftgs_renderer_share_scene(swiftgs_renderer* renderer, const sw
     if (!renderer->renderer->share_scene(*other->renderer))
       refuse("share_scene: renderer '", other->name,
              "' has no scene or another backend, expected a scene of that of '", renderer->name, "'");
+    renderer->shown.reset();
   });
 }
 
@@ -129,6 +132,7 @@ swiftgs_status swiftgs_renderer_trim(swiftgs_renderer* renderer) {
   return guarded([&] {
     const Turn any = of(renderer);
     any->trim();
+    renderer->recorded.reset();
     if (renderer->host_frames) renderer->host_frames->trim();
   });
 }

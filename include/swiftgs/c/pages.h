@@ -56,6 +56,7 @@ typedef struct swiftgs_pool_options {
 SWIFTGS_C_API swiftgs_status swiftgs_pool_create(swiftgs_renderer* renderer,
                                                  const swiftgs_pages* const* pages, size_t count,
                                                  const swiftgs_pool_options* options, swiftgs_pool** pool);
+/// The renderer keeps the pages that its frames and recorded frames show until they show others.
 SWIFTGS_C_API void swiftgs_pool_free(swiftgs_pool* pool);
 
 /// Places files of the pool by their indices, any number of times, as wholes: `first` and `count` are 0.
@@ -92,7 +93,8 @@ typedef struct swiftgs_cut {
 SWIFTGS_C_API swiftgs_status swiftgs_pool_cut(swiftgs_pool* pool, const swiftgs_frame* frame,
                                               const swiftgs_frame* ahead, const swiftgs_cut_goal* goal,
                                               swiftgs_cut* cut);
-/// Makes the last cut complete but for pages that fail, and has the renderer show it.
+/// Makes the last cut complete but for pages that fail, and has the renderer show it, or nothing if it fails.
+/// Errors: `SWIFTGS_LOGIC_ERROR` before the first cut.
 SWIFTGS_C_API swiftgs_status swiftgs_pool_wait(swiftgs_pool* pool, swiftgs_cut* cut);
 
 /// What a number in `id`, `median_id` or a pick of a frame of the last cut names.
@@ -104,7 +106,8 @@ typedef struct swiftgs_named_node {
   uint32_t number;  ///< of the Gaussian in the source, or of the node in its page
 } swiftgs_named_node;
 
-/// Fills `named`, whose size is set. `SWIFTGS_INVALID_ARGUMENT` for a number that the cut does not have.
+/// Fills `named`, whose size is set. `SWIFTGS_INVALID_ARGUMENT` for a number that the cut does not have,
+/// `SWIFTGS_LOGIC_ERROR` before the first cut.
 SWIFTGS_C_API swiftgs_status swiftgs_pool_named(const swiftgs_pool* pool, uint32_t number,
                                                 swiftgs_named_node* named);
 
