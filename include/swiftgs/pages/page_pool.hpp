@@ -80,14 +80,15 @@ class PagePool {
   }
 
   /// Makes `cut` complete: returns when no page is missing but those that fail, or memory that other cuts
-  /// keep has no room for the rest.
+  /// keep has no room for the rest. Gives back what `cut` keeps: nothing may draw its scenes of before.
+  /// Throws as `cut`; waiting again then goes on.
   void wait(Cut& cut) {
-    const std::vector<View> views = std::move(cut.views_);
-    const CutGoal goal = cut.goal_;
+    Cut asked;
+    asked.views_ = cut.views_, asked.goal_ = cut.goal_;
     for (;;) {
       bool stuck = false;
-      cut = {};  // which gives back memory
-      cut = this->cut({views.data(), views.size()}, goal, {}, options_.bytes, stuck);
+      cut = asked;  // gives back memory
+      cut = this->cut({asked.views_.data(), asked.views_.size()}, asked.goal_, {}, options_.bytes, stuck);
       if (stuck || cut.is_settled()) return;
       loader_.wait();
     }
