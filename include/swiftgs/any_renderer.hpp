@@ -118,9 +118,9 @@ class SWIFTGS_API AnyRenderer {
   /// Throws `InvalidArgument`, and changes nothing, as `validate` of a placed scene.
   virtual void show(Span<const PlacedScene> scenes) = 0;
 
-  /// Shares the scenes that `other` has uploaded, without other copies, and their placements. Returns false,
-  /// and changes nothing, if `other` has no scene or another backend. A scene of `SceneArrays` is ready in
-  /// the stream order of `other`: another stream must wait for that before it draws the scene.
+  /// Shares the scenes that `other` has uploaded, without copies, and their placements, but none of `show`.
+  /// Returns false, and changes nothing, if `other` has no scene or another backend. A scene of `SceneArrays`
+  /// is ready in the stream order of `other`: another stream must wait for that before it draws the scene.
   virtual bool share_scene(const AnyRenderer& other) = 0;
 
   /// Renders a frame a camera on the host; complete when it returns. Throws `OrderError` before a scene is

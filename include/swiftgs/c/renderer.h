@@ -104,9 +104,9 @@ SWIFTGS_C_API swiftgs_status swiftgs_renderer_set_gaussians(swiftgs_renderer* re
 /// `SWIFTGS_LOGIT_OPACITIES`, strides of 4 GiB and arrays in other memory.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_borrow_gaussians(swiftgs_renderer* renderer,
                                                                const swiftgs_gaussians* gaussians);
-/// Shares the scenes that `other` has uploaded, without other copies, and their placements. On a device the
-/// renderer's stream waits for what the stream of `other` has now. `SWIFTGS_INVALID_ARGUMENT`, and nothing
-/// changes, if `other` has no scene or another backend.
+/// Shares the scenes that `other` has uploaded, without copies, and their placements, but no pages. On a
+/// device the renderer's stream waits for what the stream of `other` has now. `SWIFTGS_INVALID_ARGUMENT`, and
+/// nothing changes, if `other` has no scene or another backend.
 SWIFTGS_C_API swiftgs_status swiftgs_renderer_share_scene(swiftgs_renderer* renderer,
                                                           const swiftgs_renderer* other);
 

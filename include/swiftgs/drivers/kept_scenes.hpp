@@ -94,7 +94,7 @@ class KeptScenes {
   }
   bool share(const KeptScenes& other) {
     if (!other.scene_) return false;
-    scene_ = other.scene_, more_ = other.more_, placed_ = other.placed_, of_caller_ = other.of_caller_;
+    scene_ = other.scene_, more_ = other.more_, placed_ = other.placed_, of_caller_.reset();
     recorded_.reset();
     return true;
   }
