@@ -28,8 +28,11 @@ void test_pages(void) {
   CHECK(cut.splats == 65 && !cut.is_settled && cut.missing > 0 && cut.failure == NULL);
   CHECK_OK(swiftgs_pool_wait(pool, &cut));
   CHECK(cut.splats == cut.wanted && cut.is_settled && cut.pixels == 0);
+  uint64_t visible[64] = {0};
+  CHECK(cut.scenes > 1 && cut.scenes < 64);
   CHECK(cut.resident > 1 && cut.bytes > 0 && cut.bytes <= options.bytes);
   CHECK_OK(swiftgs_renderer_render(d.renderer, &d.frame));
+  CHECK_OK(swiftgs_renderer_visible_by_scene(d.renderer, visible, cut.scenes));
   float* const near = make_floats(floats);
   memcpy(near, d.colour, floats * sizeof(float));
   swiftgs_named_node named = {.size = sizeof(named)};
@@ -63,8 +66,12 @@ void test_pages_freed(void) {
   CHECK_OK(swiftgs_pool_wait(pool, NULL));
   float* const expected = draw_plain(d.renderer, &d.camera);
   CHECK_OK(swiftgs_renderer_reserve(d.renderer, &d.frame, NULL));
+  swiftgs_renderer* second = NULL;
+  CHECK_OK(swiftgs_renderer_create(small_renderer, NULL, &second));
+  CHECK_OK(swiftgs_renderer_share_scene(second, d.renderer));
 
   swiftgs_pool_free(pool);
+  CHECK(same_floats(draw_plain(second, &d.camera), alone, floats));
   swiftgs_scene* const other = make_scene(); /* takes the memory of freed pages */
   CHECK(draws(&d, expected));
   memset(d.colour, 0, floats * sizeof(float));
@@ -74,7 +81,7 @@ void test_pages_freed(void) {
   CHECK(report.visible > 0 && same_floats(d.colour, expected, floats));
   CHECK_OK(swiftgs_renderer_set_scene(d.renderer, other));
   CHECK(draws(&d, alone));
-  swiftgs_scene_free(other), swiftgs_renderer_free(d.renderer);
+  swiftgs_scene_free(other), swiftgs_renderer_free(second), swiftgs_renderer_free(d.renderer);
 }
 
 void test_pages_errors(void) {

@@ -76,7 +76,8 @@ void show(swiftgs_pool& pool, AnyRenderer& renderer, swiftgs_cut* told) {
                 .pixels = cut.pixels(),
                 .resident = pool.pool->resident(),
                 .bytes = pool.pool->bytes(),
-                .failure = cut.failed().empty() ? nullptr : cut.failed()[0].reason.c_str()},
+                .failure = cut.failed().empty() ? nullptr : cut.failed()[0].reason.c_str(),
+                .scenes = cut.scenes().size()},
                "swiftgs_cut");
 }
 

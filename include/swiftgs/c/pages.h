@@ -77,12 +77,13 @@ typedef struct swiftgs_cut {
   uint32_t size;        ///< `sizeof(swiftgs_cut)`
   int32_t is_settled;   ///< 1: nothing is missing but pages that fail, and those below them
   uint64_t splats;      ///< Gaussians and nodes that it draws
-  uint64_t wanted;      ///< the same once all pages are there
+  uint64_t wanted;      ///< at most, once all pages are there
   uint64_t missing;     ///< pages that are not in memory yet
   double pixels;        ///< error that the budgets allow when nothing is missing
   uint64_t resident;    ///< pages in memory
   uint64_t bytes;       ///< that pages take
   const char* failure;  ///< why a page could not be read, until the next cut; NULL: none failed
+  uint64_t scenes;  ///< placed scenes of a frame that shows it, as `swiftgs_renderer_visible_by_scene` counts
 } swiftgs_cut;
 
 /// Chooses the pages for all views of `frame`, and has the renderer show them in place of its own scenes,

@@ -58,7 +58,7 @@ class Cut {
   const std::vector<PlacedScene>& scenes() const { return scenes_; }
 
   std::uint64_t splats() const { return splats_; }  ///< Gaussians and nodes of `scenes`
-  std::uint64_t wanted() const { return wanted_; }  ///< Gaussians and nodes once all pages are there
+  std::uint64_t wanted() const { return wanted_; }  ///< at most, once all pages are there
   std::size_t missing() const { return missing_; }  ///< pages that are not in memory yet
   std::size_t late() const { return late_; }        ///< of these, pages that the cut before lacked too
   double pixels() const { return pixels_; }         ///< error that the budgets allow when nothing is missing

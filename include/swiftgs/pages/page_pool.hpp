@@ -230,7 +230,7 @@ class PagePool {
       cut.scenes_.push_back(
           {page->scene.view(), placed.world_from_scene, placed.opacity, placed.clip, placed.tint});
       cut.drawn_.push_back({drawn.scene, drawn.page, &plan_.row(key), &page->ids, page});
-      cut.splats_ += plan_.row(key).count;
+      cut.splats_ += page->scene.view().size();
     }
   }
 

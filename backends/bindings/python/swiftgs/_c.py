@@ -239,7 +239,7 @@ class CutGoal(_Sized):
 class Cut(_Sized):
     _fields_ = [("size", c_uint32), ("is_settled", c_int32), ("splats", c_uint64), ("wanted", c_uint64),
                 ("missing", c_uint64), ("pixels", c_double), ("resident", c_uint64), ("bytes", c_uint64),
-                ("failure", c_char_p)]
+                ("failure", c_char_p), ("scenes", c_uint64)]
 
 
 class NamedNode(_Sized):

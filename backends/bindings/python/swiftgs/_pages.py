@@ -6,7 +6,7 @@ from typing import Any, NamedTuple, Optional, Sequence, Tuple, Union
 from . import _c, _checks
 from ._c import Handle, lib
 from ._camera import Camera
-from ._errors import InvalidType, OrderError
+from ._errors import InvalidArgument, OrderError
 from ._frame import Frame
 from ._placement import Placement
 from ._renderer import Renderer
@@ -45,12 +45,21 @@ class Cut(NamedTuple):
 
     is_settled: bool  #: nothing is missing but pages that fail, and those below them
     splats: int  #: Gaussians and nodes that it draws
-    wanted: int  #: the same once all pages are there
+    wanted: int  #: at most, once all pages are there
     missing: int  #: pages that are not in memory yet
     pixels: float  #: error that the budgets allow when nothing is missing
     resident: int  #: pages in memory
     bytes: int  #: that pages take
     failure: Optional[str]  #: why a page could not be read
+    scenes: int  #: placed scenes of a frame that shows it, as `Renderer.visible_by_scene` counts
+
+
+def _cut_of(told: _c.Cut) -> Cut:
+    """Read before the next cut, with which the text of a failure goes."""
+    members = {name: getattr(told, name) for name in Cut._fields}
+    failure = members["failure"]
+    members.update(is_settled=bool(told.is_settled), failure=failure and failure.decode(errors="replace"))
+    return Cut(**members)
 
 
 class NamedNode(NamedTuple):
@@ -106,17 +115,16 @@ class PagePool:
         limit = _checks.real(pixels, "pixels")
         goal = _c.CutGoal(pixels=limit if limit != 0 else -1, splats=_checks.whole(splats, "splats", 0, 2**64))
         if limit < 0:
-            raise InvalidType(f"pixels is {limit:g}, expected 0 or more")
+            raise InvalidArgument(f"pixels is {limit:g}, expected 0 or more")
         told = _c.Cut()
         with self._renderer._scene_lock:
             lib.pool_cut(self._open(), frame._argument, None if later is None else later._argument, ctypes.byref(goal),
                          ctypes.byref(told))
+            self._renderer._cut = cut = _cut_of(told)
             if wait:
                 lib.pool_wait(self._open(), ctypes.byref(told))
-        members = {name: getattr(told, name) for name in Cut._fields}
-        failure = members["failure"]
-        members.update(is_settled=bool(told.is_settled), failure=failure and failure.decode(errors="replace"))
-        return Cut(**members)
+                self._renderer._cut = cut = _cut_of(told)
+        return cut
 
     def named(self, number: int) -> NamedNode:
         """What a number that a pick or the plane `id` of a frame of the last cut has names."""
@@ -130,5 +138,5 @@ class PagePool:
         return self._handle
 
     def close(self) -> None:
-        """Gives up the pages. The renderer must not draw them any more: set another scene before."""
+        """Gives up the pages, but for those that the renderer shows until it shows something else."""
         self._handle = None

@@ -151,6 +151,7 @@ class Renderer:
         self._scene_lock = threading.RLock()  # `rasterization` draws before another thread changes the scene
         self._counts: List[int] = []  # Gaussians of each scene
         self._placed: List[range] = []  # Gaussians of each placement, as its scene numbers them
+        self._cut: Any = None  # of a pool, which frames show in place of `_placed`
         self._borrowed: Optional[Tuple[List[_arrays.Memory], List[Any]]] = None  # what frames read where it lies
         self._recorded: Optional[Frame] = None  # keeps the arrays that recorded frames are drawn into
         self._report: Any = None
@@ -178,6 +179,7 @@ class Renderer:
             lib.renderer_add_scene(self._open(), self._handle_of(scene), ctypes.byref(number))
             self._counts.append(len(scene))
             self._placed.append(range(len(scene)))
+            self._cut = None
         return number.value
 
     @staticmethod
@@ -196,15 +198,19 @@ class Renderer:
             lib.renderer_place(self._open(), structs, len(structs))
             ends = (each.first + each.count if each.count else self._counts[each.scene] for each in structs)
             self._placed = [range(each.first, end) for each, end in zip(structs, ends)]
+            self._cut = None
 
     def placed_scene_of(self, numbers: Any) -> Tuple[np.ndarray, np.ndarray]:
         """The placement of each Gaussian that a frame numbers, such as by its plane `id`, and the Gaussian's index in
-        that scene: two arrays of the shape of `numbers`, with -1 in both for `NOTHING`."""
+        that scene: two arrays of the shape of `numbers`, with -1 in both for `NOTHING`. OrderError while pages show:
+        `PagePool.named` tells theirs."""
         found = _checks.reals(numbers, "numbers", dtype=None)
         if found.dtype.kind not in "ui":
             raise InvalidType(f"numbers are of type {found.dtype}, expected whole numbers")
         found = found.astype(np.int64)
         with self._scene_lock:
+            if self._cut is not None:
+                raise OrderError("placed_scene_of: pages show, expected PagePool.named")
             firsts = np.cumsum([0] + [len(shown) for shown in self._placed])
             starts = np.array([shown.start for shown in self._placed] or [0])
         nothing = found == _c.NOTHING
@@ -217,13 +223,14 @@ class Renderer:
         return np.where(nothing, -1, placement), np.where(nothing, -1, index)
 
     def share_scene(self, other: "Renderer") -> None:
-        """Shares the scenes that `other`, a renderer of the same backend, has uploaded, and their placements."""
+        """Shares the scenes that `other`, a renderer of the same backend, has uploaded, and their placements, but no
+        pages."""
         _checks.of_type(other, Renderer, "other")
         first, second = sorted((self, other), key=id)  # two that share with each other must not wait for ever
         with first._scene_lock, second._scene_lock:
             lib.renderer_share_scene(self._open(), other._open())
             self._give_back()
-            self._counts, self._placed = list(other._counts), list(other._placed)
+            self._counts, self._placed, self._cut = list(other._counts), list(other._placed), None
             self._borrowed = other._borrowed
 
     def set_gaussians(self, means: Any, scales: Any, rotations: Any, opacities: Any, sh0: Any = None,
@@ -266,7 +273,7 @@ class Renderer:
 
     def _forget(self, count: int) -> None:
         """The scenes of before: there is one of so many Gaussians."""
-        self._counts, self._placed = [count], [range(count)]
+        self._counts, self._placed, self._cut = [count], [range(count)], None
         self._give_back()
 
     def _give_back(self) -> None:
@@ -529,10 +536,11 @@ class Renderer:
 
     @property
     def visible_by_scene(self) -> List[int]:
-        """Splats of each placement in the last frame, all images together. Waits, and brings 4 bytes a splat to the
-        host. OrderError before a frame and after one that was recorded."""
+        """Splats of each placement in the last frame, or of each of `Cut.scenes`, all images together. Waits, and
+        brings 4 bytes a splat to the host. OrderError before a frame and after one that was recorded."""
         with self._scene_lock:
-            visible = np.empty(max(len(self._placed), 1), np.uint64)
+            count = max(len(self._placed), 1) if self._cut is None else self._cut.scenes
+            visible = np.empty(count, np.uint64)
             lib.renderer_visible_by_scene(self._open(), visible.ctypes.data, visible.size)
         return visible.tolist()
 
@@ -574,6 +582,8 @@ class Renderer:
             return f"<swiftgs.Renderer {self.name} closed>"
         count = sum(map(len, self._placed))
         scenes = f"{count:,} Gaussians" if self._placed else "no scene"
-        if len(self._placed) > 1:
+        if self._cut is not None:
+            scenes = f"{self._cut.splats:,} Gaussians and nodes of pages"
+        elif len(self._placed) > 1:
             scenes += f" in {len(self._placed)} placed scenes"
         return f"<swiftgs.Renderer {self.name} on {self.device_name}, {scenes}>"
