@@ -69,6 +69,7 @@ def refusals(scene, camera, renderer, frame, arrays, gsplat, at):
     pair, small = swiftgs.Frame.empty(WIDTH, HEIGHT, 2), cls.builtin(16, 16)
     recorded, reserved, drawn = (swiftgs.Renderer("cpu", scene=scene) for _ in range(3))
     reserved.reserve(camera, frame)
+    pool = swiftgs.PagePool(drawn, swiftgs.open_pages(ROOT / "tests/fuzz/seeds/pages/tree.sgp"))
     drawn.render(camera)
     return [
         ("load", swiftgs.load, [5], "path is 5"), ("load", swiftgs.load, [ZERO], "zeros"),
@@ -253,6 +254,20 @@ def refusals(scene, camera, renderer, frame, arrays, gsplat, at):
         ("Renderer.placed_scene_of", renderer.placed_scene_of, [[3, -1]], "numbers have -1, expected"),
         ("Renderer.placed_scene_of", renderer.placed_scene_of, [[0.5]],
          "numbers are of type float64, expected whole numbers"),
+        ("open_pages", swiftgs.open_pages, [5], "path is 5"), ("Pages", swiftgs.Pages, ["none.sgp"], "none.sgp"),
+        ("PagePool", swiftgs.PagePool, [5, []], "renderer is of type int"),
+        ("PagePool", swiftgs.PagePool, [renderer, 5], "pages is 5"),
+        ("PagePool", swiftgs.PagePool, [renderer, [], {"bytes": "x"}], "bytes is 'x'"),
+        ("PagePool", swiftgs.PagePool, [renderer, [], {"waiting": -1}], "waiting is -1, expected 0 or more"),
+        ("PagePool.place", pool.place, [5], "placements is 5"),
+        ("PagePool.cut", pool.cut, [5], "cameras is 5"),
+        ("PagePool.cut", pool.cut, [camera, {"pixels": "x"}], "pixels is 'x'"),
+        ("PagePool.cut", pool.cut, [camera, {"pixels": -1}], "pixels is -1, expected 0 or more"),
+        ("PagePool.cut", pool.cut, [camera, {"splats": -1}], "splats is -1, expected 0 or more"),
+        ("PagePool.cut", pool.cut, [camera, {"out": 5}], "out is of type int"),
+        ("PagePool.cut", pool.cut, [camera, {"ahead": 5}], "cameras is 5"),
+        ("PagePool.named", pool.named, [-1], "number is -1"),
+        ("PagePool.named", pool.named, [0], "expected swiftgs_pool_cut before"),
         ("Renderer.share_scene", renderer.share_scene, [5], "other is of type int"),
         ("Renderer.share_scene", swiftgs.Renderer("serial").share_scene, [renderer], "another backend"),
         ("Renderer.set_gaussians", renderer.set_gaussians, of(opacities=5), "opacities is of type int"),

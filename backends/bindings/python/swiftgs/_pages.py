@@ -88,7 +88,8 @@ class PagePool:
         files = [pages] if isinstance(pages, Pages) else _checks.listed(pages, "pages")
         handles = [_checks.of_type(each, Pages, "pages", "; swiftgs.open_pages opens one")._handle for each in files]
         pointers = (ctypes.c_void_p * len(handles))(*(each.pointer for each in handles))
-        options = _c.PoolOptions(bytes=bytes, upload_per_frame=upload_per_frame, waiting=waiting)
+        options = _c.PoolOptions(**{name: _checks.whole(value, name, 0, 2**64) for name, value in (
+            ("bytes", bytes), ("upload_per_frame", upload_per_frame), ("waiting", waiting))})
         handle = renderer._open()
         self._handle: Optional[Handle] = Handle(lib.pool_free, lib.pool_create, handle, pointers, len(handles),
                                                 ctypes.byref(options), outlived_by=handle)
