@@ -18,6 +18,7 @@
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/reference.hpp>
 
+#include "pages/scenes.hpp"
 #include "view/angles.hpp"
 #include "view/crop_error.hpp"
 
@@ -109,6 +110,31 @@ TEST_CASE("view drawing: scenes go where they are placed and one without Gaussia
   CHECK_THROWS_AS(drawing.add({beyond}), std::invalid_argument);
   CHECK(drawing.scenes().size() == 1);
   change(drawing, 0, [](ListedScene& listed) { listed.opacity = 0.5f; });  // what was refused is not kept
+}
+
+TEST_CASE("view drawing: pages that memory does not hold are not added and those of before still show") {
+  const test::TemporaryFolder folder;
+  const auto paged = [&] {
+    const PagedScene pages = test::pages_of(folder, test::ordered_scene(3000));
+    return ShownScene{
+        {.file = "scene.sgp"}, std::make_shared<const Scene>(pages.read(pages.root()).scene), pages};
+  };
+  ShownScene first = paged();
+  first.listed.world_from_scene.translation.z = 30;  // behind the ball
+  const double root = double(detail::resident_bytes(first.pages->pages()[first.pages->root()]));
+  Drawing drawing(exact, {}, {.megabytes = 1.5e-6 * root}, {ball("ball", 0, vec3(0, 8, 0)), first});
+  const auto drawn = [&] {
+    drawing.draw(camera(), false);
+    return drawing.picture().colour;
+  };
+  const std::vector<float> before = drawn();
+  CHECK(drawing.pick(column(0), 32)->scene == 0);
+  CHECK_THROWS_AS(drawing.add({paged()}), InvalidArgument);
+  CHECK(drawing.scenes().size() == 2);
+  CHECK(drawn() == before);
+  drawing.add({ball("other", 1.4f, vec3(8, 0, 0))});
+  CHECK(drawn() != before);
+  CHECK(drawing.scenes().size() == 3);
 }
 
 TEST_CASE("view drawing: another renderer draws the same scenes") {

@@ -44,6 +44,21 @@ Picked picked(std::size_t scene, const PagedScene& pages, const NamedNode& node,
   return picked(scene, content.scene, i, "Gaussian " + number, found);
 }
 
+/// Where `known` has the scene; behind its last one if it does not.
+std::size_t number_of(const ShownScene& scene, const DrawnScenes& known) {
+  const auto& all = known.gaussians;
+  return std::size_t(std::find(all.begin(), all.end(), scene.gaussians) - all.begin());
+}
+
+/// Of each scene. The only place where a list's numbers become those of a frame.
+std::vector<Placement> placements(const std::vector<ShownScene>& all, const DrawnScenes& known) {
+  std::vector<Placement> placements;
+  for (const ShownScene& scene : all)
+    placements.push_back(placement_of(scene.listed, number_of(scene, known), scene.gaussians->origin,
+                                      all[0].gaussians->origin));
+  return placements;
+}
+
 }  // namespace
 
 std::string ShownScene::name() const {
@@ -64,10 +79,10 @@ Drawing::Drawing(const std::string& renderer, const RenderSettings& settings, co
 
 void Drawing::use(const std::string& renderer) {
   std::unique_ptr<AnyRenderer> other = make_renderer(renderer);
-  const std::vector<Placement> now = placements(scenes_);
+  const std::vector<Placement> now = placements(scenes_, known_);
   std::unique_ptr<PageFrames> pages;
-  if (known_.has_pages()) {
-    pages = page_frames(*other, now);
+  if (pages_) {
+    pages = page_frames(*other, known_, now);
   } else {
     if (!other->share_scene(*renderer_))
       for (const auto& scene : known_.gaussians) other->add_scene(scene);
@@ -78,16 +93,23 @@ void Drawing::use(const std::string& renderer) {
 
 void Drawing::add(std::vector<ShownScene> more) {
   for (const ShownScene& scene : more) require_gaussians(scene);
-  for (const ShownScene& scene : more) {
-    if (std::find(known_.gaussians.begin(), known_.gaussians.end(), scene.gaussians) !=
-        known_.gaussians.end())
-      continue;
-    if (!scene.pages && !pages_) renderer_->add_scene(scene.gaussians);
-    known_.gaussians.push_back(scene.gaussians), known_.pages.push_back(scene.pages);
-    pages_.reset();
-  }
+  DrawnScenes known = known_;
+  for (const ShownScene& scene : more)
+    if (number_of(scene, known) == known.gaussians.size())
+      known.gaussians.push_back(scene.gaussians), known.pages.push_back(scene.pages);
   std::vector<ShownScene> all = scenes_;
   std::move(more.begin(), more.end(), std::back_inserter(all));
+  const std::size_t before = known_.gaussians.size();
+  if (known.has_pages()) {
+    // The pages of before stay until the new ones are there: a renderer may show them if something throws.
+    if (known.gaussians.size() != before) pages_ = page_frames(*renderer_, known, placements(all, known));
+    known_ = std::move(known);
+  } else {
+    for (std::size_t i = before; i < known.gaussians.size(); ++i) {
+      renderer_->add_scene(known.gaussians[i]);
+      known_.gaussians.push_back(known.gaussians[i]), known_.pages.emplace_back();
+    }
+  }
   place(std::move(all));
 }
 
@@ -98,32 +120,19 @@ void Drawing::change(std::size_t number, ListedScene listed) {
 }
 
 void Drawing::place(std::vector<ShownScene> all) {
-  const std::vector<Placement> now = placements(all);
-  if (!known_.has_pages())
-    renderer_->place({now.data(), now.size()});
-  else if (pages_)
+  const std::vector<Placement> now = placements(all, known_);
+  if (pages_)
     pages_->place(now);
   else
-    pages_ = page_frames(*renderer_, now);
+    renderer_->place({now.data(), now.size()});
   scenes_ = std::move(all);
   ++version_;
 }
 
-std::unique_ptr<PageFrames> Drawing::page_frames(AnyRenderer& renderer,
+std::unique_ptr<PageFrames> Drawing::page_frames(AnyRenderer& renderer, DrawnScenes drawn,
                                                  std::vector<Placement> placements) const {
-  DrawnScenes drawn = known_;
   drawn.placements = std::move(placements);
   return std::make_unique<PageFrames>(renderer, drawn, HarmonicsKept::smallest, page_bytes_);
-}
-
-std::vector<Placement> Drawing::placements(const std::vector<ShownScene>& all) const {
-  std::vector<Placement> placements;
-  for (const ShownScene& scene : all) {
-    const auto known = std::find(known_.gaussians.begin(), known_.gaussians.end(), scene.gaussians);
-    placements.push_back(placement_of(scene.listed, std::size_t(known - known_.gaussians.begin()),
-                                      scene.gaussians->origin, all[0].gaussians->origin));
-  }
-  return placements;
 }
 
 dvec3 Drawing::in_world(std::size_t scene, const dvec3& position) const {
@@ -132,7 +141,7 @@ dvec3 Drawing::in_world(std::size_t scene, const dvec3& position) const {
 
 std::vector<PlacedGaussians> Drawing::visible() const {
   std::vector<PlacedGaussians> visible;
-  const std::vector<Placement> now = placements(scenes_);
+  const std::vector<Placement> now = placements(scenes_, known_);
   for (std::size_t i = 0; i < now.size(); ++i)
     if (scenes_[i].listed.visible) visible.push_back({scenes_[i].gaussians, now[i]});
   return visible;
@@ -164,7 +173,7 @@ std::optional<Picked> Drawing::pick(int x, int y) {
     return picked(scene, *scenes_[scene].pages, node, found);
   }
   if (pages_) number -= pages_->cut().splats();
-  const std::vector<Placement> now = placements(scenes_);
+  const std::vector<Placement> now = placements(scenes_, known_);
   for (std::size_t i = 0; i < now.size(); ++i) {
     if (scenes_[i].pages) continue;  // they come first
     const std::size_t size = std::min(now[i].count, scenes_[i].gaussians->size() - now[i].first);

@@ -54,7 +54,7 @@ class Drawing {
   /// Draws with the renderer of this name from now on. Throws as `make_renderer`, and changes nothing then.
   void use(const std::string& renderer);
   /// Adds all of these scenes. Throws `InvalidArgument` if one has no Gaussian, and as
-  /// `AnyRenderer::place`; adds none then.
+  /// `AnyRenderer::place` and `PageFrames`; adds none then.
   void add(std::vector<ShownScene> scenes);
   /// Places scene `number` as `listed` says. Throws as `AnyRenderer::place`, and changes nothing then.
   void change(std::size_t number, ListedScene listed);
@@ -92,10 +92,9 @@ class Drawing {
   std::size_t version() const { return version_; }
 
  private:
-  /// Of each scene. The only place where a list's numbers become those of a frame.
-  std::vector<Placement> placements(const std::vector<ShownScene>& scenes) const;
   /// Frames by `renderer` of scenes of which some have pages.
-  std::unique_ptr<PageFrames> page_frames(AnyRenderer& renderer, std::vector<Placement> placements) const;
+  std::unique_ptr<PageFrames> page_frames(AnyRenderer& renderer, DrawnScenes drawn,
+                                          std::vector<Placement> placements) const;
   /// Makes `scenes` those of the list. Throws as `AnyRenderer::place`, and changes nothing then.
   void place(std::vector<ShownScene> scenes);
 
