@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <condition_variable>
-#include <deque>
 #include <exception>
+#include <list>
 #include <mutex>
 #include <utility>
 
@@ -17,9 +17,7 @@ struct PageLoader::State {
 
   std::mutex mutex;
   std::condition_variable asked, read;
-  std::deque<PageKey> queue;
-  std::vector<PageKey> reading;
-  std::vector<LoadedPage> loaded;
+  std::list<LoadedPage> queue, reading, loaded;  ///< a page moves on, so that readers allocate no node
   std::size_t loaded_bytes = 0, kept_bytes = 0;
   std::size_t jobs = 0;  ///< that an executor has
   bool stop = false;
@@ -31,9 +29,9 @@ struct PageLoader::State {
   /// Reads the first page of the queue, if there is room for it. `lock` is open meanwhile.
   void read_next(std::unique_lock<std::mutex>& lock) {
     if (stop || !can_read()) return;
-    LoadedPage page{queue.front(), {}};
-    queue.pop_front();
-    reading.push_back(page.key);
+    const auto at = queue.begin();
+    LoadedPage& page = *at;
+    reading.splice(reading.end(), queue, at);
     lock.unlock();
     try {
       page.content = files[page.key.file].read(page.key.page);
@@ -47,10 +45,18 @@ struct PageLoader::State {
       page.failure = "a source threw what is no exception of the standard library";
     }
     lock.lock();
-    std::erase(reading, page.key);
+    loaded.splice(loaded.end(), reading, at);
     if (page.failure.empty()) loaded_bytes += files[page.key.file].pages()[page.key.page].bytes;
-    loaded.push_back(std::move(page));
     read.notify_all();
+  }
+
+  void read_until_stopped() {
+    std::unique_lock lock(mutex);
+    for (;;) {
+      asked.wait(lock, [&] { return stop || can_read(); });
+      if (stop) return;
+      read_next(lock);
+    }
   }
 };
 
@@ -61,23 +67,26 @@ PageLoader::PageLoader(std::vector<PagedScene> files, std::size_t most_bytes, in
   state_->files = std::move(files), state_->most_bytes = std::max<std::size_t>(most_bytes, 1);
   if (threads < 1) refuse("page pool: ", threads, " threads, expected 1 or more");
   if (executor_) return;
-  for (int k = 0; k < threads; ++k)
-    threads_.emplace_back([state = state_] {
-      std::unique_lock lock(state->mutex);
-      for (;;) {
-        state->asked.wait(lock, [&] { return state->stop || state->can_read(); });
-        if (state->stop) return;
-        state->read_next(lock);
-      }
-    });
+  try {
+    for (int k = 0; k < threads; ++k)
+      threads_.emplace_back([state = state_] { state->read_until_stopped(); });
+  } catch (...) {
+    stop();
+    throw;
+  }
 }
 
-PageLoader::~PageLoader() {
+PageLoader::~PageLoader() { stop(); }
+
+void PageLoader::stop() {
   {
-    const std::lock_guard lock(state_->mutex);
-    state_->stop = true, state_->queue.clear();
+    std::unique_lock lock(state_->mutex);
+    state_->stop = true;
+    state_->asked.notify_all();
+    // What `upload` made may need the uploader, which the caller destroys next.
+    state_->read.wait(lock, [&] { return state_->reading.empty(); });
+    state_->queue.clear(), state_->loaded.clear();
   }
-  state_->asked.notify_all();
   for (std::thread& thread : threads_) thread.join();
 }
 
@@ -88,11 +97,11 @@ void PageLoader::request(const std::vector<PageKey>& keys) {
     state_->queue.clear();
     const auto is_known = [&](const PageKey& key) {
       const auto has_key = [&](const LoadedPage& page) { return page.key == key; };
-      return std::find(state_->reading.begin(), state_->reading.end(), key) != state_->reading.end() ||
+      return std::any_of(state_->reading.begin(), state_->reading.end(), has_key) ||
              std::any_of(state_->loaded.begin(), state_->loaded.end(), has_key);
     };
     for (const PageKey& key : keys)
-      if (!is_known(key)) state_->queue.push_back(key);
+      if (!is_known(key)) state_->queue.push_back({key, {}});
     if (executor_ && state_->can_read() && state_->jobs < most_jobs)
       jobs = std::min(most_jobs - state_->jobs, state_->queue.size());
     state_->jobs += jobs;
@@ -113,8 +122,8 @@ void PageLoader::request(const std::vector<PageKey>& keys) {
   }
 }
 
-std::vector<LoadedPage> PageLoader::take() {
-  std::vector<LoadedPage> loaded;
+std::list<LoadedPage> PageLoader::take() {
+  std::list<LoadedPage> loaded;
   {
     const std::lock_guard lock(state_->mutex);
     loaded.swap(state_->loaded);

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <list>
 #include <memory>
 #include <string>
 #include <thread>
@@ -44,7 +45,8 @@ struct LoadedPage {
 using PageUpload = std::function<std::shared_ptr<void>(Scene scene)>;
 
 /// Reads pages in threads of its own or by an executor. No function blocks but `wait` and the
-/// destructor, which waits for the pages being read: the lock is held while a few numbers move.
+/// destructor, which waits for the pages being read: the lock is held while a few numbers move. Jobs that an
+/// executor runs later do nothing.
 class SWIFTGS_API PageLoader {
  public:
   /// Uploads pages by `upload` if there is one. Stops reading while read pages, `keep`'s bytes included, take
@@ -58,13 +60,16 @@ class SWIFTGS_API PageLoader {
   /// What to read from now on, first things first, in place of what was asked for before.
   void request(const std::vector<PageKey>& keys);
   /// Pages that were read since.
-  std::vector<LoadedPage> take();
+  std::list<LoadedPage> take();
   /// Sets the bytes of taken pages that are not uploaded yet.
   void keep(std::size_t bytes);
   /// Returns when there is something to take, or nothing is being read or asked for.
   void wait();
 
  private:
+  /// Returns when no thread and no job reads.
+  void stop();
+
   struct State;
   std::shared_ptr<State> state_;  ///< jobs of an executor may outlive the loader
   PageExecutor executor_;
