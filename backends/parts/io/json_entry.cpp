@@ -11,8 +11,34 @@ namespace swiftgs::io {
 
 using nlohmann::json;
 
+namespace {
+
+constexpr int most_levels = 256;
+
+/// Where an array or object begins that lies in `most_levels` others; npos if none does.
+std::size_t find_too_deep(std::string_view text) {
+  int depth = 0;
+  bool in_string = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (in_string) {
+      if (c == '\\') ++i;
+      in_string = c != '"';
+      continue;
+    }
+    in_string = c == '"';
+    if (c == ']' || c == '}') --depth;
+    if ((c == '[' || c == '{') && ++depth > most_levels) return i;
+  }
+  return text.npos;
+}
+
+}  // namespace
+
 json parse_json(const Source& source) {
   expect_utf8(source);
+  if (const std::size_t at = find_too_deep(source.text()); at != std::string_view::npos)
+    source.fail(at, "at most " + std::to_string(most_levels) + " arrays and objects in each other");
   try {
     return json::parse(source.text());  // which skips a byte order mark
   } catch (const json::parse_error& error) {

@@ -11,14 +11,16 @@
 #include <nlohmann/json.hpp>
 
 #include <swiftgs/edit/affine.hpp>
+#include <swiftgs/frame/api.hpp>
 #include <swiftgs/frame/math.hpp>
 
 #include "bytes.hpp"
 
 namespace swiftgs::io {
 
-/// All of `source`. Throws `FormatError` unless it is JSON whose numbers a double can hold.
-nlohmann::json parse_json(const Source& source);
+/// All of `source`. Throws `FormatError` unless it is JSON whose numbers a double can hold, and whose arrays
+/// and objects lie 256 deep at most: copies and readers of a value call themselves for each level.
+SWIFTGS_API nlohmann::json parse_json(const Source& source);
 
 /// The keys of an object, as messages list them.
 std::string listed_keys(const nlohmann::json& object);
