@@ -3,6 +3,7 @@
 #include <string>
 
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 
 #include <swiftgs/error.hpp>
 #include <swiftgs/tools/split_mix.hpp>
@@ -81,6 +82,9 @@ TEST_CASE("pages: a file says what it expected where") {
   const TemporaryFolder folder;
   CHECK_THROWS_AS(open_pages(folder / "none.sgp"), FileError);
   CHECK_THROWS_AS(open_pages(folder.path()), FileError);
+  REQUIRE(::mkfifo((folder / "pipe").c_str(), 0600) == 0);  // which nobody writes to
+  CHECK_FALSE(is_page_file(folder / "pipe"));
+  CHECK_THROWS_AS(open_pages(folder / "pipe"), FileError);
   folder.write("empty.sgp", "");
   CHECK_THROWS_AS(open_pages(folder / "empty.sgp"), FormatError);
   CHECK_THROWS_AS(opened(whole).read(3), InvalidArgument);

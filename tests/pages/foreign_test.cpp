@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Scenes with levels of detail that other programs wrote, drawn as pages.
+#include <cmath>
 #include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
+#include <sys/stat.h>
 
 #include <swiftgs/pages/page_pool.hpp>
 #include <swiftgs/renderer.hpp>
@@ -73,7 +75,8 @@ TEST_CASE("pages: a streamed SOG is drawn by its levels") {
   CHECK(cut_of(pages, 0).splats() == 65);
   CHECK(cut_of(pages, 1e9).splats() == 32);
   const Page& coarse = pages.pages()[pages.root()];
-  CHECK(coarse.errors[0] > pages.pages()[pages.children(pages.root())[0]].errors[0] * 0.99f);
+  CHECK(coarse.errors[0] == float(4 / std::sqrt(7.0)));  // side of the first leaf, whose level has 7
+  CHECK(pages.pages()[1].errors[0] == float(4 / std::sqrt(20.0)));
 }
 
 TEST_CASE("pages: a streamed SOG that is not one is refused") {
@@ -90,12 +93,12 @@ TEST_CASE("pages: a streamed SOG that is not one is refused") {
   refused(meta, "a 'file' of filenames");
   meta = streamed.meta(), meta["tree"]["children"] = array({});
   refused(meta, "leaves with levels of detail");
-  meta = streamed.meta(), meta["tree"]["children"][1]["lods"]["0"]["count"] = 30;
-  const PagedScene pages = streamed.open([&] {
-    meta["tree"]["children"][0]["lods"]["0"]["offset"] = 50;
-    meta["tree"]["children"][1]["lods"]["0"]["count"] = 20;
-    return meta;
-  }());
+  meta = streamed.meta();
+  for (int level = 0; level < 9999; ++level)
+    meta["tree"]["children"][0]["lods"][std::to_string(level)] = lod(0, 0, 1);
+  refused(meta, "at most 64 levels of pages in each other");
+  meta = streamed.meta(), meta["tree"]["children"][0]["lods"]["0"]["offset"] = 50;
+  const PagedScene pages = streamed.open(meta);
   CHECK_THROWS_WITH_AS(pages.read(0), doctest::Contains("90 Gaussians or more"), FormatError);
 }
 
@@ -174,7 +177,7 @@ TEST_CASE("pages: tilesets that cannot be drawn are refused by name") {
   root = tile("a.glb", 1), root.erase("geometricError");
   refused(root, "a geometricError");
   root = tile("a.glb", 1), root["boundingVolume"] = {{"region", {0, 0, 1, 1, 0, 9}}};
-  refused(root, "a boundingVolume of box or sphere");
+  refused(root, "a boundingVolume of box or sphere, found a region");
   root = tile("a.glb", 1), root["content"]["uri"] = 7;
   refused(root, "members of the kinds that the format has");
   root = tile("a.glb", 1), root["refine"] = "MORE";
@@ -182,12 +185,67 @@ TEST_CASE("pages: tilesets that cannot be drawn are refused by name") {
   root = tile("a.glb", 1), root["transform"] = {-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1};
   refused(root, "a matrix that does not mirror");
   refused(tile("https://a.org/a.glb", 1), "found 'https://a.org/a.glb'");
+  refused(tile("%2e%2e/a.glb", 1), "found '%2e%2e/a.glb'");
   refused(tile(nullptr, 1), "Gaussians");
   tiles.place.write("t/mesh.gltf", R"({"asset": {"version": "2.0"}, "meshes": []})");
   refused(tile("mesh.gltf", 1), "a glTF with Gaussians");
-  tiles.place.write("t/b3dm", "b3dm");
-  refused(tile("b3dm", 1), "valid JSON");
+  tiles.place.write("t/x.b3dm", "b3dm");
+  refused(tile("x.b3dm", 1), "x.b3dm: byte 0: expected a glTF, found content of b3dm");
+  tiles.place.write("t/huge.gltf", R"({"accessors": [{"count": 4294967297}], "nodes": [{"mesh": 0}], "meshes":
+    [{"primitives": [{"attributes": {"POSITION": 0}, "extensions": {"KHR_gaussian_splatting": {}}}]}]})");
+  refused(tile("huge.gltf", 1), "huge.gltf: byte 0: expected fewer than 2^32 Gaussians");
   CHECK_THROWS_AS(tiles.open(tile("none.glb", 1)), FileError);
+  REQUIRE(::mkfifo((tiles.place / "t/pipe.glb").c_str(), 0600) == 0);
+  CHECK_THROWS_AS(tiles.open(tile("pipe.glb", 1)), FileError);
+}
+
+TEST_CASE("pages: tilesets that hold themselves or are deep or endless are refused by their file") {
+  const Tileset tiles;
+  const auto refused = [&](const json& root, const char* expected) {
+    CHECK_THROWS_WITH_AS(tiles.open(root), doctest::Contains(expected), FormatError);
+  };
+  const auto write = [&](const std::string& name, const json& root) {
+    tiles.place.write("t/" + name, json({{"root", root}}).dump());
+  };
+  write("a.json", tile("b.json", 1)), write("b.json", tile("./%61.json", 1));
+  refused(tile("a.json", 1), "a.json: byte 0: expected a tileset that does not hold itself");
+  json deep = tile("a.glb", 0);
+  for (int level = 0; level < 65; ++level) deep = tile(nullptr, 1, array({deep}));
+  refused(deep, "at most 64 tiles in each other");
+  json broken = tile("a.glb", 1);
+  broken["content"]["uri"] = 7;
+  write("broken.json", broken);
+  refused(tile("broken.json", 1), "broken.json: byte 0: expected members of the kinds that the format has");
+  json endless = tile("a.glb", 1);
+  endless["boundingVolume"] = {{"sphere", {1e308, 1e308, 1e308, 1e308}}};
+  refused(endless, "finite bounds");
+
+  const std::string nested = std::string(300'000, '[') + std::string(300'000, ']');
+  const std::string root = R"({"root": {"geometricError": 1, "extensions": )" + nested + "}}";
+  CHECK_THROWS_WITH_AS(open_pages(tiles.place.write("t/tileset.json", root)),
+                       doctest::Contains("at most 256 arrays and objects in each other"), FormatError);
+  tiles.place.write("t/deep.gltf", R"({"meshes": )" + nested + "}");
+  refused(tile("deep.gltf", 1), "deep.gltf: byte 266: expected at most 256 arrays and objects in each other");
+  // Tilesets that name the next one twice are 2^20 tilesets.
+  for (int k = 0; k < 20; ++k) {
+    const std::string next = std::to_string(k + 1) + ".json";
+    write(std::to_string(k) + ".json",
+          tile(nullptr, 1, array({tile(next.c_str(), 1), tile(next.c_str(), 1)})));
+  }
+  write("20.json", tile("a.glb", 1));
+  refused(tile("0.json", 1), "at most 65536 tilesets");
+}
+
+TEST_CASE("pages: tiles whose files have other rendering models are refused when they are read") {
+  const Tileset tiles;
+  GltfParts other = encode_gltf(some_scene(4, 1));
+  other.root["meshes"][0]["primitives"][0]["extensions"]["KHR_gaussian_splatting"]["sortingMethod"] =
+      "zDepth";
+  tiles.place.write("t/b.glb", glb(other));
+  const PagedScene pages = tiles.open(tile("a.glb", 9, array({tile("b.glb", 0)})));
+  CHECK(pages.read(pages.root()).scene.model == pages.model());
+  CHECK_THROWS_WITH_AS(pages.read(0), doctest::Contains("b.glb: byte 0: expected the rendering model"),
+                       FormatError);
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <span>
 
 #include <swiftgs/error.hpp>
+#include <swiftgs/frame/api.hpp>
 
 #include "bytes.hpp"
 
@@ -21,7 +22,7 @@ struct FileIdentity {
 
 /// A regular file, mapped read-only. The kernel may drop its pages at any time, so it takes no memory that
 /// the scene needs. Throws `FileError` with the path and the reason.
-class MappedFile {
+class SWIFTGS_API MappedFile {
  public:
   explicit MappedFile(const std::filesystem::path& path);
   ~MappedFile();

@@ -15,6 +15,7 @@
 #include <swiftgs/tools/parallel.hpp>
 
 #include "nodes.hpp"
+#include "page_file.hpp"
 #include "page_writer.hpp"
 #include "records.hpp"
 
@@ -203,11 +204,11 @@ BuiltPages build(const std::filesystem::path& out, const PageBuildOptions& optio
 }
 
 /// Adds the Gaussians of pages, one page after the other.
-void add_leaves(const PagedScene& pages, Gathered& to, const Progress& progress) {
-  const Span<const Page> all = pages.pages();
-  for (std::uint32_t i = 0; i < all.size; ++i) {
-    if (all[i].is_leaf()) to.add(pages.read(i).scene, pages.name());
-    progress(double(i + 1) / double(all.size));
+void add_leaves(const PagedScene& from, Gathered& to, const Progress& progress) {
+  const std::vector<std::uint32_t> leaves = pages::leaves_of(from);
+  for (std::size_t k = 0; k < leaves.size(); ++k) {
+    to.add(from.read(leaves[k]).scene, from.name());
+    progress(double(k + 1) / double(leaves.size()));
   }
 }
 

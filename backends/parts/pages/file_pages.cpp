@@ -2,14 +2,11 @@
 #include "file_pages.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <memory>
 #include <mutex>
 #include <numeric>
-#include <system_error>
 
 #include <swiftgs/edit/origin.hpp>
 #include <swiftgs/edit/select.hpp>
@@ -18,8 +15,24 @@
 #include <swiftgs/frame/harmonics.hpp>
 #include <swiftgs/io/scene_file.hpp>
 
+#include "json_entry.hpp"
+#include "mapped_file.hpp"
+#include "page_file.hpp"
+
 namespace swiftgs::pages {
 namespace {
+
+/// Files or ranges that all pages read, at most. Small files may name others again and again.
+constexpr std::size_t most_parts = 1 << 22;
+constexpr std::uint64_t most_gaussians = std::numeric_limits<std::uint32_t>::max();
+
+std::size_t bytes_of(const Scene& scene) {
+  std::size_t bytes = 0;
+  for_each_array(
+      [&](const char*, std::size_t, const auto& values) { bytes += values.size() * sizeof values[0]; },
+      scene);
+  return bytes;
+}
 
 /// Scenes of files. The last ones stay, since several pages are of one file.
 class FileCache {
@@ -41,18 +54,20 @@ class FileCache {
     auto scene = std::make_shared<const Scene>(std::move(found.scene));
     const std::lock_guard lock(mutex_);
     kept_.insert(kept_.begin(), {file, scene});
-    if (kept_.size() > most) kept_.pop_back();
+    for (bytes_ += bytes_of(*scene); bytes_ > most_bytes && kept_.size() > 1; kept_.pop_back())
+      bytes_ -= bytes_of(*kept_.back().scene);
     return scene;
   }
 
  private:
-  static constexpr std::size_t most = 8;
+  static constexpr std::size_t most_bytes = 256 << 20;  ///< but for one scene that is larger
   struct Kept {
     std::string file;
     std::shared_ptr<const Scene> scene;
   };
   std::mutex mutex_;
   std::vector<Kept> kept_;  ///< the latest first
+  std::size_t bytes_ = 0;   ///< of these
 };
 
 /// What a page reads, with what all pages have in common.
@@ -60,6 +75,7 @@ struct Reader {
   std::vector<std::vector<FilePart>> parts;
   std::vector<std::uint32_t> counts;
   dvec3 origin;
+  RenderingModel model;
   FileCache cache;
 
   PageContent read(std::uint32_t page) {
@@ -68,6 +84,7 @@ struct Reader {
     all.origin = origin;
     for (const FilePart& part : parts[page]) {
       const std::shared_ptr<const Scene> file = cache.read(part.file);
+      if (file->model != model) throw FormatError(part.file, 0, "the rendering model of the first file");
       const bool whole = part.first == FilePart::all;
       if (!whole && part.first + part.count > file->size())
         throw FormatError(part.file, 0, std::to_string(part.first + part.count) + " Gaussians or more");
@@ -86,7 +103,12 @@ struct Reader {
 }  // namespace
 
 void Bounds::add(const dvec3& point) {
-  for (int k = 0; k < 3; ++k) low[k] = std::min(low[k], point[k]), high[k] = std::max(high[k], point[k]);
+  constexpr double endless = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) {
+    const bool is_number = !std::isnan(point[k]);
+    low[k] = std::min(low[k], is_number ? point[k] : -endless);
+    high[k] = std::max(high[k], is_number ? point[k] : endless);
+  }
 }
 
 double Bounds::longest_side() const {
@@ -95,31 +117,26 @@ double Bounds::longest_side() const {
 
 void FilePages::fail(const std::string& expected) const { throw FormatError(path_.string(), 0, expected); }
 
-nlohmann::json FilePages::parse(const std::filesystem::path& path) {
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw FileError({errno != 0 ? errno : EIO, std::generic_category()}, path.string());
-  try {
-    return nlohmann::json::parse(file);
-  } catch (const nlohmann::json::exception&) {
-    throw FormatError(path.string(), 0, "valid JSON");
-  }
-}
-
-std::filesystem::path FilePages::beside(const std::filesystem::path& path, const std::string& name) const {
-  const std::filesystem::path normal = std::filesystem::path(name).lexically_normal();
-  if (normal.empty() || normal.is_absolute() || *normal.begin() == ".." || name.find("://") != name.npos)
-    fail("names of files in the same folder or below it, found '" + name + "'");
-  return path.parent_path() / normal;
+nlohmann::json json_of(const std::filesystem::path& path) {
+  const io::MappedFile file(path);
+  return io::parse_json({file.bytes(), path.string()});
 }
 
 std::uint32_t FilePages::add(std::vector<FilePart> parts, const Bounds& bounds, double error, int sh_degree,
                              std::vector<std::uint32_t> children) {
   Page page;
   std::uint64_t count = 0;
-  for (const FilePart& part : parts) count += part.count;
-  if (count == 0 || count > std::numeric_limits<std::uint32_t>::max())
-    fail("1 to 2^32 - 1 Gaussians in a page");
+  for (const FilePart& part : parts) {
+    if (part.count > most_gaussians - count) fail("fewer than 2^32 Gaussians in a page");
+    count += part.count;
+  }
+  if (count == 0) fail("pages with Gaussians");
+  if (children.empty() && count > most_gaussians - state_.gaussians) fail("fewer than 2^32 Gaussians");
+  parts_in_all_ += parts.size();
+  if (parts_in_all_ > most_parts) fail("pages of at most " + std::to_string(most_parts) + " files or ranges");
+  int below = 0;
+  for (const std::uint32_t child : children) below = std::max(below, levels_[child]);
+  if (below > most_levels) fail("at most " + std::to_string(most_levels) + " levels of pages in each other");
   if (!(bounds.longest_side() < 1e15) || !(error >= 0 && error < 1e30))
     fail("finite bounds and errors of 0 or more");
   page.count = std::uint32_t(count), page.sh_degree = std::uint8_t(sh_degree);
@@ -133,13 +150,12 @@ std::uint32_t FilePages::add(std::vector<FilePart> parts, const Bounds& bounds, 
   state_.sh_degree = std::max(state_.sh_degree, sh_degree);
   Bounds all = bounds;
   for (const std::uint32_t child : children) all.add(bounds_[child]);
-  parts_.push_back(std::move(parts)), bounds_.push_back(all);
+  parts_.push_back(std::move(parts)), bounds_.push_back(all), levels_.push_back(1 + below);
   return std::uint32_t(size() - 1);
 }
 
 PagedScene FilePages::finish(const char* format) && {
   if (size() == 0) fail("Gaussians");
-  if (state_.gaussians > std::numeric_limits<std::uint32_t>::max()) fail("fewer than 2^32 Gaussians");
   state_.first_child.push_back(std::uint32_t(state_.children.size()));
   const Bounds& all = bounds_.back();
   const dvec3 middle = 0.5 * (all.low + all.high);
@@ -160,7 +176,7 @@ PagedScene FilePages::finish(const char* format) && {
   }
   reader->parts = std::move(parts_);
   state_.name = path_.string(), state_.format = format;
-  state_.model = reader->cache.read(reader->parts.back()[0].file)->model;
+  state_.model = reader->model = reader->cache.read(reader->parts.back()[0].file)->model;
   state_.read = [reader](std::uint32_t page) { return reader->read(page); };
   return PagedScene(std::move(state_));
 }

@@ -32,6 +32,7 @@ struct FilePart {
 struct Bounds {
   dvec3 low{1e30}, high{-1e30};
 
+  /// What is no number makes the box endless.
   void add(const dvec3& point);
   void add(const Bounds& other) { add(other.low), add(other.high); }
   double longest_side() const;
@@ -44,19 +45,17 @@ class FilePages {
   explicit FilePages(const std::filesystem::path& path) : path_(path) {}
 
   [[noreturn]] void fail(const std::string& expected) const;
-  /// The JSON of a file. Throws `FormatError` and `FileError`.
-  static nlohmann::json parse(const std::filesystem::path& path);
-  /// A file beside the one with the name, or below it. Throws `FormatError` for any other.
-  std::filesystem::path beside(const std::filesystem::path& path, const std::string& name) const;
 
-  /// Adds a page with a constant error. @units{scene}
+  /// Adds a page with a constant error. Throws `FormatError` for bounds that are not finite, and for too
+  /// many levels, files or Gaussians. @units{scene}
   std::uint32_t add(std::vector<FilePart> parts, const Bounds& bounds, double error, int sh_degree,
                     std::vector<std::uint32_t> children);
   const std::vector<FilePart>& parts(std::uint32_t page) const { return parts_[page]; }
   const Bounds& bounds(std::uint32_t page) const { return bounds_[page]; }
   std::size_t size() const { return parts_.size(); }
 
-  /// The scene whose root is the last page. Throws `FormatError` for none, and beyond 2^32 - 1 Gaussians.
+  /// The scene whose root is the last page. Reads a file of it, which tells the rendering model. Throws
+  /// `FormatError` for no page, and what `read_scene` throws.
   PagedScene finish(const char* format) &&;
 
  private:
@@ -64,11 +63,16 @@ class FilePages {
   PagedScene::State state_;
   std::vector<std::vector<FilePart>> parts_;
   std::vector<Bounds> bounds_;
+  std::vector<int> levels_;       ///< of each page, itself included
+  std::size_t parts_in_all_ = 0;  ///< of all pages
 };
 
-/// open(). Throws `FormatError` where a value of JSON is of another kind than it asks for.
+/// The JSON of a file. Throws as `parse_json`, and `FileError`.
+nlohmann::json json_of(const std::filesystem::path& path);
+
+/// Calls `open`; throws `FormatError` if a JSON value has another kind than `open` expects.
 template <class Open>
-PagedScene with_kinds(const std::filesystem::path& path, const Open& open) {
+auto with_kinds(const std::filesystem::path& path, const Open& open) {
   try {
     return open();
   } catch (const nlohmann::json::exception&) {
@@ -76,7 +80,7 @@ PagedScene with_kinds(const std::filesystem::path& path, const Open& open) {
   }
 }
 
-/// Open files that name others. They read `path` alone, and of each tile's content the head.
+/// Open files that name others. They read JSON, of each tile's content too, and the Gaussians of one file.
 PagedScene open_streamed_sog(const std::filesystem::path& path);
 PagedScene open_tiles(const std::filesystem::path& path);
 

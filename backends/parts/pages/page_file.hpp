@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <vector>
 
 #include <swiftgs/frame/harmonics.hpp>
 #include <swiftgs/pages/paged_scene.hpp>
@@ -20,6 +21,8 @@ static_assert(std::endian::native == std::endian::little, "page files are read a
 
 inline constexpr std::array<char, 8> magic{'S', 'G', 'P', 'A', 'G', 'E', 'S', '\n'};
 inline constexpr std::uint32_t version = 1;
+/// Most levels of pages below another: frames walk a tree by recursion. That of 2^32 Gaussians has 33.
+inline constexpr int most_levels = 64;
 /// Contents of pages begin at multiples of it. @units{bytes}
 inline constexpr std::uint64_t alignment = 64;
 
@@ -70,5 +73,8 @@ std::uint64_t for_each_part(const Page& page, const F& f) {
 inline std::uint64_t content_size(const Page& page) {
   return for_each_part(page, [](std::uint64_t, std::uint64_t) {});
 }
+
+/// Numbers of the leaves, those with the first Gaussians first.
+std::vector<std::uint32_t> leaves_of(const PagedScene& pages);
 
 }  // namespace swiftgs::pages

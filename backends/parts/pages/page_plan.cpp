@@ -80,7 +80,8 @@ PagePlan::PagePlan(std::vector<PlacedPages> placed, std::size_t most_bytes) : mo
     roots += resident_bytes(file.pages()[file.root()]);
   }
   if (roots > most_bytes_)
-    refuse("page pool: ", most_bytes_, " bytes, expected ", roots, " or more for the roots of all scenes");
+    refuse("page pool: ", most_bytes_, " bytes besides pages that threads upload, expected ", roots,
+           " or more for the roots of all scenes");
   place(std::move(placed));
 }
 

@@ -4,8 +4,11 @@
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <memory>
 #include <string_view>
+#include <system_error>
 #include <utility>
+#include <vector>
 
 #include <swiftgs/edit/select.hpp>
 #include <swiftgs/error.hpp>
@@ -13,7 +16,7 @@
 #include <swiftgs/pages/paged_scene.hpp>
 
 #include "file_pages.hpp"
-#include "mapped_source.hpp"
+#include "mapped_file.hpp"
 #include "page_file.hpp"
 
 namespace swiftgs {
@@ -93,9 +96,6 @@ const char* unmet(const Page& page, const FileHeader& header) {
   return nullptr;
 }
 
-/// Frames walk a tree by recursion. That of 2^32 Gaussians has 33 levels.
-constexpr int most_levels = 64;
-
 /// Throws unless the pages are a tree whose leaves have all Gaussians in order.
 void check_tree(const std::vector<Page>& all, const FileHeader& header, const std::string& name) {
   std::vector<std::uint32_t> ends(all.size());                           // of the Gaussians below each page
@@ -118,7 +118,7 @@ void check_tree(const std::vector<Page>& all, const FileHeader& header, const st
     expect(!has_parent[page.left] && !has_parent[page.right], "children that have no other parent");
     has_parent[page.left] = has_parent[page.right] = 1;
     const int below = 1 + std::max(levels[page.left], levels[page.right]);
-    expect(below <= most_levels, "64 levels below it at most");
+    expect(below <= pages::most_levels, "64 levels below it at most");
     levels[i] = std::uint8_t(below);
     expect(all[page.left].first == page.first && all[page.right].first == ends[page.left],
            "children whose Gaussians follow each other");
@@ -222,6 +222,8 @@ PageContent PagedScene::read(std::uint32_t page) const {
 
 bool is_page_file(const std::filesystem::path& path) {
   if (path.filename() == "tileset.json") return true;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return false;  // opening a pipe would wait for a writer
   std::array<char, pages::magic.size()> begin{};
   std::ifstream(path, std::ios::binary).read(begin.data(), begin.size());
   return begin == pages::magic;
@@ -230,20 +232,27 @@ bool is_page_file(const std::filesystem::path& path) {
 PagedScene open_pages(const std::filesystem::path& path) {
   if (path.filename() == "tileset.json") return pages::open_tiles(path);
   if (path.filename() == "lod-meta.json") return pages::open_streamed_sog(path);
-  pages::MappedSource mapped = pages::map_source(path);
-  return PagedScene(std::move(mapped.read), mapped.size, path.string());
+  const auto file = std::make_shared<const io::MappedFile>(path);
+  const auto read = [file](std::uint64_t offset, std::span<std::byte> to) {
+    std::memcpy(to.data(), file->bytes().data() + offset, to.size());
+  };
+  return PagedScene(read, file->bytes().size(), path.string());
 }
 
-Scene read_leaves(const PagedScene& pages) {
-  Scene all;
-  all.model = pages.model(), all.sh_degree = pages.sh_degree(), all.origin = pages.origin();
+std::vector<std::uint32_t> pages::leaves_of(const PagedScene& pages) {
   std::vector<std::uint32_t> leaves;
   for (std::uint32_t i = 0; i < pages.pages().size; ++i)
     if (pages.pages()[i].is_leaf()) leaves.push_back(i);
   std::sort(leaves.begin(), leaves.end(), [&](std::uint32_t a, std::uint32_t b) {
     return pages.pages()[a].first < pages.pages()[b].first;
   });
-  for (const std::uint32_t leaf : leaves) append(all, pages.read(leaf).scene);
+  return leaves;
+}
+
+Scene read_leaves(const PagedScene& pages) {
+  Scene all;
+  all.model = pages.model(), all.sh_degree = pages.sh_degree(), all.origin = pages.origin();
+  for (const std::uint32_t leaf : pages::leaves_of(pages)) append(all, pages.read(leaf).scene);
   return all;
 }
 

@@ -11,6 +11,7 @@
 #include <swiftgs/scene.hpp>
 
 #include "file_pages.hpp"
+#include "formats/sog/sog_files.hpp"
 
 namespace swiftgs::pages {
 namespace {
@@ -19,8 +20,7 @@ using nlohmann::json;
 
 class StreamedSog {
  public:
-  explicit StreamedSog(const std::filesystem::path& path)
-      : path_(path), pages_(path), value_(FilePages::parse(path)) {
+  explicit StreamedSog(const std::filesystem::path& path) : path_(path), pages_(path), value_(json_of(path)) {
     if (!value_.is_object() || !value_.contains("filenames") || !value_.contains("tree"))
       pages_.fail("lod-meta.json of a streamed SOG, with filenames and a tree");
   }
@@ -41,7 +41,7 @@ class StreamedSog {
     add_environment(coarsest);
     if (coarsest.size() == 1 && coarsest[0] + 1 == pages_.size())
       return std::move(pages_).finish("streamed SOG");
-    // Its coarsest levels stand for all until each has come alone.
+    // The root draws every leaf's coarsest level until the leaves' own pages are in memory.
     std::vector<FilePart> parts;
     for (const std::uint32_t page : coarsest)
       parts.insert(parts.end(), pages_.parts(page).begin(), pages_.parts(page).end());
@@ -72,15 +72,18 @@ class StreamedSog {
     return corner;
   }
 
+  std::filesystem::path beside(const std::string& name) const {
+    if (!io::stays_inside(name))
+      pages_.fail("names of files in the same folder or below it, found '" + name + "'");
+    return path_.parent_path() / name;
+  }
+
   FilePart part_of(const json& lod) const {
     const json& names = value_["filenames"];
     const std::size_t file = whole(lod, "file");
     if (!names.is_array() || file >= names.size() || !names[file].is_string())
       pages_.fail("levels with a 'file' of filenames");
-    return {pages_.beside(path_, names[file].get<std::string>()).string(),
-            whole(lod, "offset"),
-            whole(lod, "count"),
-            {}};
+    return {beside(names[file].get<std::string>()).string(), whole(lod, "offset"), whole(lod, "count"), {}};
   }
 
   /// Adds a page for each level of a leaf, from the finest on, and the coarsest to `coarsest`.
@@ -104,13 +107,13 @@ class StreamedSog {
     coarsest.insert(coarsest.end(), finer.begin(), finer.end());
   }
 
-  /// Of all levels, around all leaves.
+  /// Adds the environment, which every level shows, as a leaf of the root.
   void add_environment(std::vector<std::uint32_t>& coarsest) {
     const auto found = value_.find("environment");
     if (found == value_.end() || found->is_null()) return;
     if (!found->is_string()) pages_.fail("the name of a file as environment");
-    const std::filesystem::path file = pages_.beside(path_, found->get<std::string>());
-    const json meta = FilePages::parse(file);
+    const std::filesystem::path file = beside(found->get<std::string>());
+    const json meta = json_of(file);
     if (!meta.is_object() || !meta.contains("count"))
       pages_.fail("an environment that says how many Gaussians it has");
     const std::size_t count = whole(meta, "count");

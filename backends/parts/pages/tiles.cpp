@@ -2,10 +2,10 @@
 
 // 3D Tiles 1.1 with explicit tiling, whose content is glTF with Gaussians.
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstring>
-#include <fstream>
+#include <cstdint>
+#include <iterator>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,15 +16,17 @@
 #include <swiftgs/scene.hpp>
 
 #include "file_pages.hpp"
+#include "formats/gltf/gltf_primitive.hpp"
+#include "json_entry.hpp"
+#include "mapped_file.hpp"
+#include "page_file.hpp"
 
 namespace swiftgs::pages {
 namespace {
 
 using nlohmann::json;
 
-/// Tilesets of tilesets, and tiles of tiles.
-constexpr int most_levels = 64;
-/// One may name others, or itself, again and again.
+/// Bounds files that name few others again and again.
 constexpr int most_tilesets = 1 << 16;
 
 /// How many Gaussians a glTF has, and of which degree.
@@ -35,53 +37,66 @@ struct Holds {
 
 /// The JSON of a glTF: all of a text file, the first chunk of a binary one.
 json head_of(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::array<char, 20> head{};
-  file.read(head.data(), head.size());
-  if (!file || std::memcmp(head.data(), "glTF", 4) != 0) return FilePages::parse(path);
-  std::uint32_t bytes = 0;
-  std::memcpy(&bytes, head.data() + 12, sizeof bytes);
-  std::error_code error;
-  if (bytes > std::filesystem::file_size(path, error))
-    throw FormatError(path.string(), 12, "a chunk that it holds");
-  std::string text(bytes, '\0');
-  file.read(text.data(), std::streamsize(bytes));
-  json value = json::parse(text, nullptr, false);
-  if (!file || value.is_discarded()) throw FormatError(path.string(), 20, "valid JSON");
-  return value;
+  constexpr std::size_t begin = 20;  // of the first chunk
+  const io::MappedFile file(path);
+  const io::Source source{file.bytes(), path.string()};
+  for (const char* const other : {"b3dm", "i3dm", "pnts", "cmpt"})
+    if (source.text().starts_with(other)) source.fail(0, std::string("a glTF, found content of ") + other);
+  if (!source.text().starts_with("glTF")) return io::parse_json(source);
+  if (source.bytes.size() < begin) source.fail(0, "a header of 20 bytes");
+  const auto bytes = io::load<std::uint32_t>(source.bytes.data() + 12);
+  if (bytes > source.bytes.size() - begin) source.fail(12, "a chunk that it holds");
+  return io::parse_json({source.bytes.subspan(begin, bytes), source.name});
+}
+
+/// The member of `of` if it is an array, or an object; else an empty one.
+const json& array_in(const json& of, const char* key) {
+  static const json none = json::array();
+  const auto found = of.find(key);  // the end of what is no object
+  return found != of.end() && found->is_array() ? *found : none;
+}
+const json& object_in(const json& of, const char* key) {
+  static const json none = json::object();
+  const auto found = of.find(key);
+  return found != of.end() && found->is_object() ? *found : none;
+}
+
+/// Adds the Gaussians of a primitive of a mesh that `uses` nodes show.
+void add_primitive(const json& primitive, const json& accessors, std::size_t uses, Holds& holds) {
+  const json& extensions = object_in(primitive, "extensions");
+  const json& own = object_in(extensions, "KHR_gaussian_splatting");
+  const json& nested = object_in(own, "extensions");
+  const bool packed =
+      std::any_of(std::begin(io::gltf_spz_extensions), std::end(io::gltf_spz_extensions),
+                  [&](const char* name) { return nested.contains(name) || extensions.contains(name); });
+  if (!packed && !extensions.contains("KHR_gaussian_splatting")) return;
+  const json& attributes = object_in(primitive, "attributes");
+  const std::size_t position = attributes.value("POSITION", accessors.size());
+  // A count of 2^32 is refused like any above it, and its product does not wrap.
+  if (position < accessors.size())
+    holds.count += uses * std::min<std::size_t>(accessors[position].value("count", std::size_t(0)),
+                                                std::size_t(1) << 32);
+  if (packed) holds.sh_degree = max_sh_degree;
+  for (const auto& [key, value] : attributes.items())
+    for (int degree = 1; degree <= max_sh_degree; ++degree)
+      if (key.find("SH_DEGREE_" + std::to_string(degree)) != key.npos)
+        holds.sh_degree = std::max(holds.sh_degree, degree);
 }
 
 /// Reads no Gaussian.
 Holds held_by(const std::filesystem::path& path) {
   const json gltf = head_of(path);
-  const auto list = [&](const json& of, const char* key) {
-    const auto found = of.is_object() ? of.find(key) : of.end();
-    return found != of.end() && found->is_array() ? *found : json::array();
-  };
-  const json accessors = list(gltf, "accessors"), nodes = list(gltf, "nodes");
+  const json &accessors = array_in(gltf, "accessors"), &meshes = array_in(gltf, "meshes");
+  std::vector<std::size_t> uses(meshes.size());
+  for (const json& node : array_in(gltf, "nodes"))
+    if (const auto mesh = node.find("mesh"); mesh != node.end())
+      if (const auto number = mesh->get<std::size_t>(); number < uses.size()) ++uses[number];
   Holds holds;
-  std::size_t number = 0;
-  for (const json& mesh : list(gltf, "meshes")) {
-    const auto uses = std::count_if(nodes.begin(), nodes.end(), [&](const json& node) {
-      return node.is_object() && node.value("mesh", -1) == int(number);
-    });
-    ++number;
-    for (const json& primitive : list(mesh, "primitives")) {
-      const auto attributes = primitive.find("attributes");
-      if (attributes == primitive.end() || !attributes->is_object() || !primitive.contains("extensions"))
-        continue;
-      const std::string extensions = primitive["extensions"].dump();
-      if (extensions.find("gaussian") == extensions.npos) continue;
-      const std::size_t position = attributes->value("POSITION", accessors.size());
-      if (position < accessors.size())
-        holds.count += std::size_t(uses) * accessors[position].value("count", std::size_t(0));
-      if (extensions.find("spz") != extensions.npos) holds.sh_degree = max_sh_degree;
-      for (const auto& [key, value] : attributes->items())
-        for (int degree = 1; degree <= max_sh_degree; ++degree)
-          if (key.find("SH_DEGREE_" + std::to_string(degree)) != key.npos)
-            holds.sh_degree = std::max(holds.sh_degree, degree);
+  for (std::size_t i = 0; i < meshes.size(); ++i)
+    for (const json& primitive : array_in(meshes[i], "primitives")) {
+      add_primitive(primitive, accessors, uses[i], holds);
+      if (holds.count >> 32 != 0) throw FormatError(path.string(), 0, "fewer than 2^32 Gaussians");
     }
-  }
   if (holds.count == 0) throw FormatError(path.string(), 0, "a glTF with Gaussians (KHR_gaussian_splatting)");
   return holds;
 }
@@ -109,10 +124,31 @@ class Tiles {
   /// Adds the pages of a tileset, and returns its root; `none` where it has no Gaussians.
   std::uint32_t add_tileset(const std::filesystem::path& file, const Affine& world_from_tileset, int level) {
     if (++tilesets_ > most_tilesets) pages_.fail("at most " + std::to_string(most_tilesets) + " tilesets");
-    const json value = FilePages::parse(file);
+    if (std::find(open_.begin(), open_.end(), file) != open_.end())
+      throw FormatError(file.string(), 0, "a tileset that does not hold itself");
+    const json value = json_of(file);
     if (!value.is_object() || !value.contains("root") || !value["root"].is_object())
       throw FormatError(file.string(), 0, "a tileset of 3D Tiles, with a root");
-    return add_tile(file, value["root"], world_from_tileset, false, level);
+    open_.push_back(file);
+    const std::uint32_t root =
+        with_kinds(file, [&] { return add_tile(file, value["root"], world_from_tileset, false, level); });
+    open_.pop_back();
+    return root;
+  }
+
+  const Holds& holds_of(const std::filesystem::path& file) {
+    const auto known = held_.find(file);
+    if (known != held_.end()) return known->second;
+    return held_.emplace(file, with_kinds(file, [&] { return held_by(file); })).first->second;
+  }
+
+  /// The file that content of the tileset `file` names.
+  static std::filesystem::path beside(const std::filesystem::path& file, const std::string& uri) {
+    const std::filesystem::path path = io::path_of_uri(uri);
+    if (path.empty())
+      throw FormatError(file.string(), 0,
+                        "names of files in the same folder or below it, found '" + uri + "'");
+    return file.parent_path() / path;
   }
 
   std::uint32_t add_tile(const std::filesystem::path& file, const json& tile, const Affine& above, bool adds,
@@ -122,8 +158,8 @@ class Tiles {
       if (!holds) throw FormatError(file.string(), 0, expected);
     };
     expect(tile.is_object(), "tiles that are objects");
-    const json extensions = tile.value("extensions", json::object());
-    expect(!tile.contains("implicitTiling") && !extensions.contains("3DTILES_implicit_tiling"),
+    expect(!tile.contains("implicitTiling") &&
+               !object_in(tile, "extensions").contains("3DTILES_implicit_tiling"),
            "explicit tiling, found implicit tiling; write the tiles out one by one");
     const Affine world = above * transform_of(tile, expect);
     if (tile.contains("refine")) {
@@ -138,15 +174,14 @@ class Tiles {
     std::vector<std::uint32_t> below;
     std::vector<FilePart> own;
     int sh_degree = 0;
-    for (const json& content : contents_of(tile)) {
-      const auto name =
-          content.is_object() ? content.value("uri", content.value("url", std::string())) : std::string();
-      const std::filesystem::path at = pages_.beside(file, name);
+    for (const json* content : contents_of(tile)) {
+      const auto name = content->value("uri", content->value("url", std::string()));
+      const std::filesystem::path at = beside(file, name);
       if (at.extension() == ".json") {
         keep(below, add_tileset(at, world, level + 1));
         continue;
       }
-      const Holds holds = held_by(at);
+      const Holds& holds = holds_of(at);
       own.push_back({at.string(), FilePart::all, holds.count, world * tile_from_content()});
       sh_degree = std::max(sh_degree, holds.sh_degree);
     }
@@ -172,11 +207,10 @@ class Tiles {
     if (page != none) pages.push_back(page);
   }
 
-  static std::vector<json> contents_of(const json& tile) {
-    std::vector<json> all;
-    if (const auto one = tile.find("content"); one != tile.end()) all.push_back(*one);
-    if (const auto several = tile.find("contents"); several != tile.end() && several->is_array())
-      all.insert(all.end(), several->begin(), several->end());
+  static std::vector<const json*> contents_of(const json& tile) {
+    std::vector<const json*> all;
+    if (const auto one = tile.find("content"); one != tile.end()) all.push_back(&*one);
+    for (const json& each : array_in(tile, "contents")) all.push_back(&each);
     return all;
   }
 
@@ -205,7 +239,7 @@ class Tiles {
 
   template <class Expect>
   static Bounds bounds_of(const json& tile, const Affine& world, const Expect& expect) {
-    const json volume = tile.value("boundingVolume", json::object());
+    const json& volume = object_in(tile, "boundingVolume");
     Bounds bounds;
     dvec3 centre, half[3]{};
     if (volume.contains("box")) {
@@ -213,7 +247,8 @@ class Tiles {
       centre = {b[0], b[1], b[2]};
       for (std::size_t k = 0; k < 3; ++k) half[k] = {b[3 + 3 * k], b[4 + 3 * k], b[5 + 3 * k]};
     } else {
-      expect(volume.contains("sphere"), "tiles with a boundingVolume of box or sphere");
+      expect(volume.contains("sphere"), std::string("tiles with a boundingVolume of box or sphere") +
+                                            (volume.contains("region") ? ", found a region" : ""));
       const std::vector<double> s = numbers(volume["sphere"], 4, expect, "sphere");
       centre = {s[0], s[1], s[2]};
       for (int k = 0; k < 3; ++k) half[k][k] = s[3];
@@ -227,12 +262,12 @@ class Tiles {
   std::filesystem::path path_;
   FilePages pages_;
   int tilesets_ = 0;
+  std::vector<std::filesystem::path> open_;  ///< tilesets that are being read
+  std::map<std::filesystem::path, Holds> held_;
 };
 
 }  // namespace
 
-PagedScene open_tiles(const std::filesystem::path& path) {
-  return with_kinds(path, [&] { return Tiles(path).open(); });
-}
+PagedScene open_tiles(const std::filesystem::path& path) { return Tiles(path).open(); }
 
 }  // namespace swiftgs::pages

@@ -64,7 +64,7 @@ class GltfBuffers {
 
 /// The path that a relative URI names, percent-decoded; empty unless it stays in the folder that it is
 /// relative to.
-std::filesystem::path path_of_uri(std::string_view uri);
+SWIFTGS_API std::filesystem::path path_of_uri(std::string_view uri);
 
 /// Vectors of numbers in a buffer.
 struct GltfAccessor {

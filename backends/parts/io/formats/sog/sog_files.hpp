@@ -47,7 +47,7 @@ SogFiles files_beside(const Source& meta);
 SogFiles files_beside(const std::string& name, const SogFiles& files);
 
 /// Whether a name leads to a file of the folder that it is looked up in, or of a folder therein.
-bool stays_inside(const std::string& name);
+SWIFTGS_API bool stays_inside(const std::string& name);
 
 enum SogImageKind {
   sog_means_low,
