@@ -23,7 +23,7 @@ struct PageOptions {
   double megabytes = 2000;  ///< that pages take of the backend's memory
 
   CutGoal goal() const { return {.pixels = pixels}; }
-  std::size_t bytes() const;  ///< throws `InvalidArgument` unless it is above 0
+  std::size_t bytes() const;  ///< throws `std::invalid_argument` unless it is above 0 and below 1e15
 };
 
 /// Adds `--pixels`, `--pool` and `--paged`.
@@ -41,7 +41,7 @@ class PageFrames {
 
   /// Chooses the pages of a frame of all `cameras`, and has the renderer show them.
   const Cut& show(Span<const Camera> cameras, const RenderSettings& settings, const CutGoal& goal);
-  /// The same with all pages there. Throws `FormatError` where one cannot be read.
+  /// The same with all pages there. Throws `std::runtime_error` where one cannot be read.
   const Cut& show_complete(Span<const Camera> cameras, const RenderSettings& settings, const CutGoal& goal);
 
   const Cut& cut() const { return cut_; }

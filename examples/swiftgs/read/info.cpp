@@ -240,7 +240,7 @@ constexpr const char* info_help =
 harmonics, how many Gaussians were dropped, with a note for each reason, the origin of a
 scene far from zero, and percentiles of positions (relative to the origin), opacities and
 scales; of a capture's folder also where its cameras and photographs are, and the cameras'
-lenses. Of a page file or 3D Tiles it reads no Gaussians.
+lenses. Of a page file it reads the table alone, of 3D Tiles the JSON and one file.
 
 Example:
   swiftgs info garden.spz)";

@@ -26,7 +26,7 @@ namespace swiftgs {
 
 /// A row of the table of pages, as a page file has it. A leaf holds Gaussians of the source. A parent holds
 /// nodes, each of which stands for Gaussians below its two children. Of other files, only bounds, bytes,
-/// count, errors and `left` mean something.
+/// first, count, degree and errors mean something, and whether `left` is none.
 struct Page {
   static constexpr std::uint32_t none = 0xffffffff;
   static constexpr std::size_t error_count = 8;
