@@ -126,14 +126,19 @@ class Copies {
   std::vector<std::string> files_;
 };
 
-/// What a walk measured. @units{milliseconds}
+/// What a walk measured.
 struct Measured {
-  std::vector<double> cut, frame;
-  std::size_t complete = 0,
-              late = 0;  ///< frames that lack nothing, and those that lack what the one before did
-  double seconds = 0, worst_pixels = 0, mean_splats = 0, decibels = 0,
-         least_decibels = std::numeric_limits<double>::infinity();
-  std::uint64_t uploads = 0, bytes = 0;
+  std::vector<double> cut;    ///< of each frame @units{milliseconds}
+  std::vector<double> frame;  ///< with its cut @units{milliseconds}
+  std::size_t complete = 0;   ///< frames that lack nothing
+  std::size_t late = 0;       ///< frames that lack what the one before did
+  double seconds = 0;
+  double worst_pixels = 0;
+  double mean_splats = 0;
+  double decibels = 0;
+  double least_decibels = std::numeric_limits<double>::infinity();
+  std::uint64_t uploads = 0;
+  std::uint64_t bytes = 0;  ///< that were uploaded
   std::size_t most_bytes = 0;
 };
 
