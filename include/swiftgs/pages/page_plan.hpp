@@ -77,7 +77,7 @@ class SWIFTGS_API PagePlan {
 
   PageState& state(PageKey key) { return states_[key.file][key.page]; }
   const PageState& state(PageKey key) const { return states_[key.file][key.page]; }
-  /// Adds pages to those wanted. `draws`: for the frame, which shows them. @units{bytes}
+  /// Chooses pages for `views` and adds their bytes to `bytes`. `draws`: the frame shows them.
   Wanted grow(Span<const View> views, const CutGoal& goal, bool draws, std::size_t& bytes);
   void draw(std::size_t scene, std::uint32_t page, std::vector<Drawn>& to) const;
 
