@@ -250,9 +250,9 @@ TEST_CASE("pages: a source that fails and delays at random makes no hole and is 
       if (seed != 1)
         options.executor = [&](std::function<void()> load) { threads.emplace_back(std::move(load)); };
       if (seed == 2) options.bytes = 2'000'000;  // some of which pages that wait take
+      SplitMix64 random(seed);                   // which reads use until the pool is gone
       Cpu uploader;
       PagePool<Cpu> pool(renderer.backend(), pages, options, seed == 2 ? &uploader : nullptr);
-      SplitMix64 random(seed);
       source->before_read = [&] {
         std::uint64_t bits = 0;
         {
@@ -282,6 +282,34 @@ TEST_CASE("pages: a source that fails and delays at random makes no hole and is 
     }
     for (std::thread& thread : threads) thread.join();
   }
+}
+
+TEST_CASE("pages: a pool waits for an executor's jobs that read and later jobs do nothing") {
+  const auto source = TestSource::of(ordered_scene(5000));
+  const PagedScene pages = open(source);
+  Renderer<Cpu> renderer;
+  std::vector<std::function<void()>> jobs;
+  std::thread reader;
+  std::atomic<bool> reads = false, has_read = false;
+  {
+    Cpu uploader;
+    PagePool<Cpu> pool(renderer.backend(), pages,
+                       {.executor = [&](std::function<void()> load) { jobs.push_back(std::move(load)); }},
+                       &uploader);
+    source->before_read = [&] {
+      reads = true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      has_read = true;
+    };
+    pool.cut(all_of(front()), {.pixels = 0});
+    REQUIRE(jobs.size() >= 2);
+    reader = std::thread(jobs[0]);
+    while (!reads) std::this_thread::yield();
+  }
+  CHECK(has_read);
+  source->before_read = [] { FAIL("a job reads for a pool that is gone"); };
+  jobs[1]();
+  reader.join();
 }
 
 TEST_CASE("pages: the same pages in memory draw the same bits whatever came before") {
