@@ -114,9 +114,7 @@ class OwnDevice {
     const auto create = reinterpret_cast<PFN_vkCreateInstance>(get_(nullptr, "vkCreateInstance"));
     if (!create || create(&info, nullptr, &instance_) != VK_SUCCESS)
       throw Unavailable("vulkan: expected an instance of Vulkan 1.3");
-#define SWIFTGS_VULKAN_GET(name) vk_.name = reinterpret_cast<PFN_##name>(get_(instance_, #name));
-    SWIFTGS_VULKAN_OF_INSTANCE(SWIFTGS_VULKAN_GET)
-#undef SWIFTGS_VULKAN_GET
+    vk_ = vulkan::functions_of(get_, instance_);
   }
   /// Destroys the instance, unless it has a device, which is never destroyed.
   ~OwnDevice() {
@@ -247,11 +245,13 @@ VulkanDevice::VulkanDevice(const VulkanHandles& handles) {
     if (!feature.enabled)
       throw Unavailable(std::string("vulkan: the device was made without ") + feature.name +
                         ", expected it among enabled_features");
-  auto state = std::make_shared<State>(handles);
-  if (const std::string lacking = lacks(state->vk, handles.physical_device); !lacking.empty())
+  const auto get = reinterpret_cast<PFN_vkGetInstanceProcAddr>(handles.get_instance_proc_addr);
+  const vulkan::Functions of_instance = vulkan::functions_of(get, handles.instance);
+  if (const std::string lacking = lacks(of_instance, handles.physical_device); !lacking.empty())
     throw Unavailable(lacking);
+  const auto state = std::make_shared<State>(handles, of_instance);
   state->create();
-  state_ = std::move(state);
+  state_ = state;
   state_->fuses = find_fuses(*this);
 }
 

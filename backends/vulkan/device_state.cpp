@@ -30,6 +30,23 @@ void check(VkResult result, const char* call) {
   };
   throw DeviceError(call, text());
 }
+
+namespace {
+template <class Function>
+void take(Function& to, PFN_vkVoidFunction found, const char* name, const char* of) {
+  if (!found)
+    throw Unavailable(std::string("vulkan: no function ") + name + ", expected " + of + " of Vulkan 1.3");
+  to = reinterpret_cast<Function>(found);
+}
+}  // namespace
+
+Functions functions_of(PFN_vkGetInstanceProcAddr get, VkInstance instance) {
+  Functions vk;
+#define SWIFTGS_VULKAN_GET(name) take(vk.name, get(instance, #name), #name, "an instance");
+  SWIFTGS_VULKAN_OF_INSTANCE(SWIFTGS_VULKAN_GET)
+#undef SWIFTGS_VULKAN_GET
+  return vk;
+}
 }  // namespace vulkan
 
 namespace {
@@ -41,14 +58,10 @@ void release_by_hook(void* context, void* memory, std::size_t) {
 }
 }  // namespace
 
-VulkanDevice::State::State(const VulkanHandles& of)
-    : handles(of), device(of.device), hook{allocate_by_hook, release_by_hook, this} {
-  const auto get = reinterpret_cast<PFN_vkGetInstanceProcAddr>(handles.get_instance_proc_addr);
-#define SWIFTGS_VULKAN_GET(name) vk.name = reinterpret_cast<PFN_##name>(get(of.instance, #name));
-  SWIFTGS_VULKAN_OF_INSTANCE(SWIFTGS_VULKAN_GET)
-#undef SWIFTGS_VULKAN_GET
+VulkanDevice::State::State(const VulkanHandles& of, const vulkan::Functions& of_instance)
+    : vk(of_instance), handles(of), device(of.device), hook{allocate_by_hook, release_by_hook, this} {
 #define SWIFTGS_VULKAN_GET(name) \
-  vk.name = reinterpret_cast<PFN_##name>(vk.vkGetDeviceProcAddr(device, #name));
+  vulkan::take(vk.name, vk.vkGetDeviceProcAddr(device, #name), #name, "a device");
   SWIFTGS_VULKAN_OF_DEVICE(SWIFTGS_VULKAN_GET)
 #undef SWIFTGS_VULKAN_GET
 }
@@ -64,7 +77,10 @@ void VulkanDevice::State::create() {
   vk.vkGetPhysicalDeviceQueueFamilyProperties(handles.physical_device, &families, nullptr);
   std::vector<VkQueueFamilyProperties> family(families);
   vk.vkGetPhysicalDeviceQueueFamilyProperties(handles.physical_device, &families, family.data());
-  if (const std::uint32_t bits = family.at(handles.queue_family).timestampValidBits; bits != 0) {
+  const std::uint32_t number = handles.queue_family;
+  if (number >= families || !(family[number].queueFlags & VK_QUEUE_COMPUTE_BIT))
+    detail::refuse("vulkan: queue_family is ", number, ", expected one of ", families, " that computes");
+  if (const std::uint32_t bits = family[number].timestampValidBits; bits != 0) {
     nanoseconds = properties.properties.limits.timestampPeriod;
     tick_mask = bits >= 64 ? ~std::uint64_t(0) : (std::uint64_t(1) << bits) - 1;
   }

@@ -21,6 +21,9 @@ namespace vulkan {
 /// Throws `DeviceError` unless `result` is VK_SUCCESS.
 void check(VkResult result, const char* call);
 
+/// The functions of an instance. Throws `Unavailable` by name for one that is missing.
+Functions functions_of(PFN_vkGetInstanceProcAddr get, VkInstance instance);
+
 /// Descriptors of an image to store to, and of one to load from, by their bindings.
 inline constexpr VkDescriptorType image_types[] = {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
                                                    VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE};
@@ -42,7 +45,8 @@ struct Block {
 
 /// All members but the constants may be used by several threads: `mutex` guards them.
 struct VulkanDevice::State {
-  explicit State(const VulkanHandles& handles);
+  /// Throws `Unavailable` by name for a function that is missing.
+  State(const VulkanHandles& handles, const vulkan::Functions& of_instance);
   /// Makes what may fail, on a device that has all that is needed.
   void create();
   State(const State&) = delete;

@@ -16,7 +16,7 @@ namespace swiftgs::vulkan {
   f(vkGetPhysicalDeviceQueueFamilyProperties) f(vkCreateDevice) f(vkGetDeviceProcAddr)
 
 #define SWIFTGS_VULKAN_OF_DEVICE(f) \
-  f(vkGetDeviceQueue) f(vkCreateBuffer) f(vkDestroyBuffer) f(vkGetBufferMemoryRequirements) \
+  f(vkCreateBuffer) f(vkDestroyBuffer) f(vkGetBufferMemoryRequirements) \
   f(vkAllocateMemory) f(vkFreeMemory) f(vkBindBufferMemory) f(vkGetBufferDeviceAddress) f(vkMapMemory) \
   f(vkCreateShaderModule) f(vkDestroyShaderModule) f(vkCreatePipelineLayout) f(vkDestroyPipelineLayout) \
   f(vkCreateComputePipelines) f(vkDestroyPipeline) f(vkCreateCommandPool) f(vkDestroyCommandPool) \

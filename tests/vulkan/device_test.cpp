@@ -63,6 +63,17 @@ PFN_vkVoidFunction get_of_device(VkDevice device, const char* name) {
   if (wanted == "vkWaitSemaphores") return reinterpret_cast<PFN_vkVoidFunction>(wait_or_fail);
   return VulkanDevice::own().state().vk.vkGetDeviceProcAddr(device, name);
 }
+/// The name of a function that the instance or the device lacks.
+std::string missing;
+Function get_but_missing(VkInstance instance, const char* name) {
+  if (name == missing) return nullptr;
+  if (std::string(name) == "vkGetDeviceProcAddr")
+    return reinterpret_cast<Function>(+[](VkDevice device, const char* wanted) -> PFN_vkVoidFunction {
+      if (wanted == missing) return nullptr;
+      return VulkanDevice::own().state().vk.vkGetDeviceProcAddr(device, wanted);
+    });
+  return VulkanDevice::own().handles().get_instance_proc_addr(instance, name);
+}
 Function get_that_may_be_lost(VkInstance instance, const char* name) {
   if (std::string(name) == "vkGetDeviceProcAddr") return reinterpret_cast<Function>(get_of_device);
   return VulkanDevice::own().handles().get_instance_proc_addr(instance, name);
@@ -96,6 +107,22 @@ SWIFTGS_VULKAN_CASE("vulkan: each feature that a program did not enable is refus
       "vulkan: the device was made without shaderStorageImageWriteWithoutFormat, expected it "
       "for images",
       Unavailable);
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: a function that is missing and a queue that is none are refused by name") {
+  VulkanHandles handles = VulkanDevice::own().handles();
+  handles.get_instance_proc_addr = get_but_missing;
+  missing = "vkGetPhysicalDeviceFeatures2";
+  CHECK_THROWS_WITH_AS(VulkanDevice{handles},
+                       "vulkan: no function vkGetPhysicalDeviceFeatures2, expected an instance of Vulkan 1.3",
+                       Unavailable);
+  missing = "vkWaitSemaphores";
+  CHECK_THROWS_WITH_AS(VulkanDevice{handles},
+                       "vulkan: no function vkWaitSemaphores, expected a device of Vulkan 1.3", Unavailable);
+  missing.clear();
+  handles.queue_family = 1000;
+  CHECK_THROWS_WITH_AS(VulkanDevice{handles}, doctest::Contains("vulkan: queue_family is 1000, expected one"),
+                       InvalidArgument);
 }
 
 SWIFTGS_VULKAN_CASE(
