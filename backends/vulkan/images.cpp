@@ -6,6 +6,7 @@
 
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame.hpp>
+#include <swiftgs/frame/render_input.hpp>
 #include <swiftgs/vulkan/backend.hpp>
 
 #include "commands.hpp"
@@ -18,6 +19,9 @@ namespace {
 /// Copies pixels of `plane` by one kernel.
 void copy_pixels(const Vulkan& b, vulkan::Kernel kernel, VkImageView image, const Plane<void>& plane,
                  const FrameView& frame, std::uint32_t format) {
+  if (!image || !plane.data) throw InvalidArgument("vulkan: expected an image and memory for its pixels");
+  validate(frame);
+  vulkan::check_colours(frame);
   const bool stores = kernel == vulkan::Kernel::store_image;
   const auto as = [](bool writes) { return writes ? vulkan::Access::written : vulkan::Access::read; };
   const std::uint64_t pitch = std::uint64_t(plane.pitch);
@@ -38,19 +42,18 @@ void Vulkan::store(const FrameView& frame, VkImageView_T* image) {
   if (!state_->device.state().stores_images)
     throw Unavailable(
         "vulkan: the device was made without shaderStorageImageWriteWithoutFormat, expected it for images");
-  vulkan::check_colours(frame);
   copy_pixels(*this, vulkan::Kernel::store_image, image, frame.colour, frame, std::uint32_t(frame.format));
 }
 
 void Vulkan::load(VkImageView_T* image, const FrameView& frame) {
-  vulkan::check_colours(frame);
   copy_pixels(*this, vulkan::Kernel::load_image, image, frame.colour, frame, std::uint32_t(frame.format));
 }
 
 void Vulkan::load_depth(VkImageView_T* image, float* to, int width, int height) {
   constexpr std::uint32_t depth = 5;  // behind the formats of colours
-  copy_pixels(*this, vulkan::Kernel::load_image, image, {to, std::ptrdiff_t(sizeof(float)) * width},
-              {.width = width, .height = height}, depth);
+  const auto pitch = std::ptrdiff_t(sizeof(float)) * width;
+  copy_pixels(*this, vulkan::Kernel::load_image, image, {to, pitch},
+              {.width = width, .height = height, .occluder = {to, pitch}}, depth);
 }
 
 }  // namespace swiftgs

@@ -143,6 +143,21 @@ SWIFTGS_VULKAN_CASE(
   lost = false;
 }
 
+SWIFTGS_VULKAN_CASE("vulkan: an image that is null and a frame without pixels or colours are refused") {
+  Vulkan b;
+  VulkanBuffer<float> colours;
+  colours.reset(3);
+  VkImageView image = reinterpret_cast<VkImageView>(&b);  // never read
+  CHECK_THROWS_AS(b.load(nullptr, {.width = 1, .height = 1, .colour = {colours.data(), 12}}),
+                  InvalidArgument);
+  CHECK_THROWS_AS(b.load(image, {.width = 1, .height = 1}), InvalidArgument);
+  CHECK_THROWS_AS(b.load(image, {.width = 0, .height = 1, .colour = {colours.data(), 12}}), InvalidArgument);
+  CHECK_THROWS_AS(b.load(image, {.width = 2, .height = 1, .colour = {colours.data(), 12}}), InvalidArgument);
+  CHECK_THROWS_AS(b.load_depth(nullptr, colours.data(), 1, 1), InvalidArgument);
+  CHECK_THROWS_AS(b.load_depth(image, nullptr, 1, 1), InvalidArgument);
+  CHECK_THROWS_AS(b.load_depth(image, colours.data(), 1, -1), InvalidArgument);
+}
+
 SWIFTGS_VULKAN_CASE("vulkan: pipelines are kept for a later run and bytes that are none are ignored") {
   const VulkanDevice& device = VulkanDevice::own();
   std::vector<std::byte> kept = device.pipelines();
