@@ -173,6 +173,10 @@ class Commands {
   /// Takes the memory of scans of so many values.
   void reserve_scan(std::size_t values);
 
+  /// Orders the next kernel behind all before: frames find scenes by addresses that their kernels do not
+  /// note.
+  void forget() { b_.hazards.forget(); }
+
   /// Orders these commands behind all earlier ones of the program.
   void follow_program();
   /// Orders all later commands of the program behind these.

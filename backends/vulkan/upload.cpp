@@ -117,6 +117,7 @@ void copy(vulkan::Commands& commands, const RowsCopy& rows, std::size_t count) {
 void copy(vulkan::Commands& commands, const SceneArrays& from, VulkanScene::Arrays& to, std::size_t first,
           std::size_t sh_stride) {
   if (from.count == 0) return;
+  commands.forget();
   const auto channels = std::size_t(from.feature_channels);
   const RowsCopy all[] = {
       {from.means, to.means.data() + first, 3, 3},
@@ -154,6 +155,7 @@ VulkanScene Vulkan::upload(const SceneArrays& from, std::optional<VulkanScene>& 
   to->means.reset(n), to->scales.reset(n), to->rotations.reset(n), to->opacities.reset(n), to->sh0.reset(n);
   to->sh_rest.reset(n * stride * sizeof(float)), to->features.reset(n * channels);
   copy(commands, from, *to, 0, stride);
+  commands.forget();
   commands.submit();
   const VulkanScene::Arrays& all = *to;
   const SceneView view{.means = all.means.span(),
@@ -188,6 +190,7 @@ void Vulkan::update(VulkanScene& scene, std::size_t first, const SceneArrays& fr
                               vulkan::writes(to.chunks.data(), view.chunks.size), std::uint32_t(chunks.begin),
                               std::uint32_t(chunks.end), std::uint32_t(view.size())),
                  vulkan::Commands::Shape::of(chunks.size(), 1));
+  commands.forget();
   commands.submit();
 }
 
