@@ -23,16 +23,17 @@ void copy_pixels(const Vulkan& b, vulkan::Kernel kernel, VkImageView image, cons
   validate(frame);
   vulkan::check_colours(frame);
   const bool stores = kernel == vulkan::Kernel::store_image;
-  const auto as = [](bool writes) { return writes ? vulkan::Access::written : vulkan::Access::read; };
   const std::uint64_t pitch = std::uint64_t(plane.pitch);
   vulkan::Push push(vulkan::address(plane.data), std::uint32_t(pitch), std::uint32_t(pitch >> 32),
                     std::uint32_t(frame.width), std::uint32_t(frame.height), format);
-  push.touch(vulkan::pixels_of(plane, frame.height, as(!stores)));
-  push.touch({reinterpret_cast<const std::byte*>(image), 1, as(stores)});
+  push.touch(vulkan::pixels_of(plane, frame.height, stores ? vulkan::Access::read : vulkan::Access::written));
   vulkan::Commands commands(b);
+  // Views do not tell which image they show, so each copy is ordered as if it were the program's.
+  commands.follow_program();
   commands.bind_image(image, stores ? 0 : 1);
   commands.run(kernel, {}, push,
                vulkan::Commands::Shape::of(std::size_t(frame.width) * std::size_t(frame.height)));
+  commands.precede_program();
   commands.submit();
 }
 
