@@ -190,10 +190,10 @@ std::uint64_t Commands::submit() {
   if (b_.recording) return b_.last;
   CommandSlot& slot = *std::exchange(b_.open, nullptr);
   const Closing closing{device_};
+  const auto points = std::exchange(b_.open_points, {});
   check(device_.vk.vkEndCommandBuffer(slot.commands), "vkEndCommandBuffer");
   b_.last = slot.done_at = device_.submit(slot.commands);
-  for (const std::uint32_t point : b_.open_points) b_.reached_at[point] = b_.last;
-  b_.open_points.clear();
+  for (const std::uint32_t point : points) b_.reached_at[point] = b_.last;
   return b_.last;
 }
 
