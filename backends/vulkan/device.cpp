@@ -276,31 +276,8 @@ bool VulkanDevice::has_own() {
 
 const VulkanHandles& VulkanDevice::handles() const { return state_->handles; }
 
-std::vector<std::byte> VulkanDevice::pipelines() const {
-  const auto get = [&](std::size_t& bytes, void* to) {
-    return state_->vk.vkGetPipelineCacheData(state_->device, state_->pipelines, &bytes, to);
-  };
-  std::size_t bytes = 0;
-  vulkan::check(get(bytes, nullptr), "vkGetPipelineCacheData");
-  std::vector<std::byte> kept(bytes);
-  // A kernel that another thread compiles meanwhile may be left out.
-  if (const VkResult result = get(bytes, kept.data()); result != VK_INCOMPLETE)
-    vulkan::check(result, "vkGetPipelineCacheData");
-  kept.resize(bytes);
-  return kept;
-}
-
-void VulkanDevice::add_pipelines(Span<const std::byte> kept) const {
-  VkPipelineCacheCreateInfo info{};
-  info.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO;
-  info.initialDataSize = kept.size, info.pInitialData = kept.data;
-  VkPipelineCache more = VK_NULL_HANDLE;
-  const vulkan::Functions& vk = state_->vk;
-  vulkan::check(vk.vkCreatePipelineCache(state_->device, &info, nullptr, &more), "vkCreatePipelineCache");
-  const VkResult result = state_->merge(more);
-  vk.vkDestroyPipelineCache(state_->device, more, nullptr);
-  vulkan::check(result, "vkMergePipelineCaches");
-}
+std::vector<std::byte> VulkanDevice::pipelines() const { return state_->kept_pipelines(); }
+void VulkanDevice::add_pipelines(Span<const std::byte> kept) const { state_->add_pipelines(kept); }
 
 const MemoryHook& VulkanDevice::memory_hook() const { return state_->hook; }
 

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <memory>
 #include <string>
 #include <utility>
@@ -73,6 +74,12 @@ void VulkanDevice::State::create() {
   properties.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2, properties.pNext = &of_1_1;
   vk.vkGetPhysicalDeviceProperties2(handles.physical_device, &properties);
   name = properties.properties.deviceName, subgroup = of_1_1.subgroupSize;
+  cache_header_ = {sizeof cache_header_,
+                   VK_PIPELINE_CACHE_HEADER_VERSION_ONE,
+                   properties.properties.vendorID,
+                   properties.properties.deviceID,
+                   {}};
+  std::memcpy(cache_header_.pipelineCacheUUID, properties.properties.pipelineCacheUUID, VK_UUID_SIZE);
   std::uint32_t families = 0;
   vk.vkGetPhysicalDeviceQueueFamilyProperties(handles.physical_device, &families, nullptr);
   std::vector<VkQueueFamilyProperties> family(families);
@@ -271,9 +278,48 @@ void VulkanDevice::State::wait(std::uint64_t value) {
   vulkan::check(vk.vkWaitSemaphores(device, &wait, ~std::uint64_t(0)), "vkWaitSemaphores");
 }
 
-VkResult VulkanDevice::State::merge(VkPipelineCache more) {
+namespace {
+/// What kept pipelines begin with.
+struct KeptHeader {
+  std::uint64_t magic = 0x3165706950534753;  // "SGSPipe1"
+  std::uint64_t bytes = 0, hash = 0;
+
+  /// By FNV-1a.
+  explicit KeptHeader(Span<const std::byte> kept) : bytes(kept.size), hash(0xcbf29ce484222325) {
+    for (const std::byte b : kept) hash = (hash ^ std::uint64_t(b)) * 0x100000001b3;
+  }
+};
+}  // namespace
+
+std::vector<std::byte> VulkanDevice::State::kept_pipelines() {
   const std::lock_guard lock(mutex_);
-  return vk.vkMergePipelineCaches(device, pipelines, 1, &more);
+  std::size_t bytes = 0;
+  vulkan::check(vk.vkGetPipelineCacheData(device, pipelines, &bytes, nullptr), "vkGetPipelineCacheData");
+  std::vector<std::byte> kept(sizeof(KeptHeader) + bytes);
+  std::byte* const data = kept.data() + sizeof(KeptHeader);
+  vulkan::check(vk.vkGetPipelineCacheData(device, pipelines, &bytes, data), "vkGetPipelineCacheData");
+  kept.resize(sizeof(KeptHeader) + bytes);
+  const KeptHeader header({data, bytes});
+  std::memcpy(kept.data(), &header, sizeof header);
+  return kept;
+}
+
+void VulkanDevice::State::add_pipelines(Span<const std::byte> kept) {
+  if (kept.size < sizeof(KeptHeader) + sizeof cache_header_) return;
+  const Span<const std::byte> data{kept.data + sizeof(KeptHeader), kept.size - sizeof(KeptHeader)};
+  const KeptHeader header(data);
+  if (std::memcmp(kept.data, &header, sizeof header) != 0 ||
+      std::memcmp(data.data, &cache_header_, sizeof cache_header_) != 0)
+    return;
+  VkPipelineCacheCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_PIPELINE_CACHE_CREATE_INFO;
+  info.initialDataSize = data.size, info.pInitialData = data.data;
+  VkPipelineCache more = VK_NULL_HANDLE;
+  vulkan::check(vk.vkCreatePipelineCache(device, &info, nullptr, &more), "vkCreatePipelineCache");
+  const std::lock_guard lock(mutex_);
+  const VkResult result = vk.vkMergePipelineCaches(device, pipelines, 1, &more);
+  vk.vkDestroyPipelineCache(device, more, nullptr);
+  vulkan::check(result, "vkMergePipelineCaches");
 }
 
 VkPipeline VulkanDevice::State::pipeline(vulkan::Kernel kernel, std::uint32_t threads,

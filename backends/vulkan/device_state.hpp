@@ -75,8 +75,10 @@ struct VulkanDevice::State {
   VkPipeline pipeline(vulkan::Kernel kernel, std::uint32_t threads,
                       const std::vector<std::uint32_t>& constants);
 
-  /// Adds pipelines to those that are kept.
-  VkResult merge(VkPipelineCache more);
+  /// The bytes of compiled pipelines behind a header of their length and hash.
+  std::vector<std::byte> kept_pipelines();
+  /// Ignores bytes that `kept_pipelines` of this device and driver did not give: drivers may trust them.
+  void add_pipelines(Span<const std::byte> kept);
 
   // Constants.
   vulkan::Functions vk;
@@ -107,6 +109,7 @@ struct VulkanDevice::State {
   std::map<void*, vulkan::Allocation> memories_;
   std::vector<std::pair<std::uint64_t, vulkan::Allocation>> released_;
   std::map<std::vector<std::uint32_t>, VkPipeline> pipelines_;
+  VkPipelineCacheHeaderVersionOne cache_header_{};  ///< what its bytes begin with
   VkPhysicalDeviceMemoryProperties memory_{};
   std::uint32_t device_type_ = 0, host_type_ = 0;
 };

@@ -46,8 +46,11 @@ VulkanHandles with_features(const EnabledFeatures& features) {
   return handles;
 }
 
-/// A device whose submits and waits fail once it is lost.
+/// A device that lacks a function, whose submits and waits fail once it is lost, whose allocations fail as
+/// often as told, and that counts merges of pipelines.
+std::string missing;
 std::atomic<bool> lost = false;
+std::atomic<int> failing_allocations = 0, merges = 0;
 using Function = void (*)();
 VkResult submit_or_fail(VkQueue queue, std::uint32_t count, const VkSubmitInfo* submits, VkFence fence) {
   if (lost) return VK_ERROR_DEVICE_LOST;
@@ -57,26 +60,33 @@ VkResult wait_or_fail(VkDevice device, const VkSemaphoreWaitInfo* wait, std::uin
   if (lost) return VK_ERROR_DEVICE_LOST;
   return VulkanDevice::own().state().vk.vkWaitSemaphores(device, wait, ~std::uint64_t(0));
 }
+VkResult allocate_or_fail(VkDevice device, const VkMemoryAllocateInfo* info, const VkAllocationCallbacks*,
+                          VkDeviceMemory* memory) {
+  if (failing_allocations > 0) return --failing_allocations, VK_ERROR_OUT_OF_DEVICE_MEMORY;
+  return VulkanDevice::own().state().vk.vkAllocateMemory(device, info, nullptr, memory);
+}
+VkResult count_merge(VkDevice device, VkPipelineCache to, std::uint32_t count, const VkPipelineCache* from) {
+  ++merges;
+  return VulkanDevice::own().state().vk.vkMergePipelineCaches(device, to, count, from);
+}
 PFN_vkVoidFunction get_of_device(VkDevice device, const char* name) {
   const std::string wanted = name;
+  if (wanted == missing) return nullptr;
   if (wanted == "vkQueueSubmit") return reinterpret_cast<PFN_vkVoidFunction>(submit_or_fail);
   if (wanted == "vkWaitSemaphores") return reinterpret_cast<PFN_vkVoidFunction>(wait_or_fail);
+  if (wanted == "vkAllocateMemory") return reinterpret_cast<PFN_vkVoidFunction>(allocate_or_fail);
+  if (wanted == "vkMergePipelineCaches") return reinterpret_cast<PFN_vkVoidFunction>(count_merge);
   return VulkanDevice::own().state().vk.vkGetDeviceProcAddr(device, name);
 }
-/// The name of a function that the instance or the device lacks.
-std::string missing;
-Function get_but_missing(VkInstance instance, const char* name) {
+Function get_hooked(VkInstance instance, const char* name) {
   if (name == missing) return nullptr;
-  if (std::string(name) == "vkGetDeviceProcAddr")
-    return reinterpret_cast<Function>(+[](VkDevice device, const char* wanted) -> PFN_vkVoidFunction {
-      if (wanted == missing) return nullptr;
-      return VulkanDevice::own().state().vk.vkGetDeviceProcAddr(device, wanted);
-    });
-  return VulkanDevice::own().handles().get_instance_proc_addr(instance, name);
-}
-Function get_that_may_be_lost(VkInstance instance, const char* name) {
   if (std::string(name) == "vkGetDeviceProcAddr") return reinterpret_cast<Function>(get_of_device);
   return VulkanDevice::own().handles().get_instance_proc_addr(instance, name);
+}
+VulkanHandles hooked() {
+  VulkanHandles handles = VulkanDevice::own().handles();
+  handles.get_instance_proc_addr = get_hooked;
+  return handles;
 }
 
 }  // namespace
@@ -110,8 +120,7 @@ SWIFTGS_VULKAN_CASE("vulkan: each feature that a program did not enable is refus
 }
 
 SWIFTGS_VULKAN_CASE("vulkan: a function that is missing and a queue that is none are refused by name") {
-  VulkanHandles handles = VulkanDevice::own().handles();
-  handles.get_instance_proc_addr = get_but_missing;
+  VulkanHandles handles = hooked();
   missing = "vkGetPhysicalDeviceFeatures2";
   CHECK_THROWS_WITH_AS(VulkanDevice{handles},
                        "vulkan: no function vkGetPhysicalDeviceFeatures2, expected an instance of Vulkan 1.3",
@@ -127,9 +136,7 @@ SWIFTGS_VULKAN_CASE("vulkan: a function that is missing and a queue that is none
 
 SWIFTGS_VULKAN_CASE(
     "vulkan: a lost device is an error of the device and ends no program by a wait for ever") {
-  VulkanHandles handles = VulkanDevice::own().handles();
-  handles.get_instance_proc_addr = get_that_may_be_lost;
-  const VulkanDevice device(handles);
+  const VulkanDevice device(hooked());
   {
     Renderer<Vulkan> renderer{Vulkan(device)};
     const VulkanScene scene = renderer.backend().upload(make_builtin_scene(500));
@@ -158,15 +165,22 @@ SWIFTGS_VULKAN_CASE("vulkan: an image that is null and a frame without pixels or
   CHECK_THROWS_AS(b.load_depth(image, colours.data(), 1, -1), InvalidArgument);
 }
 
-SWIFTGS_VULKAN_CASE("vulkan: pipelines are kept for a later run and bytes that are none are ignored") {
-  const VulkanDevice& device = VulkanDevice::own();
-  std::vector<std::byte> kept = device.pipelines();
-  REQUIRE(kept.size() >= sizeof(VkPipelineCacheHeaderVersionOne));
-  device.add_pipelines({kept.data(), kept.size()});
-  kept[sizeof(VkPipelineCacheHeaderVersionOne) - 1] ^= std::byte(255);  // of another device
-  device.add_pipelines({kept.data(), kept.size()});
-  device.add_pipelines({});
-  CHECK(device.pipelines().size() >= sizeof(VkPipelineCacheHeaderVersionOne));
+SWIFTGS_VULKAN_CASE("vulkan: pipelines are kept for a later run and damaged bytes are ignored") {
+  const VulkanDevice device(hooked());
+  const std::vector<std::byte> kept = device.pipelines();
+  const auto merges_of = [&](const std::vector<std::byte>& bytes) {
+    merges = 0;
+    device.add_pipelines({bytes.data(), bytes.size()});
+    return merges.load();
+  };
+  CHECK(merges_of(kept) == 1);
+  for (const std::size_t bytes : {std::size_t(0), std::size_t(7), kept.size() / 2, kept.size() - 1})
+    CHECK(merges_of({kept.begin(), kept.begin() + std::ptrdiff_t(bytes)}) == 0);
+  for (std::size_t at = 0; at < kept.size(); ++at) {
+    std::vector<std::byte> damaged = kept;
+    damaged[at] ^= std::byte(255);
+    CHECK(merges_of(damaged) == 0);
+  }
 }
 
 SWIFTGS_VULKAN_CASE("vulkan: a frame within commands of the program has the bits of one that is submitted") {

@@ -59,7 +59,8 @@ class SWIFTGS_API VulkanDevice {
 
   /// The kernels that were compiled so far, for `add_pipelines` of a later run on this device and driver.
   std::vector<std::byte> pipelines() const;
-  /// Spares the compilation of kernels that `kept` has. Bytes of another device or driver spare nothing.
+  /// Spares the compilation of kernels that `kept` has. Ignores bytes that are damaged, or of another
+  /// device or driver.
   void add_pipelines(Span<const std::byte> kept) const;
 
   /// Memory of this device.
