@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -275,6 +276,7 @@ bool VulkanDevice::has_own() {
 }
 
 const VulkanHandles& VulkanDevice::handles() const { return state_->handles; }
+std::unique_lock<std::mutex> VulkanDevice::lock_queue() const { return state_->lock_queue(); }
 
 std::vector<std::byte> VulkanDevice::pipelines() const { return state_->kept_pipelines(); }
 void VulkanDevice::add_pipelines(Span<const std::byte> kept) const { state_->add_pipelines(kept); }

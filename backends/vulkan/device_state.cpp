@@ -261,6 +261,7 @@ std::uint64_t VulkanDevice::State::submit(VkCommandBuffer commands) {
   submit.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO, submit.pNext = &values;
   submit.commandBufferCount = 1, submit.pCommandBuffers = &commands;
   submit.signalSemaphoreCount = 1, submit.pSignalSemaphores = &timeline;
+  const auto queue = lock_queue();
   vulkan::check(vk.vkQueueSubmit(handles.queue, 1, &submit, VK_NULL_HANDLE), "vkQueueSubmit");
   return submitted_ = value;
 }

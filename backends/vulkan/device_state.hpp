@@ -68,6 +68,7 @@ struct VulkanDevice::State {
 
   /// Submits commands, and returns the value that the timeline reaches when they are done.
   std::uint64_t submit(VkCommandBuffer commands);
+  std::unique_lock<std::mutex> lock_queue() { return std::unique_lock(queue_mutex_); }
   bool is_done(std::uint64_t value);
   void wait(std::uint64_t value);
 
@@ -104,6 +105,7 @@ struct VulkanDevice::State {
   std::uint32_t memory_type(VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) const;
 
   std::mutex mutex_;
+  std::mutex queue_mutex_;  ///< locked within `mutex_`
   std::uint64_t submitted_ = 0, done_ = 0;
   int open_ = 0;
   std::map<void*, vulkan::Allocation> memories_;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include <swiftgs/frame/api.hpp>
@@ -27,7 +28,9 @@ struct VulkanHandles {
   VkInstance_T* instance = nullptr;
   VkPhysicalDevice_T* physical_device = nullptr;
   VkDevice_T* device = nullptr;
-  VkQueue_T* queue = nullptr;  ///< runs compute; backends use it from the threads that call them
+  /// Runs compute. Backends submit to it from the threads that call them: make one `VulkanDevice` of a queue,
+  /// and submit to it under `VulkanDevice::lock_queue`.
+  VkQueue_T* queue = nullptr;
   std::uint32_t queue_family = 0;
   /// As `device` was made with: the chain has bufferDeviceAddress, timelineSemaphore, scalarBlockLayout,
   /// subgroupSizeControl and computeFullSubgroups. Images are drawn to with
@@ -54,8 +57,10 @@ class SWIFTGS_API VulkanDevice {
   /// program.
   static bool has_own();
 
-  /// What it was made of. `own` has a queue that other work needs a lock for where several threads submit.
+  /// What it was made of.
   const VulkanHandles& handles() const;
+  /// Keeps backends from submitting to the queue meanwhile. Call none of them before it is unlocked.
+  std::unique_lock<std::mutex> lock_queue() const;
 
   /// The kernels that were compiled so far, for `add_pipelines` of a later run on this device and driver.
   std::vector<std::byte> pipelines() const;
