@@ -93,6 +93,12 @@ void VulkanDevice::State::create() {
   }
 
   vk.vkGetPhysicalDeviceMemoryProperties(handles.physical_device, &memory_);
+  const VkBuffer probe = make_buffer(64);
+  VkMemoryRequirements needs{};
+  vk.vkGetBufferMemoryRequirements(device, probe, &needs);
+  vk.vkDestroyBuffer(device, probe, nullptr);
+  memory_types_ = needs.memoryTypeBits;
+  most_allocations_ = properties.properties.limits.maxMemoryAllocationCount;
   device_type_ = memory_type(0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
   host_type_ = memory_type(VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
                            VK_MEMORY_PROPERTY_HOST_CACHED_BIT);
@@ -141,26 +147,46 @@ std::uint32_t VulkanDevice::State::memory_type(VkMemoryPropertyFlags required,
                                                VkMemoryPropertyFlags preferred) const {
   for (const VkMemoryPropertyFlags wanted : {required | preferred, required})
     for (std::uint32_t i = 0; i < memory_.memoryTypeCount; ++i)
-      if ((memory_.memoryTypes[i].propertyFlags & wanted) == wanted) return i;
+      if ((memory_types_ >> i & 1) != 0 && (memory_.memoryTypes[i].propertyFlags & wanted) == wanted)
+        return i;
   throw Unavailable("vulkan device '" + name + "': expected memory that the host reaches");
 }
 
-std::pair<vulkan::Allocation, void*> VulkanDevice::State::allocate_buffer(std::size_t bytes,
-                                                                          std::uint32_t type) {
-  vulkan::Allocation made;
+VkBuffer VulkanDevice::State::make_buffer(std::size_t bytes) const {
   VkBufferCreateInfo buffer{};
   buffer.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, buffer.size = bytes;
   buffer.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
                  VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+  VkBuffer made = VK_NULL_HANDLE;
+  vulkan::check(vk.vkCreateBuffer(device, &buffer, nullptr, &made), "vkCreateBuffer");
+  return made;
+}
+
+/// The caller holds `mutex_`.
+std::pair<vulkan::Allocation, void*> VulkanDevice::State::allocate_buffer(std::size_t bytes,
+                                                                          std::uint32_t type) {
+  try {
+    return try_allocate_buffer(bytes, type);
+  } catch (const CapacityError&) {
+    wait(submitted_);
+    collect();
+    return try_allocate_buffer(bytes, type);
+  }
+}
+
+std::pair<vulkan::Allocation, void*> VulkanDevice::State::try_allocate_buffer(std::size_t bytes,
+                                                                              std::uint32_t type) {
+  vulkan::Allocation made{make_buffer(bytes)};
   const auto refuse = [&](VkResult result, const char* call) {
     free(made);
+    if (result == VK_ERROR_TOO_MANY_OBJECTS)
+      throw CapacityError("allocations of device memory (maxMemoryAllocationCount)",
+                          std::uint64_t(most_allocations_) + 1, most_allocations_);
     if (result != VK_ERROR_OUT_OF_DEVICE_MEMORY && result != VK_ERROR_OUT_OF_HOST_MEMORY)
       vulkan::check(result, call);
     throw CapacityError("bytes of device memory", bytes,
                         memory_.memoryHeaps[memory_.memoryTypes[type].heapIndex].size);
   };
-  if (const VkResult r = vk.vkCreateBuffer(device, &buffer, nullptr, &made.buffer); r != VK_SUCCESS)
-    refuse(r, "vkCreateBuffer");
   VkMemoryRequirements needs{};
   vk.vkGetBufferMemoryRequirements(device, made.buffer, &needs);
   VkMemoryAllocateFlagsInfo flags{};

@@ -98,7 +98,10 @@ struct VulkanDevice::State {
   MemoryHook hook;
 
  private:
+  /// Waits for released memory where there is not enough, and tries again once.
   std::pair<vulkan::Allocation, void*> allocate_buffer(std::size_t bytes, std::uint32_t type);
+  std::pair<vulkan::Allocation, void*> try_allocate_buffer(std::size_t bytes, std::uint32_t type);
+  VkBuffer make_buffer(std::size_t bytes) const;
   void free(const vulkan::Allocation& allocation);
   void put_off(const vulkan::Allocation& allocation);
   void collect();
@@ -113,7 +116,8 @@ struct VulkanDevice::State {
   std::map<std::vector<std::uint32_t>, VkPipeline> pipelines_;
   VkPipelineCacheHeaderVersionOne cache_header_{};  ///< what its bytes begin with
   VkPhysicalDeviceMemoryProperties memory_{};
-  std::uint32_t device_type_ = 0, host_type_ = 0;
+  std::uint32_t memory_types_ = 0;  ///< bits of those that buffers may have
+  std::uint32_t device_type_ = 0, host_type_ = 0, most_allocations_ = 0;
 };
 
 }  // namespace swiftgs

@@ -165,6 +165,16 @@ SWIFTGS_VULKAN_CASE("vulkan: an image that is null and a frame without pixels or
   CHECK_THROWS_AS(b.load_depth(image, colours.data(), 1, -1), InvalidArgument);
 }
 
+SWIFTGS_VULKAN_CASE("vulkan: memory that is not enough is asked for again once and then refused") {
+  const VulkanDevice device(hooked());
+  const MemoryHook& hook = device.memory_hook();
+  failing_allocations = 1;
+  hook.release(hook.context, hook.allocate(hook.context, 64), 64);
+  CHECK(failing_allocations == 0);
+  failing_allocations = 2;
+  CHECK_THROWS_AS(hook.allocate(hook.context, 64), CapacityError);
+}
+
 SWIFTGS_VULKAN_CASE("vulkan: pipelines are kept for a later run and damaged bytes are ignored") {
   const VulkanDevice device(hooked());
   const std::vector<std::byte> kept = device.pipelines();
