@@ -21,11 +21,12 @@ layout(push_constant, scalar) uniform Push {
 
 void store(uint at, uint tile, uint id) {
   ids.at[at] = id;
+  Uints key = Uints(element(uvec2(keys), at, 4u * KEY_WORDS));
   if (KEY_WORDS == 1u) {
-    keys.at[at] = tile;
+    key.at[0] = tile;
   } else {
-    keys.at[2u * at] = floatBitsToUint(depths.at[id]) | (tile << 31);
-    keys.at[2u * at + 1u] = tile >> 1;
+    key.at[0] = floatBitsToUint(depths.at[id]) | (tile << 31);
+    key.at[1] = tile >> 1;
   }
 }
 

@@ -13,7 +13,8 @@ layout(push_constant, scalar) uniform Push {
 };
 
 uint tile_at(uint i) {
-  return KEY_WORDS == 1u ? keys.at[i] : (keys.at[2u * i] >> 31) | (keys.at[2u * i + 1u] << 1);
+  Uints key = Uints(element(uvec2(keys), i, 4u * KEY_WORDS));
+  return KEY_WORDS == 1u ? key.at[0] : (key.at[0] >> 31) | (key.at[1] << 1);
 }
 
 void main() {

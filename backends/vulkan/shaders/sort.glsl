@@ -18,4 +18,6 @@ layout(push_constant, scalar) uniform Push {
   uint shift, mask;
 };
 
-uint digit_of(uint i) { return (keys.at[KEY_WORDS * i + (shift >> 5)] >> (shift & 31u)) & mask; }
+// Numbers of words may exceed 2^31, where indices turn negative.
+Uints key_of(Uints all, uint i) { return Uints(element(uvec2(all), i, 4u * KEY_WORDS)); }
+uint digit_of(uint i) { return (key_of(keys, i).at[shift >> 5] >> (shift & 31u)) & mask; }

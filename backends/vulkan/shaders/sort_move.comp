@@ -52,7 +52,8 @@ void main() {
     const uint i = first + k * SUBGROUP;
     if (i >= n) continue;
     const uint to = places_of[gl_SubgroupID * DIGITS + digit_of(i)] + rank[k];
-    for (uint word = 0u; word < KEY_WORDS; ++word) keys_to.at[KEY_WORDS * to + word] = keys.at[KEY_WORDS * i + word];
+    Uints key = key_of(keys, i), key_to = key_of(keys_to, to);
+    for (uint word = 0u; word < KEY_WORDS; ++word) key_to.at[word] = key.at[word];
     values_to.at[to] = is_null(values) ? i : Uints(values).at[i];
   }
 }
