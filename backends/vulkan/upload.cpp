@@ -20,6 +20,7 @@
 namespace swiftgs {
 
 struct VulkanScene::Arrays {
+  VulkanDevice device;  ///< whose memory they lie in
   VulkanBuffer<vec3> means, scales, sh0;
   VulkanBuffer<Quaternion> rotations;
   VulkanBuffer<float> opacities, features;
@@ -27,6 +28,7 @@ struct VulkanScene::Arrays {
   VulkanBuffer<std::uint16_t> labels;  ///< empty: no palette
   VulkanBuffer<ChunkBounds> chunks;
 
+  explicit Arrays(const Vulkan& b) : device(b.state().device) { use_memory_of(b, *this); }
   static auto buffers(auto& self) {
     return std::tie(self.means, self.scales, self.sh0, self.rotations, self.opacities, self.features,
                     self.sh_rest, self.labels, self.chunks);
@@ -62,8 +64,7 @@ VulkanScene Vulkan::upload(const Scene& scene, HarmonicsKept kept) const {
   const SceneView host = swiftgs::view(scene);
   validate_numbers(HostThreads(), scene);
   const HarmonicPacking packing(HostThreads(), scene, host.sh_degree, kept);
-  const auto arrays = std::make_shared<VulkanScene::Arrays>();
-  use_memory_of(*this, *arrays);
+  const auto arrays = std::make_shared<VulkanScene::Arrays>(*this);
   copy(*this, scene.means, arrays->means), copy(*this, scene.scales, arrays->scales);
   copy(*this, scene.rotations, arrays->rotations), copy(*this, scene.opacities, arrays->opacities);
   copy(*this, scene.sh0, arrays->sh0), copy(*this, scene.features, arrays->features);
@@ -145,10 +146,7 @@ VulkanScene Vulkan::upload(const SceneArrays& from, std::optional<VulkanScene>& 
   std::shared_ptr<VulkanScene::Arrays> to;
   if (reuse && reuse->arrays_.use_count() == 1) to = std::move(reuse->arrays_);
   reuse.reset();
-  if (!to) {
-    to = std::make_shared<VulkanScene::Arrays>();
-    use_memory_of(*this, *to);
-  }
+  if (!to) to = std::make_shared<VulkanScene::Arrays>(*this);
   const std::size_t n = from.count, stride = 3 * std::size_t(sh_rest_count(from.sh_degree));
   const auto channels = std::size_t(from.feature_channels);
   vulkan::Commands commands(*this);

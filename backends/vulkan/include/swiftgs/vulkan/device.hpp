@@ -41,7 +41,7 @@ struct VulkanHandles {
 };
 
 /// A device of Vulkan on which any number of backends work, also from several threads. Copies are one
-/// device. It outlives its backends, their renderers, and the scenes that they uploaded.
+/// device, which backends and the scenes that they uploaded keep.
 class SWIFTGS_API VulkanDevice {
  public:
   struct State;
