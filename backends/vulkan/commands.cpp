@@ -111,9 +111,10 @@ Count Commands::sort_sums(Count count) const {
   return {most, static_cast<const std::uint32_t*>(exact)};
 }
 
-void Commands::run(Kernel kernel, const std::vector<std::uint32_t>& constants, const Push& push,
+void Commands::run(Kernel kernel, const std::vector<std::uint32_t>& constants, Push push,
                    const Shape& shape) {
   if (shape.columns == 0) return;
+  if (shape.at) push.touch(reads(b_.groups.device, b_.groups.bytes));
   const VkPipeline pipeline = device_.pipeline(kernel, shape.threads, constants);
   const VkCommandBuffer commands = b_.open->commands;
   const Functions& vk = device_.vk;

@@ -80,7 +80,7 @@ struct CommandSlot {
   std::uint64_t done_at = 0;             ///< value of the timeline
 };
 
-/// Gives back what commands that are done have read.
+/// Frees descriptor pools of commands that are done.
 void clear_images(const VulkanDevice::State& device, CommandSlot& slot);
 
 /// Points of `Vulkan::now` that can be read.
@@ -160,7 +160,7 @@ class Commands {
   /// there may be.
   Shape over(Count count, Groups::Of of = Groups::usual) const;
 
-  void run(Kernel kernel, const std::vector<std::uint32_t>& constants, const Push& push, const Shape& shape);
+  void run(Kernel kernel, const std::vector<std::uint32_t>& constants, Push push, const Shape& shape);
   /// Lets the next kernels see `image`, at one of `image_types`.
   void bind_image(VkImageView image, std::uint32_t binding);
   void fill(std::uint32_t* to, std::size_t words, std::uint32_t value);
