@@ -6,8 +6,6 @@ layout(push_constant, scalar) uniform Push {
   uint width, height, format;
 };
 
-const uint depth_alone = 5u;  // behind the formats of colours
-
 RasterView as_view() {
   RasterView view;
   view.colour = plane;

@@ -7,7 +7,9 @@
 #include "pixels.glsl"
 #include "image.glsl"
 
-// Copies pixels from an image.
+layout(constant_id = 3) const bool DEPTH = false;
+
+// Copies colours from an image, or depths.
 layout(set = 0, binding = 1) uniform texture2D image;
 
 void main() {
@@ -15,6 +17,6 @@ void main() {
   if (i >= width * height) return;
   const uvec2 at = uvec2(i % width, i / width);
   const vec4 pixel = texelFetch(image, ivec2(at), 0);
-  if (format == depth_alone) floats_of(plane, at, 1u).at[0] = pixel.r;
+  if (DEPTH) floats_of(plane, at, 1u).at[0] = pixel.r;
   else store_colour(as_view(), at, pixel);
 }
