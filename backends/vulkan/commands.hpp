@@ -61,6 +61,9 @@ inline constexpr std::uint32_t usual_threads = 128;
 /// Values of a scan that a workgroup adds up.
 inline constexpr std::uint32_t scan_part = 8 * usual_threads;
 
+/// Threads of a workgroup that sorts, by the lanes of a subgroup.
+constexpr std::uint32_t sort_threads(std::uint32_t lanes) { return lanes < 32 ? 8 * lanes : 256; }
+
 /// Digits of a pass of a sort.
 inline constexpr std::uint32_t sort_digits = 256;
 
@@ -137,7 +140,7 @@ class Commands {
 
   std::uint32_t subgroup() const { return device_.subgroup; }
   /// Threads of a workgroup that sorts, and pairs that it has.
-  std::uint32_t sort_threads() const { return subgroup() < 32 ? 8 * subgroup() : 256; }
+  std::uint32_t sort_threads() const { return vulkan::sort_threads(subgroup()); }
   std::uint32_t sort_part() const { return 16 * sort_threads(); }
 
   /// Copies `values` to where kernels of these commands read them.

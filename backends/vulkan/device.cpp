@@ -94,9 +94,11 @@ std::string lacks(const vulkan::Functions& vk, VkPhysicalDevice device) {
   if (!(of_1_3.requiredSubgroupSizeStages & VK_SHADER_STAGE_COMPUTE_BIT))
     return begin + "compute shaders that require a size of subgroups";
   const VkPhysicalDeviceLimits& limits = all.properties.limits;
+  const std::uint32_t lanes = of_1_1.subgroupSize;
+  const std::uint32_t subgroups = std::max(vulkan::usual_threads, vulkan::sort_threads(lanes)) / lanes;
   if (limits.maxComputeWorkGroupInvocations < 256 || limits.maxComputeWorkGroupSize[0] < 256 ||
-      of_1_3.maxComputeWorkgroupSubgroups < 32)
-    return begin + "workgroups of 256 threads and 32 subgroups";
+      of_1_3.maxComputeWorkgroupSubgroups < subgroups)
+    return begin + "workgroups of 256 threads and " + std::to_string(subgroups) + " subgroups";
   return {};
 }
 
