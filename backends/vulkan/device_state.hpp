@@ -58,7 +58,7 @@ struct VulkanDevice::State {
   /// Frees the memory once the queue has finished all work begun so far.
   void release(void* memory);
   vulkan::Block allocate_block(std::size_t bytes);
-  /// The same that the host reaches too.
+  /// A block that the host can map.
   vulkan::Block allocate_host_block(std::size_t bytes);
   void release(vulkan::Block& block);
 

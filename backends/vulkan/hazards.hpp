@@ -43,7 +43,7 @@ Access shares(const T* data, std::size_t count) {
 inline Access address(const void* data) { return {static_cast<const std::byte*>(data), 0, Access::read}; }
 
 /// Derives barriers: a dispatch needs one if it touches what a dispatch since the last barrier wrote, or
-/// writes what one touched. The only place that decides.
+/// writes memory that a dispatch since then read or wrote. The only place that decides.
 class Hazards {
  public:
   /// What came before is not known: the next dispatch needs a barrier.

@@ -20,7 +20,7 @@ enum class Kernel : std::uint32_t {
 #undef SWIFTGS_VULKAN_NAME
 };
 
-/// The words of its SPIR-V.
+/// SPIR-V of `kernel`.
 Span<const std::uint32_t> code_of(Kernel kernel);
 
 }  // namespace swiftgs::vulkan

@@ -4,7 +4,7 @@
 #include "common.glsl"
 #include "pairs.glsl"
 
-// Finds products of factors, two a thread, of which `fma` does not tell what rounding takes away.
+// Marks products whose rounding error `fma` does not give exactly.
 layout(push_constant, scalar) uniform Push {
   Floats factors;
   Uints differs;

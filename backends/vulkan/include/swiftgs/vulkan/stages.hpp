@@ -245,7 +245,7 @@ void rasterize(Vulkan& b, Raster, const RasterJob& job) {
   vulkan::rasterize(b, vulkan::KindOf<Raster>::kind, job);
 }
 
-/// Nor have rasterizers.
+/// Rasterizers of the caller have no shader.
 template <class Raster>
 requires(!vulkan::KnownRaster<Raster>) void rasterize(Vulkan&, Raster, const RasterJob&) {
   static_assert(vulkan::KnownRaster<Raster>,
