@@ -49,11 +49,21 @@ double other_picks(const std::vector<std::uint32_t>& a, const std::vector<std::u
   return double(other) / double(std::max<std::size_t>(a.size(), 1));
 }
 
+/// Share of pixels whose depths are those of another splat.
+double other_depths(const std::vector<float>& a, const std::vector<float>& b) {
+  REQUIRE(a.size() == b.size());
+  std::size_t other = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) other += !(std::fabs(a[i] - b[i]) < 1e-3f);
+  return double(other) / double(std::max<std::size_t>(a.size(), 1));
+}
+
 /// Holds `frame` to that of `Serial`: kernels round exponentials and sums in their own way.
 void check_like(const Frame& frame, const Frame& serial) {
   CHECK(max_abs_difference(frame.colour, serial.colour) < 2e-6);
   CHECK(max_abs_difference(frame.alpha, serial.alpha) < 1e-6);
   CHECK(max_abs_difference(frame.depth, serial.depth) < 1e-3);
+  CHECK(other_depths(frame.first_depth, serial.first_depth) < 1e-3);
+  CHECK(other_depths(frame.median_depth, serial.median_depth) < 1e-3);
   CHECK(other_picks(frame.id, serial.id) < 1e-3);
   CHECK(other_picks(frame.median_id, serial.median_id) < 1e-3);
 }
@@ -130,6 +140,20 @@ SWIFTGS_VULKAN_CASE("vulkan: conservative bounds and sorts change no bit") {
   for (int frame = 0; frame < 12; ++frame)
     CHECK(same_planes(adaptive.render(there, camera, with_planes()), expected));
   CHECK(adaptive.sort_decided());
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: more than 65,535 workgroups fill all words and none behind them") {
+  Vulkan b;
+  const std::size_t words = 65535 * std::size_t(vulkan::usual_threads) + 1;
+  VulkanBuffer<std::uint32_t> filled;
+  filled.reset(words + 1);
+  vulkan::Commands commands(b);
+  commands.fill(filled.data(), words + 1, 1);
+  commands.fill(filled.data(), words, 7);
+  commands.submit();
+  const std::vector<std::uint32_t> found = to_host(b, std::as_const(filled).span());
+  CHECK(std::count(found.begin(), found.end(), 7u) == std::ptrdiff_t(words));
+  CHECK(found.back() == 1);
 }
 
 SWIFTGS_VULKAN_CASE("vulkan: sort_pairs is a stable sort by the low bits alone") {
