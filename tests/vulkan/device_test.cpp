@@ -5,9 +5,11 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <future>
 #include <string>
 #include <utility>
 #include <vector>
@@ -177,6 +179,19 @@ SWIFTGS_VULKAN_CASE("vulkan: memory that is not enough is asked for again once a
   CHECK(failing_allocations == 0);
   failing_allocations = 2;
   CHECK_THROWS_AS(hook.allocate(hook.context, 64), CapacityError);
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: a backend submits to its queue once the program has unlocked it") {
+  const VulkanDevice device(hooked());
+  const Vulkan b(device);
+  VulkanBuffer<std::uint32_t> there(b.memory_hook());
+  there.reset(1);
+  auto lock = device.lock_queue();
+  const std::uint32_t value = 7;
+  const auto written = std::async(std::launch::async, [&] { b.write(&value, there.data(), sizeof value); });
+  CHECK(written.wait_for(std::chrono::milliseconds(20)) == std::future_status::timeout);
+  lock.unlock(), written.wait();
+  CHECK(to_host(b, std::as_const(there).span())[0] == value);
 }
 
 SWIFTGS_VULKAN_CASE("vulkan: pipelines are kept for a later run and damaged bytes are ignored") {
