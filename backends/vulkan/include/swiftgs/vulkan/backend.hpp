@@ -138,6 +138,7 @@ class SWIFTGS_API Vulkan {
   /// `image` is a view of one level of an image of two dimensions, as large as the frame or larger, in the
   /// layout VK_IMAGE_LAYOUT_GENERAL, with the usage STORAGE for `store` and SAMPLED for `load`. `store`
   /// throws `Unavailable` where the device was made without shaderStorageImageWriteWithoutFormat.
+  /// All three throw `InvalidArgument` for null and as `validate` of a frame.
   void store(const FrameView& frame, VkImageView_T* image);
   void load(VkImageView_T* image, const FrameView& frame);
   /// Copies the depths of an image, which is one as of `load`, for an occluder. @shape{height, width}
