@@ -465,7 +465,7 @@ TEST_CASE("transforms.json: JSON that is something else is refused") {
   CHECK(contains(refused(R"({"frames": [1e999]})"), "numbers that a double can hold"));
   std::string deep = R"({"k1": )" + std::string(100'000, '[') + std::string(100'000, ']') +
                      R"(, "w": 4, "h": 3, "fl_x": 5, "frames": [)" + frame("a").dump() + "]}";
-  CHECK(contains(refused(deep), "expected a number in 'k1'"));
+  CHECK(contains(refused(deep), "at most 256 arrays and objects in each other"));
   const TemporaryFolder folder;
   for (const char* content : {R"({"transform": [], "scale": 1})", R"({"asset": {}})", "{}"})
     CHECK(contains(complaint([&] { load_cameras(folder.write("transforms.json", content)); }),
