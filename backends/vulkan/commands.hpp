@@ -20,8 +20,8 @@ namespace swiftgs {
 
 namespace vulkan {
 
-/// Push constants as shaders lay them out: addresses first, then counts, then words. An address says what the
-/// kernel does to the memory there, from which barriers follow.
+/// Push constants as shaders lay them out: addresses first, then counts, then words. Each
+/// address comes with how the kernel uses its memory; barriers follow from that.
 class Push {
  public:
   template <class... Values>
@@ -30,7 +30,7 @@ class Push {
   }
   const std::byte* data() const { return data_; }
   std::uint32_t size() const { return std::uint32_t(size_); }
-  /// Notes what the kernel finds by other addresses than these.
+  /// Adds memory that the kernel reaches by addresses outside of the constants.
   void touch(const Access& at) { accesses_.push_back(at); }
   Span<const Access> accesses() const { return {accesses_.data(), accesses_.size()}; }
 

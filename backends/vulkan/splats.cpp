@@ -100,7 +100,7 @@ void find_footprints(Commands& commands, const FramePlan& plan, BoundsKind bound
                Commands::Shape::of(n));
 }
 
-/// Tells the host what the device counted of a frame that fits.
+/// Gives the host the counts of a frame, unless it overflowed.
 void tell(const FrameReport& report, Splats<Vulkan>& splats, Footprints<Vulkan>& footprints) {
   if (report.overflowed != 0) return;
   splats.count = footprints.count = std::size_t(report.visible), splats.exact = nullptr;

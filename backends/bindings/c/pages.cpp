@@ -61,7 +61,7 @@ void require_cut(const swiftgs_pool& pool, const char* call) {
   if (!pool.cut) throw OrderError(std::string(call) + ": expected swiftgs_pool_cut before");
 }
 
-/// Has the renderer show the cut of `pool`, and tells what it is like.
+/// Shows the cut of `pool` with `renderer`, and describes it in `told`.
 void show(swiftgs_pool& pool, AnyRenderer& renderer, swiftgs_cut* told) {
   const Cut& cut = *pool.cut;
   renderer.show({cut.scenes().data(), cut.scenes().size()});

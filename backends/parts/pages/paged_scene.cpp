@@ -70,7 +70,7 @@ bool holds(const ChunkBounds& outer, const ChunkBounds& inner) {
   return inside;
 }
 
-/// Tells what a page lacks, or null if it is valid. Looks at no other page.
+/// What was expected of a row of the table, by itself; null if the row is valid.
 const char* unmet(const Page& page, const FileHeader& header) {
   const ChunkBounds& b = page.bounds;
   if (!detail::is_finite(b.low) || !detail::is_finite(b.high) || !detail::is_finite(b.size) ||

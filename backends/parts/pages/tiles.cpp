@@ -29,7 +29,7 @@ using nlohmann::json;
 /// Bounds files that name few others again and again.
 constexpr int most_tilesets = 1 << 16;
 
-/// How many Gaussians a glTF has, and of which degree.
+/// Number and harmonic degree of the Gaussians of a glTF.
 struct Holds {
   std::size_t count = 0;
   int sh_degree = 0;

@@ -29,8 +29,8 @@ struct PageOptions {
 /// Adds `--pixels`, `--pool` and `--paged`.
 void add_page_options(CLI::App& command, PageOptions& options, SceneOptions& scene);
 
-/// Frames of scenes of which some have pages: has a renderer, which outlives it, show those that its cameras
-/// need.
+/// Frames of scenes, some of which have pages: chooses the pages that the cameras need, and shows them with a
+/// renderer. The renderer outlives it.
 class PageFrames {
  public:
   /// Uploads the scenes without pages. Throws as `PagePool`.

@@ -41,7 +41,7 @@ struct LoadedPage {
   std::string failure{};             ///< empty if it was read
 };
 
-/// Uploads what was read. Called by one thread at a time.
+/// Uploads the scene of a page that was read. One thread at a time calls it.
 using PageUpload = std::function<std::shared_ptr<void>(Scene scene)>;
 
 /// Reads pages in threads of its own or by an executor. No function blocks but `wait` and the

@@ -33,9 +33,8 @@ struct PagePoolOptions {
 };
 
 /// Pages of placed scenes in the memory of backend `B`, which outlives the pool; `B` may be `AnyRenderer`,
-/// which draws a cut by `show(cut.scenes())`. A thread reads them; `cut` uploads what was read and tells what
-/// to draw. Pages come and go: a page is drawn in place of those below it until all of them that show are
-/// there, so a frame has no holes.
+/// which draws a cut by `show(cut.scenes())`. Threads read pages; `cut` uploads them and lists what to draw.
+/// A page is drawn in place of its children until all children that show are there, so a frame has no holes.
 ///
 /// Memory of a page is given back when no cut has it. Use a pool from one thread at a time. The destructor
 /// waits for the page that is being read.
@@ -46,8 +45,8 @@ class PagePool {
   /// placings that are not valid and for no pages, and what `PagedScene::read` throws.
   ///
   /// With an `uploader`, another of the same kind as `backend` which the program does not use meanwhile,
-  /// threads of the pool upload what they read, and `cut` but adopts it. Pages that wait then count to
-  /// `bytes`.
+  /// threads of the pool upload the pages that they read, and `cut` only adopts them. Pages that wait for
+  /// that count to `bytes`. The uploader outlives the pool and its cuts.
   PagePool(B& backend, std::vector<PlacedPages> placed, const PagePoolOptions& options = {},
            B* uploader = nullptr)
       : backend_(backend),
@@ -72,8 +71,8 @@ class PagePool {
   /// most `upload_per_frame`, and asks for others. Then it brings those of views `ahead`, such as the
   /// camera's in some frames if it goes on as it does, so that they are there in time. Makes no call that
   /// waits for a file, a thread or a device, but what uploads and releases of memory do. Which pages it draws
-  /// depends on the views, the goal and the pages in memory alone. Throws `InvalidArgument` for a goal that
-  /// is not valid, and what `upload` of the backend throws.
+  /// depends on the views, the goal, the pages in memory, and whether there are views ahead. Throws
+  /// `InvalidArgument` for a goal that is not valid, and what `upload` of the backend throws.
   Cut cut(Span<const View> views, const CutGoal& goal = {}, Span<const View> ahead = {}) {
     bool stuck = false;
     return cut(views, goal, ahead, options_.upload_per_frame, stuck);
