@@ -15,11 +15,11 @@ namespace {
 
 constexpr int most_levels = 256;
 
-/// Where an array or object begins that lies in `most_levels` others; npos if none does.
-std::size_t find_too_deep(std::string_view text) {
-  int depth = 0;
+/// Calls visit(i) for each character from `start` on that lies in no string, until it returns false.
+template <class Visit>
+void visit_outside_strings(std::string_view text, std::size_t start, const Visit& visit) {
   bool in_string = false;
-  for (std::size_t i = 0; i < text.size(); ++i) {
+  for (std::size_t i = start; i < text.size(); ++i) {
     const char c = text[i];
     if (in_string) {
       if (c == '\\') ++i;
@@ -27,10 +27,21 @@ std::size_t find_too_deep(std::string_view text) {
       continue;
     }
     in_string = c == '"';
-    if (c == ']' || c == '}') --depth;
-    if ((c == '[' || c == '{') && ++depth > most_levels) return i;
+    if (!visit(i)) return;
   }
-  return text.npos;
+}
+
+/// Where an array or object begins that lies in `most_levels` others; npos if none does.
+std::size_t find_too_deep(std::string_view text) {
+  int depth = 0;
+  std::size_t found = text.npos;
+  visit_outside_strings(text, 0, [&](std::size_t i) {
+    const char c = text[i];
+    if (c == ']' || c == '}') --depth;
+    if ((c == '[' || c == '{') && ++depth > most_levels) found = i;
+    return found == text.npos;
+  });
+  return found;
 }
 
 }  // namespace
@@ -60,20 +71,13 @@ std::string listed_keys(const json& object) {
 std::vector<std::uint64_t> offsets_in(std::string_view text, std::uint64_t start) {
   std::vector<std::uint64_t> offsets;
   int depth = 0;
-  bool in_string = false;
-  for (std::size_t i = start; i < text.size(); ++i) {
+  visit_outside_strings(text, start, [&](std::size_t i) {
     const char c = text[i];
-    if (in_string) {
-      if (c == '\\') ++i;
-      in_string = c != '"';
-      continue;
-    }
-    in_string = c == '"';
     const bool opens = c == '[' || c == '{';
     if (opens) ++depth;
     if (depth == 1 && (opens || c == ',')) offsets.push_back(text.find_first_not_of(" \t\r\n", i + 1));
-    if ((c == ']' || c == '}') && --depth == 0) break;
-  }
+    return !((c == ']' || c == '}') && --depth == 0);
+  });
   return offsets;
 }
 
