@@ -43,6 +43,7 @@ struct Options {
   std::vector<double> pools{2000, 512};
   int side = 10, views = 3000, width = 1920, height = 1080, compared = 10, threads = 8, ahead = 10;
   double spacing = 0, speed = 14, hertz = 60, pixels = 4, millions = 4, upload = 16;
+  bool wait = false;
 };
 
 /// The walk: a curve that crosses the copies in many directions, at eye height, looking ahead and about.
@@ -136,6 +137,7 @@ struct Measured {
   double worst_pixels = 0;
   double mean_splats = 0;
   double decibels = 0;
+  double saved = 0;  ///< visible splats of the whole scene over those of the cut
   double least_decibels = std::numeric_limits<double>::infinity();
   std::uint64_t uploads = 0;
   std::uint64_t bytes = 0;  ///< that were uploaded
@@ -183,6 +185,18 @@ std::unique_ptr<AnyRenderer> renderer_of(const std::string& name, [[maybe_unused
   return make_renderer(entry.name, options);
 }
 
+/// A frame that is compared with another.
+struct Compared {
+  Frame frame;
+  double visible = 0;  ///< splats
+};
+Compared drawn(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings) {
+  Compared compared;
+  renderer.render(camera, settings, compared.frame);
+  compared.visible = double(renderer.statistics().visible);
+  return compared;
+}
+
 /// Images of the whole scene.
 class WholeScene {
  public:
@@ -192,28 +206,14 @@ class WholeScene {
     for (const PlacedPages& each : placed) all.push_back({scene_.view(), each.world_from_scene});
     renderer_->show({all.data(), all.size()});
   }
-  Frame draw(const Camera& camera, const RenderSettings& settings) {
-    Frame frame;
-    renderer_->render(camera, settings, frame);
-    return frame;
+  Compared draw(const Camera& camera, const RenderSettings& settings) {
+    return drawn(*renderer_, camera, settings);
   }
 
  private:
   std::unique_ptr<AnyRenderer> renderer_;
   UploadedScene scene_;
 };
-
-/// The camera in some frames if it goes on as it went from `before` to `now`.
-Camera gone_on(const Camera& before, const Camera& now, double frames) {
-  const auto row = [](const Camera& camera, int k) {
-    return dvec3(camera.rotation[0][k], camera.rotation[1][k], camera.rotation[2][k]);
-  };
-  const dvec3 eye = now.centre() + frames * (now.centre() - before.centre());
-  Camera ahead = look_at(eye, eye + row(now, 2) + frames * (row(now, 2) - row(before, 2)), -row(now, 1), 1.0,
-                         now.width, now.height);
-  ahead.fx = now.fx, ahead.fy = now.fy;
-  return ahead;
-}
 
 Measured walk(const Options& options, const Walk& path, const std::vector<PlacedPages>& placed,
               double megabytes) {
@@ -223,14 +223,15 @@ Measured walk(const Options& options, const Walk& path, const std::vector<Placed
                              {.bytes = std::size_t(1e6 * megabytes),
                               .upload_per_frame = std::size_t(1e6 * options.upload),
                               .waiting = std::size_t(1e6 * std::clamp(megabytes / 16, 16.0, 64.0)),
+                              .ahead = options.ahead,
                               .threads = options.threads},
                              uploader.get());
   RenderSettings settings;
   settings.conventions.antialiased = true;
   const CutGoal goal{.pixels = options.pixels, .splats = std::uint64_t(1e6 * options.millions)};
   Measured measured;
-  std::vector<View> views, ahead;
-  std::vector<std::pair<std::size_t, Frame>> kept;
+  std::vector<View> views;
+  std::vector<std::pair<std::size_t, Compared>> kept;
   const auto prepare_cut = [&](std::size_t i) {
     const Camera camera = path.camera(i);
     make_views({&camera, 1}, settings, views);
@@ -252,11 +253,8 @@ Measured walk(const Options& options, const Walk& path, const std::vector<Placed
                                   std::chrono::duration_cast<Clock::duration>(
                                       std::chrono::duration<double>(double(i) / options.hertz)));
     const auto start = Clock::now();
-    if (options.ahead > 0 && i > 0) {
-      const Camera expected = gone_on(path.camera(i - 1), camera, options.ahead);
-      make_views({&expected, 1}, settings, ahead);
-    }
-    const Cut cut = pool.cut({views.data(), views.size()}, goal, {ahead.data(), ahead.size()});
+    Cut cut = pool.cut({views.data(), views.size()}, goal);
+    if (options.wait) pool.wait(cut);
     const auto chosen = Clock::now();
     renderer->show({cut.scenes().data(), cut.scenes().size()});
     renderer->render_resident(camera, settings);
@@ -268,9 +266,7 @@ Measured walk(const Options& options, const Walk& path, const std::vector<Placed
     measured.mean_splats += double(cut.splats()) / options.views;
     measured.most_bytes = std::max(measured.most_bytes, pool.bytes());
     if (options.compared > 0 && (i + 1) % std::size_t(std::max(options.views / options.compared, 1)) == 0) {
-      Frame frame;
-      renderer->render(camera, settings, frame);
-      kept.emplace_back(i, std::move(frame));
+      kept.emplace_back(i, drawn(*renderer, camera, settings));
       paused += Clock::now() - end;
     }
   }
@@ -278,11 +274,13 @@ Measured walk(const Options& options, const Walk& path, const std::vector<Placed
   measured.uploads = pool.uploads() - uploads, measured.bytes = pool.uploaded_bytes() - bytes;
   if (kept.empty()) return measured;
   WholeScene whole(options, placed);
-  for (const auto& [i, frame] : kept) {
+  for (const auto& [i, cut] : kept) {
     if (!options.images.empty())
-      write_png(std::filesystem::path(options.images) / (std::to_string(i) + ".png"), frame);
-    const double db = psnr(frame.colour, whole.draw(path.camera(i), settings).colour);
+      write_png(std::filesystem::path(options.images) / (std::to_string(i) + ".png"), cut.frame);
+    const Compared all = whole.draw(path.camera(i), settings);
+    const double db = psnr(cut.frame.colour, all.frame.colour);
     measured.decibels += db / double(kept.size());
+    measured.saved += all.visible / cut.visible / double(kept.size());
     measured.least_decibels = std::min(measured.least_decibels, db);
   }
   return measured;
@@ -293,11 +291,12 @@ void print(double megabytes, const char* cache, const Options& options, const Me
   const auto quick = std::count_if(m.frame.begin(), m.frame.end(), [](double ms) { return ms <= 2; });
   std::printf(
       "| %.0f | %s | %.2f | %.2f | %.2f | %.2f | %.2f | %.1f | %.1f | %.1f | %.1f | %zu | %.2f | %.2f | %.0f "
-      "| %.1f | %.1f |\n",
+      "| %.2f | %.1f | %.1f |\n",
       megabytes, cache, mean_of(m.frame), part_of(m.frame, 0.5), part_of(m.frame, 0.99), part_of(m.frame, 1),
       mean_of(m.cut), 100 * double(quick) / all, 100 * double(m.complete) / all,
       100 * (1 - double(m.late) / all), 1e-6 * double(m.bytes) / m.seconds, std::size_t(m.uploads),
-      m.worst_pixels, 1e-6 * m.mean_splats, 1e-6 * double(m.most_bytes), m.decibels, m.least_decibels);
+      m.worst_pixels, 1e-6 * m.mean_splats, 1e-6 * double(m.most_bytes), m.saved, m.decibels,
+      m.least_decibels);
   std::fflush(stdout);
 }
 
@@ -315,8 +314,8 @@ void run(const Options& options) {
       options.hertz, options.pixels, options.millions, options.upload, options.threads);
   std::printf(
       "| pool, MB | cache | frame, ms | median | 99 %% | worst | of these cut | %% in 2 ms | %% complete | "
-      "%% within one frame | MB/s | faults | pixels | M splats | most MB | dB | least dB |\n"
-      "|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
+      "%% within one frame | MB/s | faults | pixels | M splats | most MB | saved | dB | least dB |\n"
+      "|---:|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
   for (const double megabytes : options.pools)
     for (const char* cache : {"warm", "cold"}) {
       const bool cold = std::string(cache) == "cold";
@@ -352,7 +351,8 @@ int main(int argc, char** argv) try {
   app.add_option("--splats", options.millions, "Most millions of splats")->capture_default_str();
   app.add_option("--upload", options.upload, "MB that a frame uploads")->capture_default_str();
   app.add_option("--threads", options.threads, "That read pages")->capture_default_str();
-  app.add_option("--ahead", options.ahead, "Frames that pages are asked for ahead")->capture_default_str();
+  app.add_option("--ahead", options.ahead, "As of the pool")->capture_default_str();
+  app.add_flag("--wait", options.wait, "Wait for the pages of each frame: for images");
   app.add_option("--compared", options.compared, "Frames to compare with the whole scene")
       ->capture_default_str();
   app.add_option("--images", options.images, "Folder for the images of these");

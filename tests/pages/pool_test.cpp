@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <array>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <cstring>
 #include <memory>
@@ -133,6 +135,30 @@ TEST_CASE("pages: a source that throws without a text shows the parent") {
   check_no_hole(cut, pages, views);
 }
 
+/// A backend whose memory ends after some pages.
+struct Bounded : Serial {
+  std::size_t uploads_left;
+
+  SceneOn upload(Scene scene) {
+    if (uploads_left == 0) throw std::runtime_error("no memory");
+    --uploads_left;
+    return Serial::upload(std::move(scene));
+  }
+};
+
+TEST_CASE("pages: waiting for a cut again goes on where an upload failed") {
+  Bounded backend{{}, 1};
+  PagePool<Bounded> pool(backend, open(TestSource::of(ordered_scene(2000))));
+  const std::vector<View> views = front();
+  Cut cut = pool.cut(all_of(views), {.pixels = 0});
+  CHECK_THROWS_WITH(pool.wait(cut), "no memory");
+  CHECK(cut.scenes().empty());
+  backend.uploads_left = 100;
+  pool.wait(cut);
+  CHECK(cut.is_settled());
+  CHECK(cut.splats() == 2000);
+}
+
 TEST_CASE("pages: a first cut draws the root and later ones come closer to the scene") {
   const TemporaryFolder folder;
   const Scene scene = ordered_scene(20000);
@@ -186,6 +212,7 @@ TEST_CASE("pages: budgets of splats and memory are kept and the error that they 
   check_no_hole(cut, pages, views);
   CHECK_THROWS_AS(PagePool<Cpu>(renderer.backend(), pages, {.bytes = 1000}), InvalidArgument);
   CHECK_THROWS_AS(PagePool<Cpu>(renderer.backend(), pages, {.threads = 0}), InvalidArgument);
+  CHECK_THROWS_AS(PagePool<Cpu>(renderer.backend(), pages, {.ahead = -1}), InvalidArgument);
   CHECK_THROWS_AS(roomy.cut(all_of(views), {.pixels = -1}), InvalidArgument);
 }
 
@@ -366,6 +393,72 @@ TEST_CASE("pages: views ahead bring their pages and draw none") {
   CHECK(pool.cut(all_of(ahead), {.pixels = 0.5}).missing() == 0);
   CHECK(cut.splats() == alone.splats());
   CHECK(cut.wanted() == alone.wanted());
+}
+
+/// A camera that walks past the scene and turns, at a frame of its walk.
+Camera walker(int frame) {
+  const double angle = 0.03 * frame;
+  const dvec3 eye(-8 + 0.1 * frame, -1, -6);
+  return look_at(eye, eye + dvec3(std::sin(angle), 0, std::cos(angle)), {0, -1, 0}, 0.8, width, height);
+}
+
+TEST_CASE("pages: cameras that go on as they do are where views ahead expect them") {
+  detail::Motion motion(10), none(0);
+  const std::vector<View> before{view_of(walker(5)), view_of(walker(20))},
+      now{view_of(walker(6)), view_of(walker(21))};
+  CHECK(motion.ahead(all_of(before)).empty());
+  const std::vector<View> ahead = motion.ahead(all_of(now));
+  REQUIRE(ahead.size() == 4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const ViewConstants expected = view_of(walker(std::array{8, 23, 16, 31}[i])).camera;
+    for (int row = 0; row < 3; ++row) {
+      CHECK(ahead[i].camera.centre[row] == doctest::Approx(expected.centre[row]));
+      for (int column = 0; column < 3; ++column)
+        CHECK(ahead[i].camera.rotation[row][column] == doctest::Approx(expected.rotation[row][column]));
+    }
+  }
+  CHECK(motion.ahead(all_of(now)).empty());  // they stand still
+  CHECK(motion.ahead({before.data(), 1}).empty());
+  none.ahead(all_of(before));
+  CHECK(none.ahead(all_of(now)).empty());
+}
+
+TEST_CASE("pages: a walk finds its pages in memory where some is kept for views ahead") {
+  const PagedScene pages = open(TestSource::of(ordered_scene(20000)));
+  Serial backend;
+  // Frames that lack a page which is read between two frames.
+  const auto incomplete = [&](int ahead, std::size_t bytes) {
+    PagePool<Serial> pool(backend, pages,
+                          {.bytes = bytes, .ahead = ahead, .executor = [](const auto& load) { load(); }});
+    int frames = 0;
+    for (int frame = 0; frame < 220; ++frame) {
+      const std::vector<View> views{view_of(walker(frame))};
+      frames += pool.cut(all_of(views), {.pixels = 1}).missing() != 0 && frame >= 20;
+    }
+    return frames;
+  };
+  for (const std::size_t bytes : {1'500'000, 3'000'000}) {
+    const int without = incomplete(0, bytes);
+    CHECK(without >= 20);
+    CHECK(incomplete(10, bytes) <= without / 10);
+  }
+}
+
+TEST_CASE("pages: pages that an older cut holds stay although others need their memory") {
+  const PagedScene pages = open(TestSource::of(ordered_scene(20000)));
+  Serial backend;
+  PagePool<Serial> pool(backend, pages, {.bytes = 1'000'000, .ahead = 0});
+  const std::vector<View> views = front(), others{view_of(builtin_cameras(2, width, height)[1])};
+  Cut held = pool.cut(all_of(views), {.pixels = 0.5});
+  pool.wait(held);
+  const std::size_t resident = pool.resident();
+  for (int frame = 0; frame < 50; ++frame) {
+    const Cut cut = pool.cut(all_of(others), {.pixels = 0.5});
+    check_no_hole(cut, pages, others);
+    CHECK(pool.bytes() <= 1'000'000);
+    CHECK(pool.resident() >= resident / 2);
+  }
+  CHECK(pool.cut(all_of(views), {.pixels = 0.5}).missing() == 0);
 }
 
 TEST_CASE("pages: a renderer without a named backend draws cuts and what is placed anew stays in memory") {

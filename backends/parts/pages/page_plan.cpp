@@ -68,20 +68,73 @@ class PagePlan::Eyes {
   std::vector<ChunkCuller> cullers_;
 };
 
-PagePlan::PagePlan(std::vector<PlacedPages> placed, std::size_t most_bytes) : most_bytes_(most_bytes) {
+namespace {
+
+dmat3 rotation_of(const ViewConstants& v) {
+  dmat3 all;
+  for (int row = 0; row < 3; ++row)
+    for (int column = 0; column < 3; ++column) all[column][row] = v.rotation[row][column];
+  return all;
+}
+
+/// `now` in some frames if the camera moves and turns by as much in each as from `before`.
+ViewConstants gone_on(const ViewConstants& before, const ViewConstants& now, int frames) {
+  const dmat3 turn = rotation_of(now) * glm::transpose(rotation_of(before));
+  dmat3 turned = rotation_of(now);
+  for (int k = 0; k < frames; ++k) turned = turn * turned;
+  ViewConstants later = now;
+  for (int row = 0; row < 3; ++row) {
+    later.centre[row] += frames * (now.centre[row] - before.centre[row]);
+    for (int column = 0; column < 3; ++column) {
+      later.rotation[row][column] = turned[column][row];
+      later.axes[row][column] = float(turned[column][row]);
+    }
+  }
+  later.set_pairs();
+  return later;
+}
+
+bool has_moved(const View& before, const View& now) {
+  const ViewConstants &a = before.camera, &b = now.camera;
+  return !std::equal(std::begin(a.centre), std::end(a.centre), b.centre) || rotation_of(a) != rotation_of(b);
+}
+
+}  // namespace
+
+Motion::Motion(int frames) : frames_(frames) {
+  if (frames < 0 || frames > 1000) refuse("page pool: ", frames, " frames ahead, expected 0 to 1000");
+}
+
+std::vector<View> Motion::ahead(Span<const View> views) {
+  std::vector<View> all;
+  bool moved = false;
+  if (last_.size() == views.size)
+    for (std::size_t i = 0; i < views.size; ++i) moved = moved || has_moved(last_[i], views[i]);
+  // Cameras that turn pass what the last view does not show.
+  for (const int frames : {std::min(2, frames_), frames_})
+    for (std::size_t i = 0; moved && frames != 0 && i < views.size; ++i) {
+      all.push_back(views[i]);
+      all.back().camera = gone_on(last_[i].camera, views[i].camera, frames);
+    }
+  last_.assign(views.begin(), views.end());
+  return all;
+}
+
+PagePlan::PagePlan(std::vector<PlacedPages> placed, std::size_t most_bytes, bool keeps_ahead)
+    : most_bytes_(most_bytes) {
   if (placed.empty()) throw InvalidArgument("page pool: no pages, expected one paged scene or more");
   for (const PlacedPages& each : placed)
     if (std::find(files_.begin(), files_.end(), each.pages) == files_.end()) files_.push_back(each.pages);
-  std::size_t roots = 0;
   for (const PagedScene& file : files_) {
     std::vector<PageState>& states = states_.emplace_back(file.pages().size);
     for (std::uint32_t i = 0; i < states.size(); ++i)
       for (const std::uint32_t child : file.children(i)) states[child].parent = i;
-    roots += resident_bytes(file.pages()[file.root()]);
+    root_bytes_ += resident_bytes(file.pages()[file.root()]);
   }
-  if (roots > most_bytes_)
-    refuse("page pool: ", most_bytes_, " bytes besides pages that threads upload, expected ", roots,
+  if (root_bytes_ > most_bytes_)
+    refuse("page pool: ", most_bytes_, " bytes besides pages that threads upload, expected ", root_bytes_,
            " or more for the roots of all scenes");
+  if (keeps_ahead) ahead_bytes_ = (most_bytes_ - root_bytes_) / 8;
   place(std::move(placed));
 }
 
@@ -106,20 +159,19 @@ PagePlan::Wanted PagePlan::choose(Span<const View> views, const CutGoal& goal, S
       if (view.shows.first != 0 || view.shows.count != ShownScenes().count)
         throw InvalidArgument("cut: a view of some scenes, expected views that show all");
   ++frame_;
-  std::size_t bytes = 0;
-  for (std::uint32_t file = 0; file < files_.size(); ++file) {
-    const PageKey root{file, files_[file].root()};
-    state(root).used = frame_, bytes += resident_bytes(row(root));
-  }
-  // The frame leaves some memory to views ahead: those that come would else be late in every frame.
-  const std::size_t kept = ahead.empty() ? 0 : most_bytes_ / 8;
-  bytes += kept;
+  for (std::uint32_t file = 0; file < files_.size(); ++file) use({file, files_[file].root()});
+  // Without memory of their own, pages that come into view would be late in every frame.
+  std::size_t bytes = root_bytes_ + ahead_bytes_;
   Wanted wanted = grow(views, goal, true, bytes);
-  bytes -= kept;
+  bytes -= ahead_bytes_;
   wanted.now = wanted.missing.size();
-  if (ahead.empty()) return wanted;
-  const Wanted later = grow(ahead, goal, false, bytes);
-  wanted.missing.insert(wanted.missing.end(), later.missing.begin(), later.missing.end());
+  CutGoal finer = goal;
+  finer.pixels *= 0.95;  // cameras do not go on quite so
+  for (std::size_t first = 0; first < ahead.size; first += views.size) {
+    const Span<const View> next{ahead.data + first, std::min(views.size, ahead.size - first)};
+    const Wanted later = grow(next, finer, false, bytes);
+    wanted.missing.insert(wanted.missing.end(), later.missing.begin(), later.missing.end());
+  }
   return wanted;
 }
 
@@ -167,7 +219,7 @@ PagePlan::Wanted PagePlan::grow(Span<const View> views, const CutGoal& goal, boo
       const PageKey child{file, each.page};
       if (draws) seen_[next.scene][child.page].shown = frame_;
       if (!is_wanted(child) && !is_resident(child)) wanted.missing.push_back(child);
-      state(child).used = frame_;
+      use(child);
       candidates.push(each);
     }
   }
@@ -196,23 +248,33 @@ std::vector<PagePlan::Drawn> PagePlan::drawn() const {
   return all;
 }
 
+void PagePlan::use(PageKey key) {
+  PageState& page = state(key);
+  if (page.used != frame_ && page.resident && page.parent != Page::none)
+    by_use_.splice(by_use_.end(), by_use_, page.place);
+  page.used = frame_;
+}
+
 void PagePlan::set_resident(PageKey key, bool resident) {
   PageState& page = state(key);
   page.resident = resident;
   if (page.parent == Page::none) return;
-  int& children = state(parent_of(key)).children;
-  resident ? ++children : --children;
+  PageState& parent = state(parent_of(key));
+  if (resident) {
+    ++parent.children, page.place = by_use_.insert(by_use_.end(), key);
+  } else {
+    --parent.children, by_use_.erase(page.place);
+  }
 }
 
-bool PagePlan::find_victim(PageKey& victim) const {
-  std::uint64_t oldest = frame_;
-  for (std::uint32_t file = 0; file < files_.size(); ++file)
-    for (std::uint32_t i = 0; i < states_[file].size(); ++i) {
-      const PageState& page = states_[file][i];
-      const bool can_go = page.resident && page.children == 0 && page.parent != Page::none;
-      if (can_go && page.used < oldest) oldest = page.used, victim = {file, i};
-    }
-  return oldest != frame_;
+bool PagePlan::find_victim(PageKey& victim, const std::function<bool(PageKey)>& is_held) const {
+  for (const PageKey& key : by_use_) {
+    if (is_wanted(key)) return false;  // and so are all behind it
+    if (state(key).children != 0 || is_held(key)) continue;
+    victim = key;
+    return true;
+  }
+  return false;
 }
 
 }  // namespace swiftgs::detail

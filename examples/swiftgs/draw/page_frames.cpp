@@ -30,7 +30,8 @@ void add_page_options(CLI::App& command, PageOptions& options, SceneOptions& sce
   command.add_flag("--paged", scene.paged, "Draw all levels of a streamed SOG as pages");
 }
 
-PageFrames::PageFrames(AnyRenderer& renderer, const DrawnScenes& drawn, HarmonicsKept kept, std::size_t bytes)
+PageFrames::PageFrames(AnyRenderer& renderer, const DrawnScenes& drawn, HarmonicsKept kept,
+                       const PagePoolOptions& pool)
     : renderer_(renderer), files_(drawn.pages) {
   std::vector<PlacedPages> pages;
   for (std::size_t i = 0; i < files_.size(); ++i) {
@@ -40,7 +41,7 @@ PageFrames::PageFrames(AnyRenderer& renderer, const DrawnScenes& drawn, Harmonic
     else
       uploaded_[i].emplace(renderer.upload(Scene(*drawn.gaussians[i]), kept));
   }
-  pool_.emplace(renderer, std::move(pages), PagePoolOptions{.bytes = bytes});
+  pool_.emplace(renderer, std::move(pages), pool);
   place(drawn.placements);
 }
 
@@ -84,6 +85,7 @@ const Cut& PageFrames::show(Span<const Camera> cameras, const RenderSettings& se
 const Cut& PageFrames::show_complete(Span<const Camera> cameras, const RenderSettings& settings,
                                      const CutGoal& goal) {
   choose(cameras, settings, goal);
+  renderer_.show({});  // not the pages that waiting gives back
   pool_->wait(cut_);
   if (!cut_.failed().empty()) throw std::runtime_error(cut_.failed()[0].reason);
   show();

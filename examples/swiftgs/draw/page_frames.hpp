@@ -34,14 +34,16 @@ void add_page_options(CLI::App& command, PageOptions& options, SceneOptions& sce
 class PageFrames {
  public:
   /// Uploads the scenes without pages. Throws as `PagePool`.
-  PageFrames(AnyRenderer& renderer, const DrawnScenes& drawn, HarmonicsKept kept, std::size_t bytes);
+  PageFrames(AnyRenderer& renderer, const DrawnScenes& drawn, HarmonicsKept kept,
+             const PagePoolOptions& pool);
 
   /// Places the scenes anew. Throws as `PagePool::place` and `validate`, and changes nothing then.
   void place(const std::vector<Placement>& placements);
 
   /// Chooses the pages of a frame of all `cameras`, and has the renderer show them.
   const Cut& show(Span<const Camera> cameras, const RenderSettings& settings, const CutGoal& goal);
-  /// The same with all pages there. Throws `std::runtime_error` where one cannot be read.
+  /// The same with all pages there. Throws `std::runtime_error` where one cannot be read, and what uploads
+  /// throw; the renderer shows nothing then.
   const Cut& show_complete(Span<const Camera> cameras, const RenderSettings& settings, const CutGoal& goal);
 
   const Cut& cut() const { return cut_; }

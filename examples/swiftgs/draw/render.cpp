@@ -161,7 +161,8 @@ void render(RenderOptions options) {
   if (!video) std::filesystem::create_directories(options.out);
   std::optional<PageFrames> pages;
   if (drawn.has_pages()) {
-    pages.emplace(*renderer, drawn, harmonics, options.pages.bytes());
+    // Every frame waits for its pages.
+    pages.emplace(*renderer, drawn, harmonics, PagePoolOptions{.bytes = options.pages.bytes(), .ahead = 0});
   } else {
     for (const auto& each : drawn.gaussians) renderer->add_scene(each, harmonics);
     renderer->place({drawn.placements.data(), drawn.placements.size()});

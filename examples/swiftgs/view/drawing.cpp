@@ -132,7 +132,8 @@ void Drawing::place(std::vector<ShownScene> all) {
 std::unique_ptr<PageFrames> Drawing::page_frames(AnyRenderer& renderer, DrawnScenes drawn,
                                                  std::vector<Placement> placements) const {
   drawn.placements = std::move(placements);
-  return std::make_unique<PageFrames>(renderer, drawn, HarmonicsKept::smallest, page_bytes_);
+  return std::make_unique<PageFrames>(renderer, drawn, HarmonicsKept::smallest,
+                                      PagePoolOptions{.bytes = page_bytes_});
 }
 
 dvec3 Drawing::in_world(std::size_t scene, const dvec3& position) const {

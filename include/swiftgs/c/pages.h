@@ -88,8 +88,8 @@ typedef struct swiftgs_cut {
 
 /// Chooses the pages for all views of `frame`, and has the renderer show them in place of its own scenes,
 /// until another scene is set, added or placed. Does not wait for files. Then it brings what the views of
-/// `ahead` need, such as the camera's in some frames if it goes on as it does; NULL: nothing. `goal` may be
-/// NULL. Fills `cut`, whose size is set, or which is NULL. Errors: `SWIFTGS_INVALID_ARGUMENT` as
+/// `ahead` need; NULL: those of the cameras in ten frames if they go on as they do. `goal` may be NULL. Fills
+/// `cut`, whose size is set, or which is NULL. Errors: `SWIFTGS_INVALID_ARGUMENT` as
 /// `swiftgs_renderer_render_into`.
 SWIFTGS_C_API swiftgs_status swiftgs_pool_cut(swiftgs_pool* pool, const swiftgs_frame* frame,
                                               const swiftgs_frame* ahead, const swiftgs_cut_goal* goal,

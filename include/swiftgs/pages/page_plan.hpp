@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <list>
 #include <vector>
 
 #include <swiftgs/frame/api.hpp>
@@ -19,11 +21,27 @@ inline std::size_t resident_bytes(const Page& page) {
   return page.bytes + (page.count + chunk_size - 1) / chunk_size * sizeof(ChunkBounds);
 }
 
+/// Tells from the views of frames where their cameras go.
+class SWIFTGS_API Motion {
+ public:
+  /// Throws `InvalidArgument` unless `frames` is 0 to 1000.
+  explicit Motion(int frames);
+
+  /// The views in 2 frames and in `frames` if each camera moves and turns on as it did since the call before.
+  /// None if all stand still, if their number changed, and of 0 frames.
+  std::vector<View> ahead(Span<const View> views);
+
+ private:
+  int frames_;
+  std::vector<View> last_;
+};
+
 /// Decides which pages a frame wants, which it draws, and which memory forgets first. Knows which pages are
 /// resident, and that the parent of a resident page is.
 class SWIFTGS_API PagePlan {
  public:
-  explicit PagePlan(std::vector<PlacedPages> placed, std::size_t most_bytes);
+  /// An eighth of the memory that roots leave is for views ahead alone if it `keeps_ahead`.
+  PagePlan(std::vector<PlacedPages> placed, std::size_t most_bytes, bool keeps_ahead);
 
   /// Throws as `validate_placing`, and `InvalidArgument` for scenes that it was not made with. Changes
   /// nothing then.
@@ -57,15 +75,17 @@ class SWIFTGS_API PagePlan {
   bool is_resident(PageKey key) const { return state(key).resident; }
   PageKey parent_of(PageKey key) const { return {key.file, state(key).parent}; }  ///< not of a root
   void set_resident(PageKey key, bool resident);
-  /// The page that was not wanted for the longest time, of those without resident children. False: none.
-  bool find_victim(PageKey& victim) const;
+  /// The page that was not wanted for the longest time, of those without resident children. Passes over pages
+  /// that a cut holds: forgetting them would free nothing. False: none.
+  bool find_victim(PageKey& victim, const std::function<bool(PageKey)>& is_held) const;
 
  private:
   struct PageState {
     std::uint64_t used = 0;  ///< last frame that wanted it
     std::uint32_t parent = Page::none;
     bool resident = false;
-    int children = 0;  ///< that are resident
+    int children = 0;                    ///< that are resident
+    std::list<PageKey>::iterator place;  ///< in `by_use_`, of a resident page
   };
   /// A page of a placed scene, as the last frame saw it.
   struct Seen {
@@ -75,6 +95,7 @@ class SWIFTGS_API PagePlan {
   struct Candidate;
   class Eyes;
 
+  void use(PageKey key);
   PageState& state(PageKey key) { return states_[key.file][key.page]; }
   const PageState& state(PageKey key) const { return states_[key.file][key.page]; }
   /// Chooses pages for `views` and adds their bytes to `bytes`. `draws`: the frame shows them.
@@ -82,11 +103,13 @@ class SWIFTGS_API PagePlan {
   void draw(std::size_t scene, std::uint32_t page, std::vector<Drawn>& to) const;
 
   std::vector<PlacedPages> placed_;
-  std::size_t most_bytes_;
+  std::size_t most_bytes_, root_bytes_ = 0;
+  std::size_t ahead_bytes_ = 0;  ///< for views ahead alone
   std::vector<PagedScene> files_;
   std::vector<std::uint32_t> file_of_;
   std::vector<std::vector<PageState>> states_;  ///< of each file
   std::vector<std::vector<Seen>> seen_;         ///< of each placed scene
+  std::list<PageKey> by_use_;                   ///< resident pages but roots, the longest not wanted first
   std::uint64_t frame_ = 0;
 };
 

@@ -28,8 +28,11 @@ struct PagePoolOptions {
   std::size_t bytes = 2'000'000'000;        ///< of all pages in the backend's memory @units{bytes}
   std::size_t upload_per_frame = 16 << 20;  ///< a frame uploads one page at least @units{bytes}
   std::size_t waiting = 64 << 20;           ///< of pages that were read and not uploaded @units{bytes}
-  int threads = 1;                          ///< of the pool, which read pages; 1 or more
-  PageExecutor executor{};                  ///< reads pages in their place
+  /// Pages are there in time if the cameras go on for so many frames as they do, for which an eighth of the
+  /// memory that roots leave is kept; 0: none is kept.
+  int ahead = 10;
+  int threads = 1;          ///< of the pool, which read pages; 1 or more
+  PageExecutor executor{};  ///< reads pages in their place
 };
 
 /// Pages of placed scenes in the memory of backend `B`, which outlives the pool; `B` may be `AnyRenderer`,
@@ -53,7 +56,8 @@ class PagePool {
         options_(options),
         used_(std::make_shared<std::atomic<std::size_t>>(0)),
         most_bytes_(options.bytes - (uploader ? most_waiting(placed, options) : 0)),
-        plan_(std::move(placed), most_bytes_),
+        plan_(std::move(placed), most_bytes_, options.ahead > 0),
+        motion_(options.ahead),
         loader_(plan_.files(), options.waiting, options.threads, options.executor, upload_by(uploader)) {
     for (std::uint32_t file = 0; file < plan_.files().size(); ++file) {
       const detail::PageKey root{file, plan_.files()[file].root()};
@@ -68,22 +72,25 @@ class PagePool {
   void place(std::vector<PlacedPages> placed) { plan_.place(std::move(placed)); }
 
   /// What to draw for all views of a frame, which show all placed scenes. Uploads pages that were read, at
-  /// most `upload_per_frame`, and asks for others. Then it brings those of views `ahead`, such as the
-  /// camera's in some frames if it goes on as it does, so that they are there in time. Makes no call that
-  /// waits for a file, a thread or a device, but what uploads and releases of memory do. Which pages it draws
-  /// depends on the views, the goal, the pages in memory, and whether there are views ahead. Throws
-  /// `InvalidArgument` for a goal that is not valid, and what `upload` of the backend throws.
+  /// most `upload_per_frame`, and asks for others. Then it brings those of views `ahead`, so that they are
+  /// there in time; of none given, those of the cameras if they go on as they did since the cut before. Makes
+  /// no call that waits for a file, a thread or a device, but what uploads and releases of memory do. Which
+  /// pages it draws depends on the views, the goal and the pages in memory alone. Throws `InvalidArgument`
+  /// for a goal that is not valid, and what `upload` of the backend throws.
   Cut cut(Span<const View> views, const CutGoal& goal = {}, Span<const View> ahead = {}) {
     bool stuck = false;
-    return cut(views, goal, ahead, options_.upload_per_frame, stuck);
+    const std::vector<View> expected = motion_.ahead(views);
+    return cut(views, goal, ahead.empty() ? Span<const View>{expected.data(), expected.size()} : ahead,
+               options_.upload_per_frame, stuck);
   }
 
-  /// Makes `cut` complete: returns when no page is missing but those that fail, or memory that other cuts
-  /// keep has no room for the rest. Gives back what `cut` keeps: nothing may draw its scenes of before.
+  /// Makes `cut` complete: returns when no page is missing but those that fail again, or memory that other
+  /// cuts keep has no room for the rest. Gives back what `cut` keeps: nothing may draw its scenes of before.
   /// Throws as `cut`; waiting again then goes on.
   void wait(Cut& cut) {
     Cut asked;
     asked.views_ = cut.views_, asked.goal_ = cut.goal_;
+    failures_.clear();
     for (;;) {
       bool stuck = false;
       cut = asked;  // gives back memory
@@ -202,9 +209,10 @@ class PagePool {
   }
 
   bool make_room(std::size_t bytes) {
+    const auto is_held = [&](detail::PageKey key) { return resident_.at(key).use_count() > 1; };
     detail::PageKey victim;
     while (*used_ + bytes > most_bytes_) {
-      if (!plan_.find_victim(victim)) return false;
+      if (!plan_.find_victim(victim, is_held)) return false;
       plan_.set_resident(victim, false);
       resident_.erase(victim);
     }
@@ -251,6 +259,7 @@ class PagePool {
   std::shared_ptr<std::atomic<std::size_t>> used_;
   std::size_t most_bytes_;  ///< of resident pages
   detail::PagePlan plan_;
+  detail::Motion motion_;
   detail::PageLoader loader_;
   std::map<detail::PageKey, detail::LoadedPage> waiting_;
   std::map<detail::PageKey, std::shared_ptr<const Resident>> resident_;

@@ -107,7 +107,8 @@ class PagePool:
         """Chooses pages with errors of at most `pixels`, 0 for all Gaussians, and at most so many `splats`, 0 for any.
         The renderer shows them until another scene is set. Without `wait` it does not wait for files: frames draw what
         is there, and later cuts more. `out` is a frame that will be drawn, where its conventions or sizes matter.
-        Pages that the cameras `ahead` need come next, such as the camera's in some frames if it goes on as it does."""
+        Pages that the cameras `ahead` need come next; without them, the cameras' in ten frames if they go on as they
+        do."""
         frame = Renderer._new_frame(cameras, "rgb", {}) if out is None else _checks.of_type(out, Frame, "out")
         frame._aim(cameras)
         later = None if ahead is None else Renderer._new_frame(ahead, "rgb", {})
