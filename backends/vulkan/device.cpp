@@ -3,8 +3,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <mutex>
+#include <numeric>
 #include <string>
 #include <utility>
 #include <vector>
@@ -213,13 +215,13 @@ class OwnDevice {
   VkPhysicalDeviceFeatures2 enabled_{};
 };
 
-/// Asks the device whether `fma` rounds once.
-bool find_fuses(const VulkanDevice& device) {
+/// Asks the device what its arithmetic promises, as `State::arithmetic` has it.
+std::uint32_t find_arithmetic(const VulkanDevice& device) {
   constexpr std::uint32_t products = vulkan::usual_threads;
   std::vector<float> factors;
   for (std::uint32_t i = 0; i < 2 * products; ++i)
     factors.push_back(1 + 0x1p-23f * float((i * 2654435761u) >> 9));
-  std::vector<std::uint32_t> differs(products);
+  std::vector<std::uint32_t> lacks(products);
   Vulkan b(device);
   VulkanBuffer<float> there(b.memory_hook());
   VulkanBuffer<std::uint32_t> found(b.memory_hook());
@@ -231,8 +233,8 @@ bool find_fuses(const VulkanDevice& device) {
       vulkan::Push(vulkan::reads(there.data(), factors.size()), vulkan::writes(found.data(), products)),
       vulkan::Commands::Shape::of(products));
   commands.submit();
-  b.download(std::as_const(found).span(), differs.data());
-  return std::all_of(differs.begin(), differs.end(), [](std::uint32_t yes) { return yes == 0; });
+  b.download(std::as_const(found).span(), lacks.data());
+  return ~std::accumulate(lacks.begin(), lacks.end(), 0u, std::bit_or()) & 3;
 }
 
 }  // namespace
@@ -255,7 +257,7 @@ VulkanDevice::VulkanDevice(const VulkanHandles& handles) {
   const auto state = std::make_shared<State>(handles, of_instance);
   state->create();
   state_ = state;
-  state_->fuses = find_fuses(*this);
+  state_->arithmetic = find_arithmetic(*this);
 }
 
 const VulkanDevice& VulkanDevice::own() {

@@ -351,7 +351,7 @@ void VulkanDevice::State::add_pipelines(Span<const std::byte> kept) {
 
 VkPipeline VulkanDevice::State::pipeline(vulkan::Kernel kernel, std::uint32_t threads,
                                          const std::vector<std::uint32_t>& constants) {
-  std::vector<std::uint32_t> key{std::uint32_t(kernel), subgroup, threads, fuses};
+  std::vector<std::uint32_t> key{std::uint32_t(kernel), subgroup, threads, arithmetic};
   key.insert(key.end(), constants.begin(), constants.end());
   const std::lock_guard lock(mutex_);
   VkPipeline& made = pipelines_[key];

@@ -87,8 +87,8 @@ struct VulkanDevice::State {
   VkDevice device;
   std::string name;
   std::uint32_t subgroup = 0;
-  bool fuses = false;     ///< whether `fma` rounds once
-  float nanoseconds = 0;  ///< of a tick of timestamps; 0: there are none
+  std::uint32_t arithmetic = 0;  ///< bits: `fma` rounds once; `exp2` is exact enough for pixels
+  float nanoseconds = 0;         ///< of a tick of timestamps; 0: there are none
   std::uint64_t tick_mask = 0;
   bool stores_images = false;
   VkDescriptorSetLayout images = VK_NULL_HANDLE;  ///< of an image to store to, and of one to load from

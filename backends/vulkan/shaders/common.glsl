@@ -5,6 +5,7 @@
 
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
+#extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_spirv_intrinsics : require
 #extension GL_KHR_shader_subgroup_basic : require
@@ -18,7 +19,9 @@ spirv_execution_mode(capabilities = [4467], 4462, 32);
 
 layout(constant_id = 0) const uint SUBGROUP = 32;
 layout(constant_id = 1) const uint THREADS = 128;
-layout(constant_id = 2) const bool FUSES = false;  // whether `fma` rounds once
+layout(constant_id = 2) const uint ARITHMETIC = 0u;  // what probe.comp found out
+const bool FUSES = (ARITHMETIC & 1u) != 0u;         // whether `fma` rounds once
+const bool NATIVE_EXP2 = (ARITHMETIC & 2u) != 0u;   // whether `exp2` is as exact as pixels need it
 layout(local_size_x_id = 1) in;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Uints { uint at[]; };

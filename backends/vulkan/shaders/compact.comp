@@ -26,13 +26,13 @@ void main() {
   uint tiles = 0u;
   if (thread() < visible) {
     const Projected p = projected.at[workgroup() * THREADS + thread()];
-    const uvec4 footprint = footprint_of(BOUNDS, p.shape, grid.at[0]);
+    const uvec4 footprint = footprint_of(BOUNDS, shape_of(p.shape), grid.at[0]);
     const uint to = first + thread();
     tiles = footprint.z;
     if (to < capacity) {
       shapes.at[to] = p.shape;
-      depths.at[to] = p.depth;
-      gaussians.at[to] = first_gaussian + p.gaussian;
+      depths.at[to] = uintBitsToFloat(p.depth_gaussian.x);
+      gaussians.at[to] = first_gaussian + p.depth_gaussian.y;
       footprints.at[to] = footprint;
       // Two views share a word, which was cleared.
       if (!is_null(of_view)) atomicOr(Uints(of_view).at[to >> 1], view << (16u * (to & 1u)));

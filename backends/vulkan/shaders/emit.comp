@@ -41,7 +41,7 @@ uint id_of(uint i) { return is_null(order) ? i : Uints(order).at[i]; }
 void emit_large(uint i) {
   const uint id = id_of(i), tiles_in_all = footprints.at[id].z;
   const TileGrid grid = grids.at[view_at(of_view, id)];
-  const Shape shape = shapes.at[id];
+  const Shape shape = shape_of(shapes.at[id]);
   const SplatTiles tiles = tiles_of(BOUNDS, shape, grid);
   uint before_rows = 0u;
   for (int first = tiles.rows.begin; first < tiles.rows.end; first += int(THREADS)) {

@@ -20,7 +20,7 @@ void main() {
   const uint i = invocation();
   uvec4 footprint = uvec4(0u);
   if (i < number_of(count)) {
-    footprint = footprint_of(BOUNDS, shapes.at[i], grids.at[view_at(of_view, i)]);
+    footprint = footprint_of(BOUNDS, shape_of(shapes.at[i]), grids.at[view_at(of_view, i)]);
     footprints.at[i] = footprint;
   }
   add_tiles(tile_counts, footprint.z);

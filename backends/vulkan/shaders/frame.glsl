@@ -74,18 +74,29 @@ Gaussian gaussian_of(Seens seen, uint of, uint i) {
   return g;
 }
 
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Shapes { Shape at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Footprints { uvec4 at[]; };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Colours { vec4 at[]; };
+// Arrays that stages share have vectors of 16 bytes, which a device loads and stores at once.
+struct ShapeWords {
+  vec4 first, second;
+};
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Shapes { ShapeWords at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Footprints { uvec4 at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Colours { vec4 at[]; };
+
+Shape shape_of(ShapeWords words) {
+  const vec4 a = words.first, b = words.second;
+  return Shape(a.xy, a.z, a.w, b.x, b.y, b.z, floatBitsToUint(b.w));
+}
+ShapeWords stored_shape(Shape s) {
+  return ShapeWords(vec4(s.mean, s.l0, s.l1), vec4(s.l2, s.opacity, s.cutoff, uintBitsToFloat(s.low)));
+}
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Grids { TileGrid at[]; };
 
 // A visible Gaussian before its splat has a place.
 struct Projected {
-  Shape shape;
-  float depth;
-  uint gaussian;  // in its scene
+  ShapeWords shape;
+  uvec4 depth_gaussian;  // the depth's bits, and the number of the Gaussian in its scene
 };
-layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Projecteds { Projected at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Projecteds { Projected at[]; };
 
 // `FrameTotals` of the host: 64-bit numbers by halves.
 struct Totals {

@@ -57,7 +57,7 @@ void main() {
   vec3 normal = vec3(0.0), along_ray = vec3(0.0);
   if (lists.at[view].has_normal != 0u) normal = normal_of(eye, drawn);
 #ifdef ALONG_RAY
-  if (lists.at[view].has_ray_depth != 0u) along_ray = ray_depth(eye, drawn, shapes.at[i], depth, most);
+  if (lists.at[view].has_ray_depth != 0u) along_ray = ray_depth(eye, drawn, shape_of(shapes.at[i]), depth, most);
 #endif
   const uint attributes = lists.at[view].count;
   for (uint k = 0u; k < attributes; ++k) {

@@ -164,3 +164,23 @@ FUNCTION FloatPair log2_of(float x) {
   FloatPair line = times(t, pair(2.885390043f, 3.85192607e-08f));
   return add(pair(float(exponent), 0.0f), add(line, pair(rest, 0.0f)));
 }
+
+// 2^-s for s >= 0, a unit in the last place, by the series of the remainder of an integer.
+FUNCTION float exp2_negative(float s) {
+  const float whole = roundEven(s);
+  if (!(whole <= 126.0f)) return 0.0f;
+  PRECISE float x = whole - s;
+  PRECISE float p6 = x * 1.540353039e-4f;
+  PRECISE float p5 = p6 + 1.333355815e-3f;
+  PRECISE float t5 = x * p5;
+  PRECISE float p4 = t5 + 9.618129108e-3f;
+  PRECISE float t4 = x * p4;
+  PRECISE float p3 = t4 + 5.550410866e-2f;
+  PRECISE float t3 = x * p3;
+  PRECISE float p2 = t3 + 2.402265070e-1f;
+  PRECISE float t2 = x * p2;
+  PRECISE float p1 = t2 + 6.931471806e-1f;
+  PRECISE float t1 = x * p1;
+  PRECISE float p0 = t1 + 1.0f;
+  return p0 * uintBitsToFloat((127u - uint(whole)) << 23);
+}

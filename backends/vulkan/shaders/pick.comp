@@ -34,15 +34,12 @@ void main() {
   for (uint from = begin; from < end && !found; from += 4096u)
     for (uint at = from; at < min(end, from + 4096u) && !found; ++at) {
       const uint id = ids.at[at];
-      const Shape s = shapes.at[id];
       const float of_splat = colours.at[id].w;
       if (!(of_splat > 0.0)) continue;
-      Split split;
-      const vec2 centre = vec2(pixel) + 0.5;
-      const float alpha = alpha_of(s, exponent_of(s, split, centre, centre), view);
+      const Terms terms = terms_of(shape_of(shapes.at[id]), vec2(pixel) + 0.5);
+      const float alpha = alpha_of(terms, vec2(0.0), view.alpha_min, view.alpha_max);
       if (alpha == 0.0) continue;
-      const float next = dimmed(transmittance, alpha);
-      precise float weight = alpha * transmittance;
+      const float weight = alpha * transmittance, next = dimmed(transmittance, alpha, weight);
       found = next < view.stop_below;
       if (found) break;
       if (weight > largest) {

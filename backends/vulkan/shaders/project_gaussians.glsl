@@ -54,9 +54,8 @@ void main() {
   uint visible;
   const uint place = workgroup() * THREADS + sum_before(shape.visible ? 1u : 0u, visible);
   if (shape.visible) {
-    projected.at[place].shape = shape.shape;
-    projected.at[place].depth = shape.depth;
-    projected.at[place].gaussian = i;
+    projected.at[place].shape = stored_shape(shape.shape);
+    projected.at[place].depth_gaussian = uvec4(floatBitsToUint(shape.depth), i, 0u, 0u);
   }
   if (thread() == 0u) counts.at[workgroup()] = visible;
 }

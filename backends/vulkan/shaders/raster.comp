@@ -7,9 +7,9 @@
 #include "pixels.glsl"
 #include "alpha.glsl"
 
-// Blends the splats of a warp block of 8x8 pixels, which a subgroup shares, or several that have PARTS of it: each lane
-// has every SUBGROUP-th pixel of a part. It tests a splat a lane against the block, then blends the splats that touch it,
-// one after the other.
+// Blends the splats of a warp block of 8x8 pixels, which a subgroup shares, or several that have PARTS of it. A subgroup
+// tests a splat a lane against the block and queues those that touch it. It blends as many as it has lanes at a time, in
+// groups: the alphas of a group do not wait for each other, and pixels test once a group whether they stop.
 
 // What the view asks for beside colour and alpha.
 layout(constant_id = 5) const bool DEPTH = false;
@@ -41,12 +41,19 @@ layout(push_constant, scalar) uniform Push {
 };
 
 const uint SIDE = 8u, EACH = SIDE * SIDE / (SUBGROUP * PARTS);
+// Splats that are blended together: fewer where a lane has many pixels, or software would compile for a minute.
+const uint GROUP = EACH > 4u ? 1u : EACH > 2u ? 2u : 4u;
 const uint NONE = 0xffffffffu, SUMS = ATTRIBUTES == 0u ? 1u : ATTRIBUTES;
 
-// Place of pixel `p` of this lane in the block.
+// Two halves: one is filled while the other is blended.
+const uint QUEUE = 2u * SUBGROUP;
+shared vec4 exponents[QUEUE], rests[QUEUE], shades[QUEUE];
+shared uint queued_ids[QUEUE];
+
+// Pixels of a lane are next to each other. Place of pixel `p` of this lane in the block.
 uvec2 place_of(uint p) {
-  const uint n = (gl_WorkGroupID.z * EACH + p) * SUBGROUP + gl_SubgroupInvocationID;
-  return uvec2(n % SIDE, n / SIDE);
+  const uint first = (gl_WorkGroupID.z * SUBGROUP + gl_SubgroupInvocationID) * EACH;
+  return uvec2(first % SIDE + p % SIDE, first / SIDE + p / SIDE);
 }
 
 // The depth of splat `id` along the ray of a pixel, `place` from the middle of the image.
@@ -89,6 +96,9 @@ void contribute(uint g, uint low_bits, uint high_bits) {
   if ((high >> 16) + carry != 0u) atomicAdd(contributions.at[2u * g + 1u], (high >> 16) + carry);
 }
 
+// The id that this lane has of those from `from` on.
+uint id_at(uint from, uint end) { return from + gl_SubgroupInvocationID < end ? ids.at[from + gl_SubgroupInvocationID] : 0u; }
+
 void main() {
   const RasterView view = views.at[0];
   const TileGrid grid = view.grid;
@@ -101,95 +111,158 @@ void main() {
   const uint begin = ranges.at[2u * tile], end = ranges.at[2u * tile + 1u];
   if (begin > end) return;  // as of `TileRange::undrawn`
 
-  float transmittance[EACH], depth[EACH], weight_of_largest[EACH], occluded_from[EACH];
+  // A pixel that stopped has no transmittance, so that later splats add nothing. Its limit holds what was left, negated.
+  float transmittance[EACH], limit[EACH], depth[EACH], weight_of_largest[EACH], occluded_from[EACH];
   vec3 colour[EACH];
   float sums[EACH * SUMS];
   uint first[EACH], median[EACH], largest[EACH];
-  bool stopped[EACH];
-  bool all_stopped = true;
-  for (uint p = 0u; p < EACH; ++p) {
+  [[unroll]] for (uint p = 0u; p < EACH; ++p) {
     const uvec2 at = block + place_of(p);
     const bool inside = at.x < view.width && at.y < view.height;
-    transmittance[p] = 1.0;
+    transmittance[p] = inside ? 1.0 : 0.0;
+    limit[p] = inside ? view.stop_below : -1.0;
     colour[p] = vec3(0.0);
     for (uint k = 0u; k < SUMS; ++k) sums[p * SUMS + k] = 0.0;
     depth[p] = 0.0;
     first[p] = median[p] = largest[p] = NONE;
     weight_of_largest[p] = 0.0;
-    stopped[p] = !inside;
-    all_stopped = all_stopped && !inside;
     occluded_from[p] = OCCLUDER && inside ? occluder_at(view, at) : 0.0;
   }
 
-  for (uint from = begin; from < end && !subgroupAll(all_stopped); from += SUBGROUP) {
-    const uint i = from + gl_SubgroupInvocationID;
-    const uint mine = ids.at[i < end ? i : begin];
-    const Shape shape = shapes.at[mine];
-    const vec4 of_mine = HAS_COLOURS ? colours.at[mine] : vec4(1.0);
-    uvec4 touching = subgroupBallot(i < end && of_mine.w > 0.0 && box_touched(shape, first_centre));
-    while ((touching.x | touching.y) != 0u) {
-      const uint lane = touching.x != 0u ? uint(findLSB(touching.x)) : 32u + uint(findLSB(touching.y));
-      if (touching.x != 0u) touching.x &= touching.x - 1u;
-      else touching.y &= touching.y - 1u;
-      Shape s;
-      s.mean = subgroupShuffle(shape.mean, lane);
-      s.l0 = subgroupShuffle(shape.l0, lane);
-      s.l1 = subgroupShuffle(shape.l1, lane);
-      s.l2 = subgroupShuffle(shape.l2, lane);
-      s.opacity = subgroupShuffle(shape.opacity, lane);
-      s.cutoff = subgroupShuffle(shape.cutoff, lane);
-      s.low = subgroupShuffle(shape.low, lane);
-      const vec4 rgb_depth = subgroupShuffle(of_mine, lane);
-      const uint id = CONTRIBUTES || PICKS || ALONG_RAY || ATTRIBUTES != 0u ? subgroupShuffle(mine, lane) : NONE;
-      Split split;
-      if (EXPONENT == float_split) split = split_of(s, raster_centre);
-      all_stopped = true;
-      uint low_bits = 0u, high_bits = 0u;
-      for (uint p = 0u; p < EACH; ++p) {
-        const vec2 at = first_centre + vec2(place_of(p));
-        float alpha = alpha_of(s, exponent_of(s, split, raster_centre, at), view);
-        // Depths along the ray do not ascend in a list: the pixel skips a hidden splat.
-        if (ALONG_RAY && OCCLUDER && alpha != 0.0 &&
-            ray_depth_at(id, first_place + vec2(place_of(p))) >= occluded_from[p])
-          alpha = 0.0;
-        if (!stopped[p] && alpha != 0.0) {
-          const float next = dimmed(transmittance[p], alpha);
-          if (next < view.stop_below || (OCCLUDER && !ALONG_RAY && rgb_depth.w >= occluded_from[p])) {
-            stopped[p] = true;
-          } else {
-            precise float weight = alpha * transmittance[p];
-            if (CONTRIBUTES) {
-              const uint parts = uint(weight * 2147483648.0);
-              low_bits += parts & 0xffffu;
-              high_bits += parts >> 16;
-            }
-            precise vec3 more = weight * rgb_depth.rgb;
-            precise vec3 sum = colour[p] + more;
-            colour[p] = sum;
-            if (DEPTH) depth[p] += weight * rgb_depth.w;
-            for (uint k = 0u; k < ATTRIBUTES; ++k) sums[p * SUMS + k] += weight * attributes.at[id * ATTRIBUTES + k];
-            transmittance[p] = next;
-            if (PICKS) {
-              if (weight > weight_of_largest[p]) {
-                largest[p] = id;
-                weight_of_largest[p] = weight;
-              }
-              if (first[p] == NONE && next < view.first_below) first[p] = id;
-              if (median[p] == NONE && next < 0.5) median[p] = id;
+  // Shapes are loaded a step ahead, and their ids two.
+  const uint lane = gl_SubgroupInvocationID;
+  uint next_id = id_at(begin, end), later_id = id_at(begin + SUBGROUP, end);
+  ShapeWords next_shape;
+  if (begin < end) next_shape = shapes.at[next_id];
+  uint waiting = 0u, front = 0u;
+  for (uint from = begin; from < end || waiting != 0u; from += SUBGROUP) {
+    if (from < end) {
+      const uint id = next_id;
+      const Shape shape = shape_of(next_shape);
+      next_id = later_id;
+      if (from + SUBGROUP < end) next_shape = shapes.at[next_id];
+      later_id = id_at(from + 2u * SUBGROUP, end);
+      const bool touches = from + lane < end && box_touched(shape, first_centre);
+      const uvec4 touching = subgroupBallot(touches);
+      if (touches) {
+        const uint slot = (front + waiting + subgroupBallotExclusiveBitCount(touching)) % QUEUE;
+        const Terms terms = terms_of(shape, first_centre);
+        exponents[slot] = terms.exponent;
+        rests[slot] = terms.rest;
+        queued_ids[slot] = id;
+      }
+      waiting += subgroupBallotBitCount(touching);
+      if (waiting < SUBGROUP && from + SUBGROUP < end) continue;
+    }
+
+    const uint count = min(waiting, SUBGROUP);
+    subgroupBarrier();
+    {
+      const uint slot = front + lane;
+      vec4 shade = vec4(0.0);
+      if (lane < count) shade = HAS_COLOURS ? colours.at[queued_ids[slot]] : vec4(1.0);
+      shades[slot] = shade;
+      // Neither a hidden splat nor what fills the last group is shown.
+      if (!(shade.w > 0.0)) rests[slot] = vec4(0.0, 0.0, -1.0, 0.0);
+    }
+    subgroupBarrier();
+
+    for (uint of_group = front; of_group < front + count; of_group += GROUP) {
+      float weight[EACH * GROUP];  // alphas at first
+      [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
+        const Terms terms = Terms(exponents[of_group + k], rests[of_group + k]);
+        [[unroll]] for (uint p = 0u; p < EACH; ++p)
+          weight[p * GROUP + k] = alpha_of(terms, vec2(place_of(p)), view.alpha_min, view.alpha_max);
+      }
+
+      float left[EACH * (GROUP + 1u)];  // the transmittances in front of each splat, and behind the last
+      bool some_stop = false, occluded[EACH];
+      [[unroll]] for (uint p = 0u; p < EACH; ++p) {
+        const uint row = p * (GROUP + 1u);
+        occluded[p] = false;
+        left[row] = transmittance[p];
+        [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
+          float alpha = weight[p * GROUP + k];
+          if (OCCLUDER) {
+            // Depths along the ray do not ascend in a list: the pixel skips a hidden splat.
+            if (ALONG_RAY) {
+              if (alpha != 0.0 &&
+                  ray_depth_at(queued_ids[of_group + k], first_place + vec2(place_of(p))) >= occluded_from[p])
+                alpha = 0.0;
+            } else {
+              occluded[p] = occluded[p] || (alpha != 0.0 && shades[of_group + k].w >= occluded_from[p]);
+              if (occluded[p]) alpha = 0.0;
             }
           }
+          weight[p * GROUP + k] = alpha * left[row + k];
+          left[row + k + 1u] = dimmed(left[row + k], alpha, weight[p * GROUP + k]);
         }
-        all_stopped = all_stopped && stopped[p];
+        transmittance[p] = left[row + GROUP];
+        some_stop = some_stop || left[row + GROUP] < limit[p];
       }
-      if (CONTRIBUTES) contribute(gaussians.at[id], low_bits, high_bits);
+      if (some_stop) {
+        [[unroll]] for (uint p = 0u; p < EACH; ++p) {
+          const uint row = p * (GROUP + 1u);
+          if (!(left[row + GROUP] < limit[p])) continue;
+          // Undo from the splat on that stops the pixel.
+          float last = left[row];
+          [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
+            if (left[row + k + 1u] < limit[p]) weight[p * GROUP + k] = 0.0;
+            else last = left[row + k + 1u];
+          }
+          transmittance[p] = 0.0;
+          limit[p] = -last;
+        }
+      }
+      if (OCCLUDER) {
+        [[unroll]] for (uint p = 0u; p < EACH; ++p)
+          if (occluded[p] && limit[p] >= 0.0) {
+            limit[p] = -transmittance[p];
+            transmittance[p] = 0.0;
+          }
+      }
+
+      [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
+        const vec4 shade = shades[of_group + k];
+        const uint id = CONTRIBUTES || PICKS || ATTRIBUTES != 0u ? queued_ids[of_group + k] : NONE;
+        uint low_bits = 0u, high_bits = 0u;
+        [[unroll]] for (uint p = 0u; p < EACH; ++p) {
+          const float w = weight[p * GROUP + k];
+          colour[p] = fma(vec3(w), shade.rgb, colour[p]);
+          if (DEPTH) depth[p] = fma(w, shade.w, depth[p]);
+          for (uint a = 0u; a < ATTRIBUTES; ++a) sums[p * SUMS + a] += w * attributes.at[id * ATTRIBUTES + a];
+          if (PICKS && w > 0.0) {
+            const float behind = left[p * (GROUP + 1u) + k + 1u];
+            if (w > weight_of_largest[p]) {
+              largest[p] = id;
+              weight_of_largest[p] = w;
+            }
+            if (first[p] == NONE && behind < view.first_below) first[p] = id;
+            if (median[p] == NONE && behind < 0.5) median[p] = id;
+          }
+          if (CONTRIBUTES) {
+            const uint parts = uint(w * 2147483648.0);
+            low_bits += parts & 0xffffu;
+            high_bits += parts >> 16;
+          }
+        }
+        if (CONTRIBUTES && of_group + k < front + count) contribute(gaussians.at[id], low_bits, high_bits);
+      }
     }
+    waiting -= count;
+    front ^= SUBGROUP;
+    bool all_stopped = true;
+    [[unroll]] for (uint p = 0u; p < EACH; ++p) all_stopped = all_stopped && limit[p] < 0.0;
+    if (subgroupAll(all_stopped)) break;
+    subgroupBarrier();
   }
 
   for (uint p = 0u; p < EACH; ++p) {
     const uvec2 at = block + place_of(p);
     if (at.x >= view.width || at.y >= view.height) continue;
     const vec2 place = first_place + vec2(place_of(p));
-    precise float alpha = 1.0 - transmittance[p];
+    const float left = limit[p] < 0.0 ? -limit[p] : transmittance[p];
+    precise float alpha = 1.0 - left;
     for (uint k = 0u; k < ATTRIBUTES; ++k) {
       const Attribute to = attributes_of.at[0].each[k];
       const uint from = p * SUMS + k;
@@ -213,7 +286,7 @@ void main() {
     if (!is_null(view.colour.data)) {
       vec4 below = view.over != 0u ? load_colour(view, at) : vec4(view.background, 0.0);
       if (CONVERTS && view.over != 0u) below = converted(view, below, below.w, true);
-      precise vec4 dim = transmittance[p] * below;
+      precise vec4 dim = left * below;
       precise vec4 laid = vec4(colour[p], alpha) + dim;
       const bool whole = view.format == rgb_float || (view.over == 0u && view.background != vec3(0.0));
       if (CONVERTS) store_colour(view, at, converted(view, laid, whole ? 1.0 : laid.w, false));

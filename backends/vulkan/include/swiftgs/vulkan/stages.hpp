@@ -44,11 +44,11 @@ struct TileCounts {
   std::uint32_t workgroups = 0;
 };
 
-/// A visible Gaussian before its splat has a place.
-struct Projected {
-  SplatShape shape;
+/// A visible Gaussian before its splat has a place, as frame.glsl declares it.
+struct alignas(16) Projected {
+  std::uint32_t shape[8];
   float depth;
-  std::uint32_t gaussian;
+  std::uint32_t gaussian, unused[2];
 };
 
 /// The number of a policy in its list, as shaders have it.
