@@ -121,10 +121,23 @@ void Commands::run(Kernel kernel, const std::vector<std::uint32_t>& constants, P
   if (b_.hazards.next(push.accesses())) barrier(device_, commands, kernels_write, kernels);
   vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
   vk.vkCmdPushConstants(commands, device_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, push.size(), push.data());
+  Profile& profile = b_.profile;
+  if (!profile.on || profile.kernels.size() == Profile::most) return dispatch(shape);
+  const auto query = std::uint32_t(2 * profile.kernels.size());
+  profile.kernels.push_back(kernel);
+  barrier(device_, commands, kernels, kernels);
+  timestamp(profile.times, query);
+  dispatch(shape);
+  barrier(device_, commands, kernels, kernels);
+  timestamp(profile.times, query + 1);
+}
+
+void Commands::dispatch(const Shape& shape) {
+  const VkCommandBuffer commands = b_.open->commands;
   if (shape.at)
-    vk.vkCmdDispatchIndirect(commands, b_.groups.allocation.buffer, *shape.at);
+    device_.vk.vkCmdDispatchIndirect(commands, b_.groups.allocation.buffer, *shape.at);
   else
-    vk.vkCmdDispatch(commands, shape.columns, shape.rows, shape.layers);
+    device_.vk.vkCmdDispatch(commands, shape.columns, shape.rows, shape.layers);
 }
 
 void Commands::bind_image(VkImageView image, std::uint32_t binding) {
@@ -165,9 +178,9 @@ void Commands::scan(std::uint32_t* values, Count count, const Shape& shape) {
   run(Kernel::scan_apply, {}, push(Access::written, Access::read), shape);
 }
 
-void Commands::timestamp(std::uint32_t query) {
-  device_.vk.vkCmdResetQueryPool(b_.open->commands, b_.times, query, 1);
-  device_.vk.vkCmdWriteTimestamp(b_.open->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, b_.times, query);
+void Commands::timestamp(VkQueryPool times, std::uint32_t query) {
+  device_.vk.vkCmdResetQueryPool(b_.open->commands, times, query, 1);
+  device_.vk.vkCmdWriteTimestamp(b_.open->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, times, query);
 }
 
 void Commands::release_to_host() {

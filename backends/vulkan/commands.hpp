@@ -89,6 +89,14 @@ void clear_images(const VulkanDevice::State& device, CommandSlot& slot);
 /// Points of `Vulkan::now` that can be read.
 inline constexpr std::uint32_t time_points = 256;
 
+/// Kernels of `Vulkan::profile`, with a timestamp before each and one behind it.
+struct Profile {
+  static constexpr std::uint32_t most = 1000;
+  bool on = false;
+  VkQueryPool times = VK_NULL_HANDLE;
+  std::vector<Kernel> kernels;
+};
+
 }  // namespace vulkan
 
 struct Vulkan::State {
@@ -114,8 +122,9 @@ struct Vulkan::State {
   std::uint64_t serial = 0;
   std::array<std::uint64_t, vulkan::time_points> reached_at{};  ///< values of the timeline of time points
   std::vector<std::uint32_t> open_points;                       ///< those within `open`
-  vulkan::Block report;                                         ///< a `FrameReport`
-  std::uint64_t reported_at = 0;                                ///< value of the timeline
+  vulkan::Profile profile;
+  vulkan::Block report;           ///< a `FrameReport`
+  std::uint64_t reported_at = 0;  ///< value of the timeline
   vulkan::Block staging;
   VulkanBuffer<std::uint32_t> sums;               ///< of scans
   VulkanBuffer<std::uint32_t> places;             ///< of sorts
@@ -185,7 +194,7 @@ class Commands {
   /// Orders all later commands of the program behind these.
   void precede_program();
 
-  void timestamp(std::uint32_t query);
+  void timestamp(VkQueryPool times, std::uint32_t query);
   /// Lets the host read what the commands wrote.
   void release_to_host();
 
@@ -198,6 +207,7 @@ class Commands {
 
  private:
   const void* copy(const void* from, std::size_t bytes);
+  void dispatch(const Shape& shape);
   std::optional<std::size_t> groups_of(Count count) const;
 
   Vulkan::State& b_;

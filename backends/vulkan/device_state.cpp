@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -303,6 +304,28 @@ void VulkanDevice::State::wait(std::uint64_t value) {
   wait.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO;
   wait.semaphoreCount = 1, wait.pSemaphores = &timeline, wait.pValues = &value;
   vulkan::check(vk.vkWaitSemaphores(device, &wait, ~std::uint64_t(0)), "vkWaitSemaphores");
+}
+
+VkQueryPool VulkanDevice::State::make_queries(std::uint32_t timestamps) const {
+  VkQueryPoolCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
+  info.queryType = VK_QUERY_TYPE_TIMESTAMP, info.queryCount = timestamps;
+  VkQueryPool made = VK_NULL_HANDLE;
+  vulkan::check(vk.vkCreateQueryPool(device, &info, nullptr, &made), "vkCreateQueryPool");
+  return made;
+}
+
+std::optional<double> VulkanDevice::State::milliseconds(VkQueryPool times, std::uint32_t from,
+                                                        std::uint32_t to) const {
+  std::uint64_t ticks[2] = {};
+  const std::uint32_t queries[] = {from, to};
+  for (int k = 0; k < 2; ++k) {
+    const VkResult result = vk.vkGetQueryPoolResults(device, times, queries[k], 1, sizeof ticks[k], &ticks[k],
+                                                     sizeof ticks[k], VK_QUERY_RESULT_64_BIT);
+    if (result == VK_NOT_READY) return {};
+    vulkan::check(result, "vkGetQueryPoolResults");
+  }
+  return double((ticks[1] - ticks[0]) & tick_mask) * double(nanoseconds) * 1e-6;
 }
 
 namespace {

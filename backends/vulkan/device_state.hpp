@@ -72,6 +72,10 @@ struct VulkanDevice::State {
   bool is_done(std::uint64_t value);
   void wait(std::uint64_t value);
 
+  VkQueryPool make_queries(std::uint32_t timestamps) const;
+  /// Between two timestamps that were submitted; nothing while they are not reached.
+  std::optional<double> milliseconds(VkQueryPool times, std::uint32_t from, std::uint32_t to) const;
+
   /// Made when it is first used. `threads` a workgroup.
   VkPipeline pipeline(vulkan::Kernel kernel, std::uint32_t threads,
                       const std::vector<std::uint32_t>& constants);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "kernels.hpp"
 
+#include <cstddef>
 #include <iterator>
 
 namespace swiftgs::vulkan {
@@ -33,6 +34,13 @@ namespace {
 #include "tile_counts.comp.hpp"
 // clang-format on
 }  // namespace
+
+std::string_view name_of(Kernel kernel) {
+#define SWIFTGS_VULKAN_NAME(name) #name,
+  static constexpr std::string_view names[] = {SWIFTGS_VULKAN_KERNELS(SWIFTGS_VULKAN_NAME)};
+#undef SWIFTGS_VULKAN_NAME
+  return names[std::size_t(kernel)];
+}
 
 Span<const std::uint32_t> code_of(Kernel kernel) {
   switch (kernel) {

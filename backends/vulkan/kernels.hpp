@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string_view>
 
 #include <swiftgs/frame/span.hpp>
 
@@ -20,6 +21,7 @@ enum class Kernel : std::uint32_t {
 #undef SWIFTGS_VULKAN_NAME
 };
 
+std::string_view name_of(Kernel kernel);
 /// SPIR-V of `kernel`.
 Span<const std::uint32_t> code_of(Kernel kernel);
 

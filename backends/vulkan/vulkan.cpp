@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame/span.hpp>
@@ -53,12 +54,7 @@ void Vulkan::State::create() {
   for (vulkan::CommandSlot& slot : slots)
     vulkan::check(of.vk.vkAllocateCommandBuffers(of.device, &info, &slot.commands),
                   "vkAllocateCommandBuffers");
-  if (of.nanoseconds != 0) {
-    VkQueryPoolCreateInfo queries{};
-    queries.sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO;
-    queries.queryType = VK_QUERY_TYPE_TIMESTAMP, queries.queryCount = vulkan::time_points;
-    vulkan::check(of.vk.vkCreateQueryPool(of.device, &queries, nullptr, &times), "vkCreateQueryPool");
-  }
+  if (of.nanoseconds != 0) times = of.make_queries(vulkan::time_points);
   report = of.allocate_host_block(sizeof(FrameReport));
   groups = of.allocate_block(counted.size() * sizeof(vulkan::Groups));
 }
@@ -72,7 +68,8 @@ Vulkan::State::~State() {
     // A lost device has nothing under way.
   }
   of.vk.vkDestroyCommandPool(of.device, pool, nullptr);
-  of.vk.vkDestroyQueryPool(of.device, times, nullptr);
+  for (const VkQueryPool queries : {times, profile.times})
+    of.vk.vkDestroyQueryPool(of.device, queries, nullptr);
   for (vulkan::CommandSlot& slot : slots) release(of, slot);
   of.release(report), of.release(groups), of.release(staging);
 }
@@ -183,7 +180,7 @@ Vulkan::TimePoint Vulkan::now() {
   if (!b.times) return point;
   const auto query = std::uint32_t(point.serial % vulkan::time_points);
   vulkan::Commands commands(*this);
-  commands.timestamp(query);
+  commands.timestamp(b.times, query);
   b.reached_at[query] = ~std::uint64_t(0), b.open_points.push_back(query);
   commands.finish();
   return point;
@@ -194,17 +191,32 @@ std::optional<double> Vulkan::milliseconds(TimePoint from, TimePoint to) const {
   VulkanDevice::State& of = b.device.state();
   if (b.open && !b.recording) vulkan::Commands(*this).submit();
   if (!b.times || b.serial - from.serial >= vulkan::time_points - 1) return {};
-  std::uint64_t ticks[2] = {};
-  const TimePoint points[] = {from, to};
-  for (int k = 0; k < 2; ++k) {
-    const auto query = std::uint32_t(points[k].serial % vulkan::time_points);
-    if (!of.is_done(b.reached_at[query])) return {};
-    const VkResult result = of.vk.vkGetQueryPoolResults(of.device, b.times, query, 1, sizeof ticks[k],
-                                                        &ticks[k], sizeof ticks[k], VK_QUERY_RESULT_64_BIT);
-    if (result == VK_NOT_READY) return {};
-    vulkan::check(result, "vkGetQueryPoolResults");
+  const auto query = [](TimePoint point) { return std::uint32_t(point.serial % vulkan::time_points); };
+  for (const TimePoint point : {from, to})
+    if (!of.is_done(b.reached_at[query(point)])) return {};
+  return of.milliseconds(b.times, query(from), query(to));
+}
+
+std::vector<Vulkan::KernelTime> Vulkan::profile(const std::function<void()>& draw) {
+  VulkanDevice::State& of = state_->device.state();
+  vulkan::refuse_while_recording(*state_, "profile");
+  if (!state_->times) return draw(), std::vector<KernelTime>{};
+  vulkan::Profile& profile = state_->profile;
+  if (!profile.times) profile.times = of.make_queries(2 * vulkan::Profile::most);
+  profile.kernels.clear();
+  const struct Profiling {
+    bool& on;
+    explicit Profiling(bool& to) : on(to) { on = true; }
+    ~Profiling() { on = false; }
+  } profiling(profile.on);
+  draw();
+  wait();
+  std::vector<KernelTime> taken;
+  for (const vulkan::Kernel kernel : profile.kernels) {
+    const auto query = std::uint32_t(2 * taken.size());
+    taken.push_back({name_of(kernel), of.milliseconds(profile.times, query, query + 1).value_or(0)});
   }
-  return double((ticks[1] - ticks[0]) & of.tick_mask) * double(of.nanoseconds) * 1e-6;
+  return taken;
 }
 
 }  // namespace swiftgs

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -294,6 +295,24 @@ SWIFTGS_VULKAN_CASE("vulkan: a frame beyond its capacity is drawn again and time
   }
   renderer.trim();
   CHECK(renderer.memory().total() == 0);
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: a profile has the kernels of a frame in their order and changes no bit") {
+  UsualVulkan renderer;
+  const VulkanScene there = renderer.backend().upload(make_builtin_scene(500));
+  const Camera camera = builtin_camera(80, 45);
+  const Frame expected = renderer.render(there, camera);
+  Frame frame;
+  const auto kernels = renderer.backend().profile([&] { frame = renderer.render(there, camera); });
+  CHECK(same_planes(frame, expected));
+  const auto first = [&](std::string_view name) {
+    return std::find_if(kernels.begin(), kernels.end(), [&](const auto& k) { return k.name == name; });
+  };
+  CHECK(first("project") < first("emit"));
+  CHECK(first("emit") < first("raster"));
+  REQUIRE(first("raster") != kernels.end());
+  CHECK(first("raster")->milliseconds > 0);
+  CHECK(renderer.backend().profile([] {}).empty());
 }
 
 SWIFTGS_VULKAN_CASE("vulkan: contributions are those of Serial but for roundings at thresholds") {

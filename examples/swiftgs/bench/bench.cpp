@@ -70,7 +70,7 @@ The columns are means over views; docs/results.md describes the JSON.
 The file of --json is written anew after every row. --resume goes on where a run of the same command
 on the same machine, build and scenes has stopped; a file of another one is refused.
 With --profile nothing is timed or compared: after frames that warm up, each renderer draws each
-view once, and a profiler of CUDA records these frames alone.
+view once, and a profiler of CUDA records these frames alone; vulkan prints the time of each kernel.
 
 Examples:
   swiftgs bench builtin garden/ --renderers 'cuda/*' --json results.json

@@ -11,6 +11,10 @@
 #include <swiftgs/cuda/check.hpp>
 #endif
 
+#if defined(SWIFTGS_HAS_VULKAN)
+#include <swiftgs/vulkan.hpp>
+#endif
+
 #include "bench/measure.hpp"
 #include "words.hpp"
 
@@ -40,6 +44,23 @@ void print_frames(const AnyRenderer& renderer, const Session& session) {
   std::fflush(stdout);
 }
 
+/// Draws each view once more by `Vulkan`, and prints the time of its kernels.
+void print_kernels(AnyRenderer& renderer, const Session& session) {
+#if defined(SWIFTGS_HAS_VULKAN)
+  auto* const vulkan = dynamic_cast<BoundRenderer<Vulkan>*>(&renderer);
+  if (!vulkan) return;
+  for (const View& view : session.views) {
+    std::printf("%s: kernels, us:", view.name.c_str());
+    for (const auto& [name, ms] :
+         vulkan->backend().profile([&] { renderer.render_resident(view.camera, session.settings); }))
+      std::printf(" %s %.1f", std::string(name).c_str(), 1000 * ms);
+    std::printf("\n");
+  }
+#else
+  static_cast<void>(renderer), static_cast<void>(session);
+#endif
+}
+
 }  // namespace
 
 void draw_marked(AnyRenderer& renderer, const Session& session, const Mark& mark) {
@@ -57,6 +78,7 @@ void profile(const std::vector<RendererEntry>& entries, const Session& session, 
     draw_marked(*renderer, session, mark_of(*renderer));
     progress.clear();
     print_frames(*renderer, session);
+    print_kernels(*renderer, session);
     for (std::size_t view = 0; view < session.views.size(); ++view) progress.step();
   }
 }

@@ -19,7 +19,8 @@ using Mark = std::function<void(bool on)>;
 void draw_marked(AnyRenderer& renderer, const Session& session, const Mark& mark);
 
 /// Does this with each of `entries`, one after the other, and prints a line for each marked frame. Marks
-/// frames of the GPU by the calls that profilers of CUDA look for; other frames have no mark.
+/// frames of `Cuda` by the calls that profilers of CUDA look for. `Vulkan` draws each view once more, and a
+/// line has the times of its kernels.
 void profile(const std::vector<RendererEntry>& entries, const Session& session, Progress& progress);
 
 }  // namespace swiftgs::cli

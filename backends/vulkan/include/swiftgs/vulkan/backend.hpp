@@ -10,6 +10,7 @@
 #include <string_view>
 #include <type_traits>
 #include <utility>
+#include <vector>
 
 #include <swiftgs/frame.hpp>
 #include <swiftgs/frame/api.hpp>
@@ -157,6 +158,15 @@ class SWIFTGS_API Vulkan {
   TimePoint now();
   /// @units{milliseconds}
   std::optional<double> milliseconds(TimePoint from, TimePoint to) const;
+
+  /// A kernel that ran, and how long. @units{milliseconds}
+  struct KernelTime {
+    std::string_view name;
+    double milliseconds = 0;
+  };
+  /// Calls `draw`, whose kernels run one after the other meanwhile, and returns them in this order: the first
+  /// 1,000, none where the device has no timestamps. Waits.
+  std::vector<KernelTime> profile(const std::function<void()>& draw);
 
   State& state() const { return *state_; }
 
