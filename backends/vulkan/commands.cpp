@@ -89,26 +89,13 @@ Commands::Shape Commands::Shape::of(std::size_t elements, std::size_t each, std:
   return {std::uint32_t((groups + rows - 1) / rows), std::uint32_t(rows), threads};
 }
 
-std::optional<std::size_t> Commands::groups_of(Count count) const {
-  for (std::size_t k = 0; k < b_.counted.size(); ++k)
-    if (count.exact && b_.counted[k] == count.exact) return k * sizeof(Groups);
-  return {};
-}
-
 Commands::Shape Commands::over(Count count, Groups::Of of) const {
-  const std::size_t elements = of == Groups::scan_of_sort ? sort_sums(count).most : count.most;
-  const std::size_t each = of == Groups::usual ? usual_threads : of == Groups::sort ? sort_part() : scan_part;
-  Shape shape = Shape::of(elements, each, of == Groups::sort ? sort_threads() : usual_threads);
-  if (const auto groups = groups_of(count)) shape.at = *groups + of * sizeof(VkDispatchIndirectCommand);
+  Shape shape =
+      of == Groups::usual ? Shape::of(count.most) : Shape::of(count.most, sort_part(), sort_threads());
+  for (std::size_t k = 0; k < b_.counted.size(); ++k)
+    if (count.exact && b_.counted[k] == count.exact)
+      shape.at = k * sizeof(Groups) + of * sizeof(VkDispatchIndirectCommand);
   return shape;
-}
-
-Count Commands::sort_sums(Count count) const {
-  const std::size_t most = sort_digits * ((count.most + sort_part() - 1) / sort_part());
-  const auto groups = groups_of(count);
-  if (!groups) return most;
-  const void* const exact = b_.groups.device + *groups + offsetof(Groups, sort_sums);
-  return {most, static_cast<const std::uint32_t*>(exact)};
 }
 
 void Commands::run(Kernel kernel, const std::vector<std::uint32_t>& constants, Push push,
@@ -167,15 +154,10 @@ void Commands::fill(std::uint32_t* to, std::size_t words, std::uint32_t value) {
   run(Kernel::fill, {}, Push(writes(to, words), std::uint32_t(words), value), Shape::of(words));
 }
 
-void Commands::reserve_scan(std::size_t values) { b_.sums.reset((values + scan_part - 1) / scan_part); }
-
-void Commands::scan(std::uint32_t* values, Count count, const Shape& shape) {
-  const std::size_t parts = (count.most + scan_part - 1) / scan_part;
-  const auto push = [&](Access::How to_values, Access::How to_sums) {
-    return Push(Access(values, count.most, to_values), Access(b_.sums.data(), parts, to_sums), count);
-  };
-  run(Kernel::scan_sums, {}, push(Access::read, Access::written), shape);
-  run(Kernel::scan_apply, {}, push(Access::written, Access::read), shape);
+void Commands::scan(const std::uint32_t* numbers, std::uint32_t* to, Count count, std::uint32_t each) {
+  const std::size_t n = (count.most + each - 1) / each;
+  run(Kernel::scan, {}, Push(reads(numbers, n), writes(to, n + 1), count, each),
+      Shape::of(n + 1, 4 * usual_threads));
 }
 
 void Commands::timestamp(VkQueryPool times, std::uint32_t query) {

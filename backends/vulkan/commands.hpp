@@ -58,9 +58,6 @@ class Push {
 /// Threads of a workgroup of most kernels.
 inline constexpr std::uint32_t usual_threads = 128;
 
-/// Values of a scan that a workgroup adds up.
-inline constexpr std::uint32_t scan_part = 8 * usual_threads;
-
 /// Threads of a workgroup that sorts, by the lanes of a subgroup.
 constexpr std::uint32_t sort_threads(std::uint32_t lanes) { return lanes < 32 ? 8 * lanes : 256; }
 
@@ -69,9 +66,8 @@ inline constexpr std::uint32_t sort_digits = 256;
 
 /// Workgroups of kernels that run over a number which the device counts, as settle.comp writes them.
 struct Groups {
-  enum Of : std::uint32_t { usual, scan, sort, scan_of_sort, kinds };
+  enum Of : std::uint32_t { usual, sort, kinds };
   VkDispatchIndirectCommand each[kinds];
-  std::uint32_t sort_sums;  ///< that a pass of a sort scans
 };
 
 /// A command buffer, and what its commands read beside memory of the device.
@@ -126,8 +122,7 @@ struct Vulkan::State {
   vulkan::Block report;           ///< a `FrameReport`
   std::uint64_t reported_at = 0;  ///< value of the timeline
   vulkan::Block staging;
-  VulkanBuffer<std::uint32_t> sums;               ///< of scans
-  VulkanBuffer<std::uint32_t> places;             ///< of sorts
+  VulkanBuffer<std::uint32_t> numbers;            ///< of digits, of sorts
   vulkan::Block groups;                           ///< two `Groups`, by the last `bin`
   std::array<const std::uint32_t*, 2> counted{};  ///< addresses of its numbers of splats and intersections
 };
@@ -177,13 +172,9 @@ class Commands {
   void bind_image(VkImageView image, std::uint32_t binding);
   void fill(std::uint32_t* to, std::size_t words, std::uint32_t value);
 
-  /// Replaces each of `count` values by the sum of those before it, by workgroups of `shape`.
-  void scan(std::uint32_t* values, Count count, const Shape& shape);
-  void scan(std::uint32_t* values, std::size_t count) { scan(values, count, Shape::of(count, scan_part)); }
-  /// Sums of a pass over `count` pairs, for 256 digits.
-  Count sort_sums(Count count) const;
-  /// Takes the memory of scans of so many values.
-  void reserve_scan(std::size_t values);
+  /// Writes the sums before numbers, and behind them that of all. There is a number for `each` of `count`
+  /// elements; the first is aligned to 16 bytes.
+  void scan(const std::uint32_t* numbers, std::uint32_t* to, Count count, std::uint32_t each);
 
   /// Orders the next kernel behind all before: frames find scenes by addresses that their kernels do not
   /// note.
@@ -208,7 +199,6 @@ class Commands {
  private:
   const void* copy(const void* from, std::size_t bytes);
   void dispatch(const Shape& shape);
-  std::optional<std::size_t> groups_of(Count count) const;
 
   Vulkan::State& b_;
   VulkanDevice::State& device_;

@@ -24,14 +24,14 @@ namespace {
 #include "ranges.comp.hpp"
 #include "ranges_clear.comp.hpp"
 #include "raster.comp.hpp"
-#include "scan_apply.comp.hpp"
-#include "scan_sums.comp.hpp"
+#include "scan.comp.hpp"
 #include "settle.comp.hpp"
 #include "shade.comp.hpp"
 #include "sort_count.comp.hpp"
 #include "sort_move.comp.hpp"
+#include "sort_scan.comp.hpp"
 #include "store_image.comp.hpp"
-#include "tile_counts.comp.hpp"
+#include "tile_sums.comp.hpp"
 // clang-format on
 }  // namespace
 

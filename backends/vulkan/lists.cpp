@@ -9,22 +9,23 @@
 
 namespace swiftgs::vulkan {
 
-void emit(Vulkan& b, const SortJob& job, BoundsKind bounds, const std::uint32_t* order,
-          std::uint32_t* offsets, Keys keys, std::uint32_t* ids) {
+void emit(Vulkan& b, const SortJob& job, BoundsKind bounds, const std::uint32_t* order, std::uint32_t* sums,
+          Keys keys, std::uint32_t* ids) {
   const SplatsView& splats = job.splats;
   const Count count = splats.count();
   const std::size_t n = count.most, found = job.footprints.intersections.most;
   if (n == 0) return;
   Commands commands(b);
-  commands.reserve_scan(n);
+  const std::size_t groups = (n + usual_threads - 1) / usual_threads;
+  std::uint32_t* const places = sums + groups;
   const Access footprints = reads(job.footprints.each.data, n);
-  commands.run(Kernel::tile_counts, {}, Push(footprints, reads(order, n), writes(offsets, n), count),
+  commands.run(Kernel::tile_sums, {}, Push(footprints, reads(order, n), writes(sums, groups), count),
                commands.over(count));
-  commands.scan(offsets, count, commands.over(count, Groups::scan));
+  commands.scan(sums, places, count, usual_threads);
   commands.run(Kernel::emit, {bounds.number, keys.each},
                Push(reads(splats.shapes.data, n), reads(splats.depths.data, n), reads(splats.of_view, n),
                     reads(order, n), address(grids_of(commands, job.footprints.views)), footprints,
-                    reads(offsets, n), writes(keys.words, keys.each * found), writes(ids, found), count),
+                    reads(places, groups), writes(keys.words, keys.each * found), writes(ids, found), count),
                commands.over(count));
   commands.finish();
 }

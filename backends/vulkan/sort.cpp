@@ -26,29 +26,34 @@ struct SortedPairs {
   std::uint32_t words;
 };
 
-/// Sums over the numbers of all digits in all parts.
-void take_memory(Vulkan& b, Commands& commands, std::size_t pairs) {
-  const std::size_t sums = commands.sort_sums(pairs).most;
-  if (sums > 0xffffffff)
-    throw CapacityError("pairs to sort", pairs, 0xffffffff / sort_digits * commands.sort_part());
-  b.state().places.reset(sums), commands.reserve_scan(sums);
+std::size_t parts_of(const Commands& commands, std::size_t pairs) {
+  return (pairs + commands.sort_part() - 1) / commands.sort_part();
+}
+
+void take_memory(Vulkan& b, const Commands& commands, std::size_t pairs) {
+  const std::size_t numbers = sort_digits * (parts_of(commands, pairs) + 1);
+  if (numbers > 0xffffffff)
+    throw CapacityError("pairs to sort", pairs, (0xffffffff / sort_digits - 1) * commands.sort_part());
+  b.state().numbers.reset(numbers);
 }
 
 /// Sorts stably by the digit at `bit`.
 void sort_digit(Vulkan& b, Commands& commands, const SortedPairs& pairs, Count n, int bit, int bits) {
-  std::uint32_t* const places = b.state().places.data();
+  std::uint32_t* const totals = b.state().numbers.data();
+  std::uint32_t* const numbers = totals + sort_digits;
+  const std::size_t count = sort_digits * parts_of(commands, n.most), words = pairs.words * n.most;
   const std::uint32_t mask = (1u << std::min(digit_bits, bits - bit)) - 1;
-  const Count sums = commands.sort_sums(n);
   const Commands::Shape shape = commands.over(n, Groups::sort);
-  const std::size_t words = pairs.words * n.most;
   commands.run(Kernel::sort_count, {pairs.words},
-               Push(reads(pairs.keys, words), writes(places, sums.most), n, std::uint32_t(bit), mask), shape);
-  commands.scan(places, sums, commands.over(n, Groups::scan_of_sort));
-  commands.run(
-      Kernel::sort_move, {pairs.words},
-      Push(reads(pairs.keys, words), reads(places, sums.most), reads(pairs.values, n.most),
-           writes(pairs.keys_to, words), writes(pairs.values_to, n.most), n, std::uint32_t(bit), mask),
-      shape);
+               Push(reads(pairs.keys, words), writes(numbers, count), n, std::uint32_t(bit), mask), shape);
+  commands.run(Kernel::sort_scan, {},
+               Push(writes(numbers, count), writes(totals, sort_digits), n, commands.sort_part()),
+               {sort_digits});
+  commands.run(Kernel::sort_move, {pairs.words},
+               Push(reads(pairs.keys, words), reads(numbers, count), reads(totals, sort_digits),
+                    reads(pairs.values, n.most), writes(pairs.keys_to, words),
+                    writes(pairs.values_to, n.most), n, std::uint32_t(bit), mask),
+               shape);
 }
 
 template <class Key>

@@ -43,19 +43,18 @@ void project(Vulkan& b, const FramePlan& plan, BoundsKind bounds, ProjectScratch
   const std::size_t workgroups = for_each_part(plan, [](auto&&...) {});
   Commands commands(b);
   b.state().counted = {};
-  scratch.projected.reset(workgroups * usual_threads), scratch.places.reset(workgroups + 1);
+  scratch.projected.reset(workgroups * usual_threads);
+  scratch.counts.reset(workgroups), scratch.places.reset(workgroups + 1);
   scratch.tile_counts.reset(2 * workgroups);
   splats.reset(capacity, views), footprints.each.reset(capacity);
-  commands.reserve_scan(workgroups + 1);
   splats.count = capacity, splats.exact = scratch.places.data() + workgroups;
 
   const Seen* const seen = all_seen(commands, plan.views, plan.scenes);
   const TileGrid* const grids = grids_of(commands, plan.views);
   const std::size_t scenes = plan.scenes.size();
-  std::uint32_t* const places = scratch.places.data();
+  std::uint32_t *const counts = scratch.counts.data(), *const places = scratch.places.data();
   void* const of_view = views > 1 ? splats.of_view.data() : nullptr;
   const auto view_words = static_cast<std::uint32_t*>(of_view);
-  commands.fill(places + workgroups, 1, 0);
   if (of_view) commands.fill(view_words, (capacity + 1) / 2, 0);
   for_each_part(plan, [&](std::size_t v, std::size_t s, const StoredScene& placed, std::size_t first) {
     const std::size_t n = placed.size();
@@ -63,10 +62,10 @@ void project(Vulkan& b, const FramePlan& plan, BoundsKind bounds, ProjectScratch
     commands.run(
         camera.through_lens ? Kernel::project_lens : Kernel::project, {Eye::lens_of(camera)},
         Push(address(seen + v * scenes + s), writes(scratch.projected.data() + first * usual_threads, n),
-             writes(places + first, (n + usual_threads - 1) / usual_threads), std::uint32_t(n)),
+             writes(counts + first, (n + usual_threads - 1) / usual_threads), std::uint32_t(n)),
         Commands::Shape::of(n));
   });
-  commands.scan(places, workgroups + 1);
+  commands.scan(counts, places, workgroups, 1);
   for_each_part(plan, [&](std::size_t v, std::size_t, const StoredScene& placed, std::size_t first) {
     const std::size_t n = placed.size(), groups = (n + usual_threads - 1) / usual_threads;
     commands.run(Kernel::compact, {bounds.number},
@@ -128,7 +127,7 @@ void bin(Vulkan& b, const FramePlan& plan, BoundsKind bounds, Splats<Vulkan>& sp
            writes(state.groups.device, state.groups.bytes), visible, found.workgroups,
            std::uint32_t(std::min<std::size_t>(limits.capacity.splats, 0xffffffff)),
            std::uint32_t(limits.capacity.intersections), std::uint32_t(limits.draw), commands.sort_part()),
-      {1});
+      {.columns = 1, .threads = commands.sort_threads()});
   commands.release_to_host();
   const std::uint64_t value = commands.submit();
   if (!limits.report) state.reported_at = value;

@@ -38,7 +38,7 @@ void release(VulkanDevice::State& device, vulkan::CommandSlot& slot) {
 Vulkan::State::State(const VulkanDevice& on, const std::optional<MemoryHook>& memory)
     : device(on), hook(memory ? *memory : on.memory_hook()), hooked(memory) {
   if (memory) validate(*memory);
-  use_memory(hook, sums, places);
+  use_memory(hook, numbers);
 }
 
 void Vulkan::State::create() {
@@ -167,7 +167,7 @@ void Vulkan::wait() const {
 
 void Vulkan::trim() {
   wait();
-  trim_parts(*this, state_->sums, state_->places);
+  trim_parts(*this, state_->numbers);
   state_->device.state().release(state_->staging);
 }
 

@@ -7,15 +7,16 @@
 layout(constant_id = 3) const uint BOUNDS = ellipse;
 layout(constant_id = 4) const uint KEY_WORDS = 1u;
 
-// Writes a key and an id for each tile of splat `order[i]`, from `offsets[i]` on. Keys of two words hold the tile above
-// the 31 bits of the depth, others the tile alone.
+// Writes a key and an id for each tile of a workgroup's splats in the given order, from its place on. Keys of two words
+// hold the tile above the 31 bits of the depth, others the tile alone.
 layout(push_constant, scalar) uniform Push {
   Shapes shapes;
   Floats depths;
   uvec2 of_view, order;
   Grids grids;
   Footprints footprints;
-  Uints offsets, keys, ids;
+  Uints places;  // of workgroups
+  Uints keys, ids;
   Count count;
 };
 
@@ -32,14 +33,12 @@ void store(uint at, uint tile, uint id) {
 
 // Splats of this workgroup without a mask, which all its threads emit together: some have more tiles than a driver lets
 // one loop run (lavapipe ends loops after 65,535 rounds).
-shared uint large[THREADS];
+shared uvec2 large[THREADS];  // ids, and places
 shared uint large_count;
 
-uint id_of(uint i) { return is_null(order) ? i : Uints(order).at[i]; }
-
 // A thread has a row of tiles at a time.
-void emit_large(uint i) {
-  const uint id = id_of(i), tiles_in_all = footprints.at[id].z;
+void emit_large(uint id, uint place) {
+  const uint tiles_in_all = footprints.at[id].z;
   const TileGrid grid = grids.at[view_at(of_view, id)];
   const Shape shape = shape_of(shapes.at[id]);
   const SplatTiles tiles = tiles_of(BOUNDS, shape, grid);
@@ -51,27 +50,64 @@ void emit_large(uint i) {
     uint of_rows;
     uint at = before_rows + sum_before(uint(run_size(run)), of_rows);
     for (int column = run.begin; column < run.end && at < tiles_in_all; ++column)
-      store(offsets.at[i] + at++, tile_number(grid, column, row), id);
+      store(place + at++, tile_number(grid, column, row), id);
     before_rows += of_rows;
   }
 }
 
-void main() {
-  if (thread() == 0u) large_count = 0u;
-  barrier();
-  const uint i = invocation();
-  if (i < number_of(count)) {
-    const uint id = id_of(i);
-    const uvec4 footprint = footprints.at[id];
-    const uint stride = grids.at[view_at(of_view, id)].stride;
-    uint at = offsets.at[i];
-    for (uint half_mask = 0u; half_mask < 2u; ++half_mask)
-      for (uint mask = footprint[half_mask]; mask != 0u; mask &= mask - 1u) {
-        const uint bit = uint(findLSB(mask));
-        store(at++, footprint.w + (4u * half_mask + bit / 8u) * stride + bit % 8u, id);
-      }
-    if ((footprint.x | footprint.y) == 0u && footprint.z != 0u) large[atomicAdd(large_count, 1u)] = i;
+// Position of the n-th lowest bit that is set.
+uint find_bit(uvec2 mask, uint n) {
+  uint word = mask.x, position = 0u, low = bitCount(mask.x);
+  if (n >= low) {
+    n -= low;
+    word = mask.y;
+    position = 32u;
   }
+  [[unroll]] for (uint half_size = 16u; half_size > 0u; half_size /= 2u) {
+    low = bitCount(word & ((1u << half_size) - 1u));
+    if (n >= low) {
+      n -= low;
+      word >>= half_size;
+      position += half_size;
+    }
+  }
+  return position;
+}
+
+// Emits the splats of a subgroup that have masks, an intersection a lane: neighbouring lanes write neighbouring words.
+void emit_masks(uint id, uvec4 footprint, uint stride, uint place) {
+  const uint tiles = (footprint.x | footprint.y) != 0u ? footprint.z : 0u;
+  const uint end = subgroupInclusiveAdd(tiles), first = end - tiles, all = subgroupShuffle(end, SUBGROUP - 1u);
+  for (uint from = 0u; from < all; from += SUBGROUP) {
+    const uint position = from + gl_SubgroupInvocationID;
+    // The last lane that begins at this position or before.
+    uint owner = 0u;
+    for (uint step = SUBGROUP / 2u; step > 0u; step /= 2u)
+      if (subgroupShuffle(first, owner + step) <= position) owner += step;
+    const uvec2 mask = uvec2(subgroupShuffle(footprint.x, owner), subgroupShuffle(footprint.y, owner));
+    const uint first_tile = subgroupShuffle(footprint.w, owner), row_stride = subgroupShuffle(stride, owner);
+    const uint of_splat = subgroupShuffle(id, owner), begin = subgroupShuffle(place, owner);
+    const uint nth = position - subgroupShuffle(first, owner);
+    if (position >= all) continue;
+    const uint bit = find_bit(mask, nth);
+    store(begin + nth, first_tile + bit / 8u * row_stride + bit % 8u, of_splat);
+  }
+}
+
+void main() {
+  if (workgroup() * THREADS >= number_of(count)) return;
+  if (thread() == 0u) large_count = 0u;
+  const uint i = invocation();
+  uint id = 0u, stride = 0u, total;
+  uvec4 footprint = uvec4(0u);
+  if (i < number_of(count)) {
+    id = is_null(order) ? i : Uints(order).at[i];
+    footprint = footprints.at[id];
+    stride = grids.at[view_at(of_view, id)].stride;
+  }
+  const uint place = places.at[workgroup()] + sum_before(footprint.z, total);
+  if ((footprint.x | footprint.y) == 0u && footprint.z != 0u) large[atomicAdd(large_count, 1u)] = uvec2(id, place);
+  emit_masks(id, footprint, stride, place);
   barrier();
-  for (uint k = 0u; k < large_count; ++k) emit_large(large[k]);
+  for (uint k = 0u; k < large_count; ++k) emit_large(large[k].x, large[k].y);
 }

@@ -5,8 +5,10 @@
 #include "frame.glsl"
 
 // One workgroup: adds up all tiles, decides whether the frame fits, and writes the numbers of workgroups of later kernels.
+layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Halves { uvec2 at[]; };
+
 layout(push_constant, scalar) uniform Push {
-  Uints tile_counts;
+  Halves tile_counts;
   TotalsAt to;
   Uints report, groups;  // of the splats, then of the intersections
   Count visible;
@@ -30,19 +32,15 @@ void store_command(uint at, uint elements, uint each) {
 }
 // `Groups` of the host.
 void store_groups(uint at, uint elements) {
-  const uint sums = 256u * ((elements + sort_part - 1u) / sort_part);
   store_command(at, elements, 128u);
-  store_command(at + 3u, elements, 1024u);
-  store_command(at + 6u, elements, sort_part);
-  store_command(at + 9u, sums, 1024u);
-  groups.at[at + 12u] = sums;
+  store_command(at + 3u, elements, sort_part);
 }
 
 void main() {
   uvec2 sum = uvec2(0u);
   for (uint g = thread(); g < parts; g += THREADS) {
-    const uint high = tile_counts.at[2u * g + 1u];
-    sum = plus(plus(sum, 0u, tile_counts.at[2u * g]), high >> 16, high << 16);
+    const uvec2 halves = tile_counts.at[g];
+    sum = plus(plus(sum, 0u, halves.x), halves.y >> 16, halves.y << 16);
   }
   sums[thread()] = sum;
   barrier();
@@ -59,7 +57,7 @@ void main() {
   to.totals.splats = fits ? splats : 0u;
   to.totals.kept_intersections = fits ? intersections.x : 0u;
   store_groups(0u, fits ? splats : 0u);
-  store_groups(13u, fits ? intersections.x : 0u);
+  store_groups(6u, fits ? intersections.x : 0u);
   report.at[0] = splats;
   report.at[1] = 0u;
   report.at[2] = intersections.x;

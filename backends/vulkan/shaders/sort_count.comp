@@ -4,17 +4,30 @@
 #include "common.glsl"
 #include "sort.glsl"
 
-shared uint numbers[DIGITS];
+// Counts the pairs of each part by digit.
+layout(constant_id = 3) const uint KEY_WORDS = 1u;
+
+layout(push_constant, scalar) uniform Push {
+  Uints keys;
+  Uints numbers;  // by digit, then by part
+  Count count;
+  uint shift, mask;
+};
+
+shared uint number_of_digit[DIGITS];
 
 void main() {
   const uint n = number_of(count), part = workgroup(), parts = (n + PART - 1u) / PART;
-  for (uint d = thread(); d < DIGITS; d += THREADS) numbers[d] = 0u;
+  for (uint d = thread(); d < DIGITS; d += THREADS) number_of_digit[d] = 0u;
   barrier();
-  for (uint k = 0u; k < EACH; ++k) {
+  uint words[EACH];
+  [[unroll]] for (uint k = 0u; k < EACH; ++k) {
     const uint i = part * PART + k * THREADS + thread();
-    if (i < n) atomicAdd(numbers[digit_of(i)], 1u);
+    words[k] = i < n ? word_at(keys, KEY_WORDS, i, shift >> 5) : 0u;
   }
+  [[unroll]] for (uint k = 0u; k < EACH; ++k)
+    if (part * PART + k * THREADS + thread() < n) atomicAdd(number_of_digit[(words[k] >> (shift & 31u)) & mask], 1u);
   barrier();
   if (part < parts)
-    for (uint d = thread(); d < DIGITS; d += THREADS) places.at[d * parts + part] = numbers[d];
+    for (uint d = thread(); d < DIGITS; d += THREADS) numbers.at[d * parts + part] = number_of_digit[d];
 }

@@ -89,9 +89,11 @@ struct KindOf<AxisSharedThreshold<Exponent>> {
 template <>
 struct ProjectScratch<Vulkan> {
   VulkanBuffer<vulkan::Projected> projected;
-  VulkanBuffer<std::uint32_t> places, tile_counts;
+  VulkanBuffer<std::uint32_t> counts, places, tile_counts;  ///< by workgroup
 
-  static auto buffers(auto& self) { return std::tie(self.projected, self.places, self.tile_counts); }
+  static auto buffers(auto& self) {
+    return std::tie(self.projected, self.counts, self.places, self.tile_counts);
+  }
 };
 
 /// Splats on a device. After `bin` within limits, `count` is an upper bound and `exact` points to the number,
@@ -163,7 +165,7 @@ struct Keys {
 };
 
 SWIFTGS_API void emit(Vulkan& b, const SortJob& job, BoundsKind bounds, const std::uint32_t* order,
-                      std::uint32_t* offsets, Keys keys, std::uint32_t* ids);
+                      std::uint32_t* sums, Keys keys, std::uint32_t* ids);
 SWIFTGS_API void find_ranges(Vulkan& b, const FootprintsView& footprints, Count count, Keys keys,
                              TileRange* ranges);
 SWIFTGS_API void rasterize(Vulkan& b, RasterKind kind, const RasterJob& job);
@@ -209,7 +211,8 @@ Count emit_intersections(Vulkan& b, const SortJob& job, const Bounds&, const std
   check_footprints(job);
   const Count count = job.footprints.intersections;
   check_intersections(count.most);
-  scratch.offsets.reset(job.splats.size()), intersections.reset(count.most);
+  // A number of each workgroup, and the sums before them.
+  scratch.offsets.reset(job.splats.size() / 64 + 3), intersections.reset(count.most);
   vulkan::emit(b, job, vulkan::bounds_kind<Bounds>, order, scratch.offsets.data(),
                vulkan::Keys(intersections.keys.data()), intersections.values.data());
   return count;
