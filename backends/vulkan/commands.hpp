@@ -11,6 +11,7 @@
 
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame/span.hpp>
+#include <swiftgs/frame/tiles.hpp>
 #include <swiftgs/vulkan/backend.hpp>
 
 #include "device_state.hpp"
@@ -70,6 +71,12 @@ struct Groups {
   VkDispatchIndirectCommand each[kinds];
 };
 
+/// Side of the blocks that subgroups rasterize. @units{pixels}
+inline constexpr std::uint32_t raster_side = 8;
+
+/// Intersections of a list that is long: its blocks are rasterized before others, which end meanwhile.
+inline constexpr std::uint32_t long_list = 4096;
+
 /// A command buffer, and what its commands read beside memory of the device.
 struct CommandSlot {
   VkCommandBuffer commands = VK_NULL_HANDLE;
@@ -123,8 +130,13 @@ struct Vulkan::State {
   std::uint64_t reported_at = 0;  ///< value of the timeline
   vulkan::Block staging;
   VulkanBuffer<std::uint32_t> numbers;            ///< of digits, of sorts
-  vulkan::Block groups;                           ///< two `Groups`, by the last `bin`
+  vulkan::Block groups;                           ///< two `Groups`, by the last `bin`, and `long_launch`
   std::array<const std::uint32_t*, 2> counted{};  ///< addresses of its numbers of splats and intersections
+  VulkanBuffer<std::uint32_t> long_tiles;         ///< with long lists, by the last `find_ranges`
+  const TileRange* long_of = nullptr;             ///< its ranges
+
+  /// Bytes into `groups` of the launch over blocks of long lists.
+  static constexpr std::size_t long_launch = 2 * sizeof(vulkan::Groups);
 };
 
 namespace vulkan {

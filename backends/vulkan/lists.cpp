@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 
@@ -33,13 +34,20 @@ void emit(Vulkan& b, const SortJob& job, BoundsKind bounds, const std::uint32_t*
 void find_ranges(Vulkan& b, const FootprintsView& footprints, Count count, Keys keys, TileRange* ranges) {
   const std::size_t tiles = footprints.views.tiles.size();
   Commands commands(b);
+  Vulkan::State& state = b.state();
+  const Access launch =
+      writes(state.groups.device + Vulkan::State::long_launch, sizeof(VkDispatchIndirectCommand));
+  const std::size_t most_long = count.most / long_list;
+  state.long_tiles.reset(most_long), state.long_of = ranges;
   commands.run(Kernel::ranges_clear, {},
-               Push(writes(ranges, tiles), reads(footprints.overflowed, 1), std::uint32_t(tiles)),
-               Commands::Shape::of(tiles));
-  commands.run(
-      Kernel::ranges, {keys.each},
-      Push(reads(keys.words, keys.each * count.most), writes(ranges, tiles), count, std::uint32_t(tiles)),
-      commands.over(count));
+               Push(writes(ranges, tiles), reads(footprints.overflowed, 1), launch, std::uint32_t(tiles)),
+               Commands::Shape::of(std::max<std::size_t>(tiles, 3)));
+  const auto blocks = std::uint32_t(footprints.views.tiles.side / raster_side);
+  commands.run(Kernel::ranges, {keys.each},
+               Push(reads(keys.words, keys.each * count.most), writes(ranges, tiles), launch,
+                    writes(state.long_tiles.data(), most_long), count, std::uint32_t(tiles), long_list,
+                    blocks * blocks),
+               commands.over(count));
   commands.finish();
 }
 

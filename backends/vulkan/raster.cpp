@@ -79,11 +79,15 @@ bool has_no_planes(const FrameView& frame) {
   return none;
 }
 
+/// Lists that a launch of raster.comp draws.
+enum class Lists : std::uint32_t { all, with_many, others };
+
 /// Blends the views one by one, and adds weights to `contributions` where those are given.
 void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* contributions) {
   raster_blocks_of(job);  // checks the number of lists
   Commands commands(b);
-  constexpr std::uint32_t side = 8;
+  const Vulkan::State& state = b.state();
+  constexpr std::uint32_t side = raster_side;
   // lavapipe, whose subgroups are small, would compile the sums of all pixels of a block for a minute.
   const std::uint32_t parts =
       job.attributes.rows != 0 && commands.subgroup() < 32 ? side * side / commands.subgroup() : 1;
@@ -95,27 +99,37 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
     const bool is_base = !contributions && !job.only_attributes;
     const auto asks = [](bool yes) { return std::uint32_t(yes); };
     const std::size_t n = job.splats.size(), rows = n * job.attributes.rows;
-    Push push(
-        address(commands.constants(Span<const RasterView>{&words, 1})), reads(job.splats.shapes.data, n),
-        reads(job.colours.each.data, n), reads(job.splats.gaussians.data, n),
-        reads(job.lists.ids.data, job.lists.ids.size), reads(job.lists.ranges.data, job.lists.ranges.size),
-        address(commands.constants(Span<const AttributeList>{&list, 1})), reads(job.attributes.data, rows),
-        reads(job.attributes.first_row, n * job.attributes.first_stride), shares(contributions, 1),
-        job.attributes.first_stride * AttributeRow::channels);
-    // The views of a frame do not overlap in memory, nor do the planes of its passes.
-    for_each_plane(
-        [&](std::size_t, const auto& plane) { push.touch(pixels_of(plane, frame.height, Access::shared)); },
-        frame);
-    push.touch(pixels_of(frame.occluder, frame.height, Access::read));
-    commands.run(
-        Kernel::raster,
-        {kind.exponent, asks(kind.threshold), asks(job.sums_depth(view) && !view.camera.depth_along_ray),
-         asks(job.picks(view)), asks(bool(frame.occluder)), asks(frame.conversion != Conversion::as_is),
-         job.attributes.rows * AttributeRow::channels, asks(is_base), asks(view.camera.depth_along_ray),
-         asks(contributions != nullptr), asks(!contributions || job.colours.each.data), parts},
-        push,
-        {(std::uint32_t(frame.width) + side - 1) / side, (std::uint32_t(frame.height) + side - 1) / side,
-         commands.subgroup(), parts});
+    const auto draw = [&](Lists lists, const Commands::Shape& shape) {
+      Push push(
+          address(commands.constants(Span<const RasterView>{&words, 1})), reads(job.splats.shapes.data, n),
+          reads(job.colours.each.data, n), reads(job.splats.gaussians.data, n),
+          reads(job.lists.ids.data, job.lists.ids.size), reads(job.lists.ranges.data, job.lists.ranges.size),
+          address(commands.constants(Span<const AttributeList>{&list, 1})), reads(job.attributes.data, rows),
+          reads(job.attributes.first_row, n * job.attributes.first_stride), shares(contributions, 1),
+          reads(state.long_tiles.data(), state.long_tiles.size()),
+          job.attributes.first_stride * AttributeRow::channels, std::uint32_t(lists), long_list);
+      // The views of a frame do not overlap in memory, nor do the planes of its passes.
+      for_each_plane(
+          [&](std::size_t, const auto& plane) { push.touch(pixels_of(plane, frame.height, Access::shared)); },
+          frame);
+      push.touch(pixels_of(frame.occluder, frame.height, Access::read));
+      commands.run(
+          Kernel::raster,
+          {kind.exponent, asks(kind.threshold), asks(job.sums_depth(view) && !view.camera.depth_along_ray),
+           asks(job.picks(view)), asks(bool(frame.occluder)), asks(frame.conversion != Conversion::as_is),
+           job.attributes.rows * AttributeRow::channels, asks(is_base), asks(view.camera.depth_along_ray),
+           asks(contributions != nullptr), asks(!contributions || job.colours.each.data), parts},
+          push, shape);
+    };
+    const Commands::Shape all{(std::uint32_t(frame.width) + side - 1) / side,
+                              (std::uint32_t(frame.height) + side - 1) / side, commands.subgroup(), parts};
+    if (parts != 1 || job.lists.ranges.data != state.long_of) {
+      draw(Lists::all, all);
+    } else {
+      draw(Lists::with_many,
+           {.columns = 1, .threads = commands.subgroup(), .at = Vulkan::State::long_launch});
+      draw(Lists::others, all);
+    }
   }
   commands.submit();
 }

@@ -124,7 +124,7 @@ void bin(Vulkan& b, const FramePlan& plan, BoundsKind bounds, Splats<Vulkan>& sp
       Kernel::settle, {},
       Push(reads(found.counts, 2 * found.workgroups), writes(totals, 1),
            writes(static_cast<const FrameReport*>(report), 1),
-           writes(state.groups.device, state.groups.bytes), visible, found.workgroups,
+           writes(state.groups.device, Vulkan::State::long_launch), visible, found.workgroups,
            std::uint32_t(std::min<std::size_t>(limits.capacity.splats, 0xffffffff)),
            std::uint32_t(limits.capacity.intersections), std::uint32_t(limits.draw), commands.sort_part()),
       {.columns = 1, .threads = commands.sort_threads()});

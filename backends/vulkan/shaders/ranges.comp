@@ -5,11 +5,13 @@
 
 layout(constant_id = 3) const uint KEY_WORDS = 1u;
 
-// Marks where the intersections of each tile begin and end in keys sorted by tile.
+// Marks where the intersections of each tile begin and end in keys sorted by tile. Collects tiles with `long_list`
+// intersections or more, which rasterization starts with: `long_launch` has their number of 8x8 blocks, `tile_blocks`
+// each.
 layout(push_constant, scalar) uniform Push {
-  Uints keys, ranges;
+  Uints keys, ranges, long_launch, long_tiles;
   Count count;
-  uint tiles;
+  uint tiles, long_list, tile_blocks;
 };
 
 uint tile_at(uint i) {
@@ -22,6 +24,10 @@ void main() {
   if (i >= n) return;
   const uint tile = tile_at(i);
   if (tile >= tiles) return;
-  if (i == 0u || tile_at(i - 1u) != tile) ranges.at[2u * tile] = i;
+  if (i == 0u || tile_at(i - 1u) != tile) {
+    ranges.at[2u * tile] = i;
+    if (n - i >= long_list && tile_at(i + long_list - 1u) == tile)
+      long_tiles.at[atomicAdd(long_launch.at[0], tile_blocks) / tile_blocks] = tile;
+  }
   if (i + 1u == n || tile_at(i + 1u) != tile) ranges.at[2u * tile + 1u] = i + 1u;
 }

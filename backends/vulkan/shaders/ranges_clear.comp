@@ -3,15 +3,18 @@
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 
-// Empties the ranges of tiles; of a frame that overflowed they become those that no rasterizer draws.
+// Empties the ranges of tiles; of a frame that overflowed they become those that no rasterizer draws. Also empties the
+// launch over long lists.
 layout(push_constant, scalar) uniform Push {
   Uints ranges;
   uvec2 overflowed;
+  Uints long_launch;
   uint tiles;
 };
 
 void main() {
   const uint i = invocation();
+  if (i < 3u) long_launch.at[i] = i == 0u ? 0u : 1u;
   if (i >= tiles) return;
   const bool undrawn = !is_null(overflowed) && Uints(overflowed).at[0] != 0u;
   ranges.at[2u * i] = undrawn ? 1u : 0u;

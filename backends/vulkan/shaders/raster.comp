@@ -37,8 +37,12 @@ layout(push_constant, scalar) uniform Push {
   Floats attributes;
   Floats ray_depths;    // the first of the frame's attributes
   Uints contributions;  // 64-bit sums of Gaussians, by halves
+  Uints long_tiles;
   uint ray_depth_stride;
+  uint lists;      // which are drawn
+  uint long_list;  // intersections of a list that is long
 };
+const uint all_lists = 0u, long_lists = 1u, other_lists = 2u;
 
 const uint SIDE = 8u, EACH = SIDE * SIDE / (SUBGROUP * PARTS);
 // Splats that are blended together: fewer where a lane has many pixels, or software would compile for a minute.
@@ -102,14 +106,20 @@ uint id_at(uint from, uint end) { return from + gl_SubgroupInvocationID < end ? 
 void main() {
   const RasterView view = views.at[0];
   const TileGrid grid = view.grid;
-  const uvec2 block = gl_WorkGroupID.xy * SIDE;
+  uvec2 block = gl_WorkGroupID.xy * SIDE;
+  if (lists == long_lists) {
+    const uint side = uint(grid.side), blocks = side / SIDE, of_tile = gl_WorkGroupID.x % (blocks * blocks);
+    const uint tile = long_tiles.at[gl_WorkGroupID.x / (blocks * blocks)], of_view = tile - grid.first;
+    block = uvec2(of_view % grid.stride, of_view / grid.stride) * side + uvec2(of_tile % blocks, of_tile / blocks) * SIDE;
+    if (tile < grid.first || block.x >= view.width || block.y >= view.height) return;  // of another view, or outside
+  }
   const ivec2 first_pixel = ivec2(grid.first_column, grid.first_row) * grid.side + ivec2(block);
   const vec2 first_centre = vec2(first_pixel) + 0.5;
   const vec2 first_place = first_centre - view.middle;
-  const vec2 raster_centre = vec2(first_pixel - ivec2(block & 8u)) + 8.0;
   const uint tile = tile_number(grid, first_pixel.x / grid.side, first_pixel.y / grid.side);
   const uint begin = ranges.at[2u * tile], end = ranges.at[2u * tile + 1u];
   if (begin > end) return;  // as of `TileRange::undrawn`
+  if (lists == other_lists && end - begin >= long_list) return;
 
   // A pixel that stopped has no transmittance, so that later splats add nothing. Its limit holds what was left, negated.
   float transmittance[EACH], limit[EACH], depth[EACH], weight_of_largest[EACH], occluded_from[EACH];
