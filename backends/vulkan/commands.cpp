@@ -19,12 +19,12 @@ struct Scope {
   VkPipelineStageFlags stages;
   VkAccessFlags accesses;
 };
-/// Kernels, and the device as it reads their numbers of workgroups.
-constexpr VkPipelineStageFlags kernel_stages =
-    VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT;
-constexpr Scope kernels_write{kernel_stages, VK_ACCESS_SHADER_WRITE_BIT};
-constexpr Scope kernels{kernel_stages, VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT |
-                                           VK_ACCESS_INDIRECT_COMMAND_READ_BIT};
+constexpr Scope kernels_write{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT};
+constexpr Scope kernels{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
+                        VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
+/// Kernels, and the device as it reads their numbers of workgroups, which it does ahead where it may.
+constexpr Scope launches{kernels.stages | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT,
+                         kernels.accesses | VK_ACCESS_INDIRECT_COMMAND_READ_BIT};
 constexpr Scope program{VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
                         VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT};
 
@@ -101,11 +101,16 @@ Commands::Shape Commands::over(Count count, Groups::Of of) const {
 void Commands::run(Kernel kernel, const std::vector<std::uint32_t>& constants, Push push,
                    const Shape& shape) {
   if (shape.columns == 0) return;
-  if (shape.at) push.touch(reads(b_.groups.device, b_.groups.bytes));
+  const Access groups = reads(b_.groups.device, b_.groups.bytes);
+  if (shape.at) push.touch(groups);
   const VkPipeline pipeline = device_.pipeline(kernel, shape.threads, constants);
   const VkCommandBuffer commands = b_.open->commands;
   const Functions& vk = device_.vk;
-  if (b_.hazards.next(push.accesses())) barrier(device_, commands, kernels_write, kernels);
+  if (b_.hazards.next(push.accesses()))
+    barrier(device_, commands, kernels_write, std::exchange(b_.launches_written, false) ? launches : kernels);
+  for (const Access& access : push.accesses())
+    b_.launches_written =
+        b_.launches_written || (access.how != Access::read && groups.conflicts_with(access));
   vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
   vk.vkCmdPushConstants(commands, device_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, push.size(), push.data());
   Profile& profile = b_.profile;
@@ -169,7 +174,7 @@ void Commands::release_to_host() {
   barrier(device_, b_.open->commands, kernels_write, {VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT});
 }
 
-void Commands::follow_program() { barrier(device_, b_.open->commands, program, kernels); }
+void Commands::follow_program() { barrier(device_, b_.open->commands, program, launches); }
 void Commands::precede_program() { barrier(device_, b_.open->commands, kernels_write, program); }
 
 void Commands::drop() {

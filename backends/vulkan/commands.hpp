@@ -121,6 +121,7 @@ struct Vulkan::State {
   vulkan::CommandSlot* open = nullptr;  ///< begun and not submitted, or of the program
   bool recording = false;               ///< `open` is the program's
   vulkan::Hazards hazards;              ///< of `open`
+  bool launches_written = true;         ///< whether `groups` may be written since the last barrier for them
   std::uint64_t last = 0;               ///< value of the timeline when all is done
   std::uint64_t serial = 0;
   std::array<std::uint64_t, vulkan::time_points> reached_at{};  ///< values of the timeline of time points

@@ -376,10 +376,19 @@ VkPipeline VulkanDevice::State::pipeline(vulkan::Kernel kernel, std::uint32_t th
                                          const std::vector<std::uint32_t>& constants) {
   std::vector<std::uint32_t> key{std::uint32_t(kernel), subgroup, threads, arithmetic};
   key.insert(key.end(), constants.begin(), constants.end());
+  {
+    const std::lock_guard lock(mutex_);
+    if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
+  }
+  // Others go on meanwhile. If two threads compile the same, the first that is done wins.
+  const VkPipeline made = compile(kernel, key);
   const std::lock_guard lock(mutex_);
-  VkPipeline& made = pipelines_[key];
-  if (made) return made;
+  const auto [at, is_new] = pipelines_.emplace(key, made);
+  if (!is_new) vk.vkDestroyPipeline(device, made, nullptr);
+  return at->second;
+}
 
+VkPipeline VulkanDevice::State::compile(vulkan::Kernel kernel, const std::vector<std::uint32_t>& key) const {
   const Span<const std::uint32_t> code = vulkan::code_of(kernel);
   VkShaderModuleCreateInfo of_module{};
   of_module.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
@@ -401,6 +410,7 @@ VkPipeline VulkanDevice::State::pipeline(vulkan::Kernel kernel, std::uint32_t th
   info.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
   info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT, info.stage.module = module, info.stage.pName = "main";
   info.stage.pSpecializationInfo = &specialization;
+  VkPipeline made = VK_NULL_HANDLE;
   const VkResult result = vk.vkCreateComputePipelines(device, pipelines, 1, &info, nullptr, &made);
   vk.vkDestroyShaderModule(device, module, nullptr);
   vulkan::check(result, "vkCreateComputePipelines");

@@ -102,6 +102,8 @@ struct VulkanDevice::State {
   MemoryHook hook;
 
  private:
+  /// A pipeline by its key: the kernel and its constants.
+  VkPipeline compile(vulkan::Kernel kernel, const std::vector<std::uint32_t>& key) const;
   /// Waits for released memory where there is not enough, and tries again once.
   std::pair<vulkan::Allocation, void*> allocate_buffer(std::size_t bytes, std::uint32_t type);
   std::pair<vulkan::Allocation, void*> try_allocate_buffer(std::size_t bytes, std::uint32_t type);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -20,6 +21,7 @@ struct Access {
   Access(const T* data, std::size_t count, How as)
       : begin(reinterpret_cast<std::uintptr_t>(data)), end(data ? begin + count * sizeof(T) : 0), how(as) {}
 
+  bool operator==(const Access&) const = default;
   /// Whether one has to wait for the other. Dispatches that share memory write to places of their own, or by
   /// atomics.
   bool conflicts_with(const Access& other) const {
@@ -51,15 +53,21 @@ class Hazards {
 
   /// Notes the accesses of the next dispatch, and returns whether a barrier has to stand before it.
   bool next(Span<const Access> accesses) {
-    bool conflict = unknown_;
+    bool conflict = unknown_ || since_barrier_.size() > most;
     for (const Access& now : accesses)
       for (const Access& before : since_barrier_) conflict = conflict || now.conflicts_with(before);
     if (conflict) since_barrier_.clear(), unknown_ = false;
-    since_barrier_.insert(since_barrier_.end(), accesses.begin(), accesses.end());
+    for (const Access& now : accesses)
+      if (now.begin != now.end &&
+          std::find(since_barrier_.begin(), since_barrier_.end(), now) == since_barrier_.end())
+        since_barrier_.push_back(now);
     return conflict;
   }
 
  private:
+  /// Of so many, one barrier more costs less than looking through them for each dispatch.
+  static constexpr std::size_t most = 256;
+
   bool unknown_ = true;
   std::vector<Access> since_barrier_;
 };

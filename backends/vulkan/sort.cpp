@@ -68,7 +68,7 @@ void sort_pairs(Vulkan& b, Pairs<Vulkan, Key>& pairs, Count n, int bits) {
                bits);
     std::swap(pairs.keys, pairs.spare_keys), std::swap(pairs.values, pairs.spare_values);
   }
-  commands.submit();
+  commands.finish();
 }
 
 }  // namespace

@@ -122,7 +122,7 @@ class SWIFTGS_API Vulkan {
   void wait() const;
 
   /// Sorts the first `n` pairs by the low `bits` bits of their keys, ascending and stably, into `keys` and
-  /// `values`, using the spare arrays.
+  /// `values`, using the spare arrays. The next function that submits or waits submits the sort too.
   void sort_pairs(Pairs<Vulkan, std::uint32_t>& pairs, Count n, int bits);
   void sort_pairs(Pairs<Vulkan, std::uint64_t>& pairs, Count n, int bits);
 
