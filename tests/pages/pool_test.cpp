@@ -444,6 +444,35 @@ TEST_CASE("pages: a walk finds its pages in memory where some is kept for views 
   }
 }
 
+TEST_CASE("pages: levels that blend change pictures little at a time") {
+  const PagedScene pages = open(TestSource::of(ordered_scene(20000)));
+  Renderer<Cpu> renderer;
+  const Camera camera = builtin_camera(width, height);
+  const std::vector<View> views = front();
+  PagePool<Cpu> pool(renderer.backend(), pages);
+  // Largest mean square change where errors fall by 2 % a frame, as they do if a camera comes closer.
+  const auto largest_change = [&](double blend, int& faded) {
+    double largest = 0;
+    std::vector<float> last;
+    for (double pixels = 8; pixels > 2; pixels /= 1.02) {
+      Cut cut = pool.cut(all_of(views), {.pixels = pixels, .blend = blend});
+      pool.wait(cut);
+      CHECK(cut.splats() == cut.wanted());
+      for (const PlacedScene& placed : cut.scenes()) faded += placed.opacity < 1;
+      std::vector<float> colour = renderer.render(cut.scenes(), camera).colour;
+      if (!last.empty()) largest = std::max(largest, std::pow(10, -psnr(colour, last) / 10));
+      last = std::move(colour);
+    }
+    return largest;
+  };
+  int faded = 0;
+  const double at_once = largest_change(0, faded);
+  CHECK(faded == 0);
+  CHECK(largest_change(0.5, faded) < 0.3 * at_once);
+  CHECK(faded > 100);
+  CHECK_THROWS_AS(pool.cut(all_of(views), {.blend = -1}), InvalidArgument);
+}
+
 TEST_CASE("pages: pages that an older cut holds stay although others need their memory") {
   const PagedScene pages = open(TestSource::of(ordered_scene(20000)));
   Serial backend;

@@ -154,6 +154,7 @@ void PagePlan::place(std::vector<PlacedPages> placed) {
 
 PagePlan::Wanted PagePlan::choose(Span<const View> views, const CutGoal& goal, Span<const View> ahead) {
   if (!(goal.pixels >= 0)) refuse("cut: an error of ", goal.pixels, " pixels, expected 0 or more");
+  if (!(goal.blend >= 0)) refuse("cut: a blend of ", goal.blend, ", expected 0 or more");
   for (const Span<const View> each : {views, ahead})
     for (const View& view : each)
       if (view.shows.first != 0 || view.shows.count != ShownScenes().count)
@@ -198,7 +199,11 @@ PagePlan::Wanted PagePlan::grow(Span<const View> views, const CutGoal& goal, boo
     if (page.is_leaf()) continue;
     // As are all others. But for goal 0: nodes of Gaussians in one place err by 0.
     if (goal.pixels > 0 && next.error <= goal.pixels) break;
-    std::uint64_t splats = wanted.splats - page.count;
+    // Of a page that fades, the part that is left.
+    const double left = goal.blend > 0 && goal.pixels > 0
+                            ? std::max(0.0, 1 - (next.error / goal.pixels - 1) / goal.blend)
+                            : 0;
+    std::uint64_t splats = wanted.splats - (left > 0 ? 0 : page.count);
     std::size_t more = 0;
     shown.clear();
     for (const std::uint32_t number : files_[file].children(next.page)) {
@@ -213,7 +218,7 @@ PagePlan::Wanted PagePlan::grow(Span<const View> views, const CutGoal& goal, boo
       wanted.pixels = next.error;
       break;
     }
-    if (draws) seen_[next.scene][next.page].refined = frame_;
+    if (draws) seen_[next.scene][next.page].refined = frame_, seen_[next.scene][next.page].left = float(left);
     wanted.splats = splats, bytes += more;
     for (const Candidate& each : shown) {
       const PageKey child{file, each.page};
@@ -227,23 +232,28 @@ PagePlan::Wanted PagePlan::grow(Span<const View> views, const CutGoal& goal, boo
   return wanted;
 }
 
-void PagePlan::draw(std::size_t scene, std::uint32_t number, std::vector<Drawn>& to) const {
-  const std::vector<Seen>& seen = seen_[scene];
-  const std::uint32_t file = file_of_[scene];
-  const Span<const std::uint32_t> children = files_[file].children(number);
+void PagePlan::draw(const Drawn& page, std::vector<Drawn>& to) const {
+  const std::vector<Seen>& seen = seen_[page.scene];
+  const Seen& own = seen[page.page];
+  const std::uint32_t file = file_of_[page.scene];
+  const Span<const std::uint32_t> children = files_[file].children(page.page);
   const auto shows = [&](std::uint32_t child) { return seen[child].shown == frame_; };
   const auto is_ready = [&](std::uint32_t child) { return !shows(child) || is_resident({file, child}); };
-  if (seen[number].refined != frame_ || !std::all_of(children.begin(), children.end(), is_ready))
-    return to.push_back({scene, number});
+  if (own.refined != frame_ || !std::all_of(children.begin(), children.end(), is_ready))
+    return to.push_back(page);
+  // One of both levels always shows fully: two that are half transparent would let through what is behind.
+  const float children_show = std::min(1.0f, 2 * (1 - own.left));
+  if (own.left > 0) to.push_back({page.scene, page.page, page.opacity * std::min(1.0f, 2 * own.left)});
+  if (children_show == 0) return;
   for (const std::uint32_t child : children)
-    if (shows(child)) draw(scene, child, to);
+    if (shows(child)) draw({page.scene, child, page.opacity * children_show}, to);
 }
 
 std::vector<PagePlan::Drawn> PagePlan::drawn() const {
   std::vector<Drawn> all;
   for (std::size_t scene = 0; scene < placed_.size(); ++scene) {
     const std::uint32_t root = placed_[scene].pages.root();
-    if (seen_[scene][root].shown == frame_) draw(scene, root, all);
+    if (seen_[scene][root].shown == frame_) draw({scene, root, 1}, all);
   }
   return all;
 }

@@ -24,6 +24,10 @@ void add_page_options(CLI::App& command, PageOptions& options, SceneOptions& sce
                   "Of pages: largest error of a page that is drawn; 0 draws all Gaussians")
       ->capture_default_str();
   command
+      .add_option("--blend", options.blend,
+                  "Of pages: part of the error over which levels fade into each other, such as 0.5; 0: none")
+      ->capture_default_str();
+  command
       .add_option("--pool", options.megabytes,
                   "Of pages: most memory that they take where they are drawn, in MB")
       ->capture_default_str();

@@ -20,13 +20,14 @@ namespace swiftgs::cli {
 /// How pages are drawn.
 struct PageOptions {
   double pixels = 1;        ///< as `CutGoal::pixels`
+  double blend = 0;         ///< as `CutGoal::blend`
   double megabytes = 2000;  ///< that pages take of the backend's memory
 
-  CutGoal goal() const { return {.pixels = pixels}; }
+  CutGoal goal() const { return {.pixels = pixels, .blend = blend}; }
   std::size_t bytes() const;  ///< throws `std::invalid_argument` unless it is above 0 and below 1e15
 };
 
-/// Adds `--pixels`, `--pool` and `--paged`.
+/// Adds `--pixels`, `--blend`, `--pool` and `--paged`.
 void add_page_options(CLI::App& command, PageOptions& options, SceneOptions& scene);
 
 /// Frames of scenes, some of which have pages: chooses the pages that the cameras need, and shows them with a

@@ -66,6 +66,7 @@ class SWIFTGS_API PagePlan {
   struct Drawn {
     std::size_t scene;
     std::uint32_t page;
+    float opacity;  ///< 1 but of pages that fade
   };
   /// The pages to draw for the choice, in the order of leaves: of a page that lacks a child that shows,
   /// itself.
@@ -90,6 +91,7 @@ class SWIFTGS_API PagePlan {
   /// A page of a placed scene, as the last frame saw it.
   struct Seen {
     std::uint64_t refined = 0;  ///< frame that chose its children
+    float left = 0;             ///< how much of it shows beside them then, 0 to 1
     std::uint64_t shown = 0;    ///< frame in which a view may show it
   };
   struct Candidate;
@@ -100,7 +102,7 @@ class SWIFTGS_API PagePlan {
   const PageState& state(PageKey key) const { return states_[key.file][key.page]; }
   /// Chooses pages for `views` and adds their bytes to `bytes`. `draws`: the frame shows them.
   Wanted grow(Span<const View> views, const CutGoal& goal, bool draws, std::size_t& bytes);
-  void draw(std::size_t scene, std::uint32_t page, std::vector<Drawn>& to) const;
+  void draw(const Drawn& page, std::vector<Drawn>& to) const;
 
   std::vector<PlacedPages> placed_;
   std::size_t most_bytes_, root_bytes_ = 0;

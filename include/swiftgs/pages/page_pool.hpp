@@ -234,8 +234,8 @@ class PagePool {
       const PlacedPages& placed = plan_.placed()[drawn.scene];
       const detail::PageKey key{plan_.file_of(drawn.scene), drawn.page};
       const auto& page = resident_.at(key);
-      cut.scenes_.push_back(
-          {page->scene.view(), placed.world_from_scene, placed.opacity, placed.clip, placed.tint});
+      cut.scenes_.push_back({page->scene.view(), placed.world_from_scene, placed.opacity * drawn.opacity,
+                             placed.clip, placed.tint});
       cut.drawn_.push_back({drawn.scene, drawn.page, &plan_.row(key), &page->ids, page});
       cut.splats_ += page->scene.view().size();
     }
