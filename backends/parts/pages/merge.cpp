@@ -16,7 +16,7 @@ namespace swiftgs::pages {
 namespace {
 
 /// Nodes that are compared with each other.
-constexpr std::size_t block_size = 64;
+constexpr std::size_t block_size = 128;
 
 /// Moments of the Gaussians that a node stands for. `sum_of` adds two.
 struct Moments {
@@ -111,18 +111,29 @@ class Block {
     red_[i] = m.sh0.x, green_[i] = m.sh0.y, blue_[i] = m.sh0.z;
     // Masses and squares of lengths of small scenes leave the range of float together only.
     mass_[i] = float(std::max(m.mass, 1e-30));
-    variance_[i] = float(m.covariance[0][0] + m.covariance[1][1] + m.covariance[2][2]);
+    for (int k = 0; k < 3; ++k) {
+      diagonal_[k][i] = float(m.covariance[k][k]);
+      others_[k][i] = float(m.covariance[k][(k + 1) % 3]);
+    }
   }
 
-  /// What the picture changes if two merge: their means by the distance, their colours over their size.
+  /// What the picture changes if two merge: their means by the distance, their covariances by the difference,
+  /// their colours over their size.
   float cost_of(std::size_t i, std::size_t j) const {
     const float dx = x_[i] - x_[j], dy = y_[i] - y_[j], dz = z_[i] - z_[j];
     const float dr = red_[i] - red_[j], dg = green_[i] - green_[j], db = blue_[i] - blue_[j];
     const float moved = dx * dx + dy * dy + dz * dz;
-    const float coloured = (dr * dr + dg * dg + db * db) * (variance_[i] + variance_[j]);
+    // Of xx, yy and zz; and of xy, xz and yz, which stand in a covariance twice.
+    float diagonal = 0, others = 0, sizes = 1e-30f;
+    for (int k = 0; k < 3; ++k) {
+      const float own = diagonal_[k][i] - diagonal_[k][j], other = others_[k][i] - others_[k][j];
+      diagonal += own * own, others += other * other, sizes += diagonal_[k][i] + diagonal_[k][j];
+    }
+    const float reshaped = (diagonal + 2 * others) / sizes;
+    const float coloured = (dr * dr + dg * dg + db * db) * sizes;
     // Finite where numbers leave the range of float, so that only nodes that are gone cost more.
     return std::min(std::numeric_limits<float>::max(),
-                    mass_[i] / (mass_[i] + mass_[j]) * mass_[j] * (moved + coloured)) +
+                    mass_[i] / (mass_[i] + mass_[j]) * mass_[j] * (moved + reshaped + coloured)) +
            gone_[j];
   }
 
@@ -163,7 +174,8 @@ class Block {
   Each<std::size_t> member_, partner_;
   Each<bool> merged_;
   Each<Moments> moments_;
-  Each<float> x_, y_, z_, red_, green_, blue_, mass_, variance_, cost_;
+  Each<float> diagonal_[3], others_[3];  ///< of covariances
+  Each<float> x_, y_, z_, red_, green_, blue_, mass_, cost_;
   Each<float> gone_{};  ///< `never` of a node that merged into another, else 0: it adds to costs
 };
 
