@@ -95,9 +95,10 @@ TEST_CASE("pages: a parent has half as many nodes of about the same mass and mea
     }
     return sum / mass;
   };
-  for (const Page& page : pages.pages()) {
+  const auto all = pages.pages();
+  for (const Page& page : all) {
     if (page.is_leaf()) continue;
-    const Page &left = pages.pages()[page.left], &right = pages.pages()[page.right];
+    const Page &left = all[page.left], &right = all[page.right];
     CHECK(page.count == (left.count + right.count + 1) / 2);
     CHECK(page.error_at(1e-3) > 0);
     for (std::size_t k = 0; k < Page::error_count; ++k)
