@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Which chunks and which Gaussians a view hides, and what chunks hold.
+// Which chunks a view hides, through every lens, and what chunks hold.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -14,7 +14,6 @@
 #include <swiftgs/edit.hpp>
 #include <swiftgs/lens/view.hpp>
 #include <swiftgs/project/chunks.hpp>
-#include <swiftgs/project/cull.hpp>
 #include <swiftgs/project/project.hpp>
 
 #include "policies/random_splats.hpp"
@@ -140,50 +139,6 @@ TEST_CASE("chunks: no Gaussian of a hidden chunk is visible, and most chunks wit
     CHECK(hidden > without * 0.5);
     CHECK(without > 4'000);
     CHECK(without < 16'000);
-  }
-}
-
-TEST_CASE("Gaussians: none that is hidden is visible, and most that are not visible are hidden") {
-  Random random(2);
-  int hidden = 0, without = 0;
-  for (int round = 0; round < 20'000; ++round) {
-    CAPTURE(round);
-    const ViewConstants camera = random_camera(random, LensModel::perspective);
-    if (camera.through_lens) continue;
-    const GaussianCuller culler(camera);
-    const Scene scene = random_chunk(random, random_point(random, camera));
-    for (std::size_t i = 0; i < scene.size(); i += 5) {
-      const Gaussian each = gaussian(view(scene), i);
-      const bool hides = culler.hides(camera, each), hides_in_pairs = culler.hides<FloatPair>(camera, each);
-      const bool visible = project_shape(camera, each).visible;
-      REQUIRE_FALSE(((hides || hides_in_pairs) && visible));
-      hidden += hides, without += !visible;
-    }
-  }
-  MESSAGE(hidden << " of " << without << " Gaussians that are not visible are hidden");
-  CHECK(hidden > without * 0.7);
-}
-
-TEST_CASE("Gaussians: what is not a number hides nothing, and what cannot be seen is hidden") {
-  const OneView one(forward_camera(64, 48), Conventions::gsplat(), {});
-  const ViewConstants& camera = one.view.camera;
-  const auto hidden = [&](auto change) {
-    Gaussian gaussian{vec3(0, 0, 3), vec3(0.1f), {}, 0.5f};
-    change(gaussian);
-    return GaussianCuller(camera).hides(camera, gaussian);
-  };
-  const float nan = std::numeric_limits<float>::quiet_NaN();
-  CHECK_FALSE(hidden([](Gaussian&) {}));
-  CHECK_FALSE(hidden([&](Gaussian& g) { g.mean.x = nan; }));
-  CHECK_FALSE(hidden([&](Gaussian& g) { g.opacity = nan; }));
-  CHECK_FALSE(hidden([](Gaussian& g) { g.mean.x = 9, g.opacity = 1.5f; }));
-  CHECK_FALSE(hidden([](Gaussian& g) { g.mean.x = 9, g.scale.y = -3; }));
-  CHECK_FALSE(hidden([](Gaussian& g) { g.mean.x = 9, g.scale.y = 1, g.rotation.w = 1.5f; }));
-  CHECK(hidden([](Gaussian& g) { g.opacity = 0.003f; }));
-  CHECK(hidden([](Gaussian& g) { g.mean.z = -3; }));
-  for (const float side : {-9.0f, 9.0f}) {
-    CHECK(hidden([&](Gaussian& g) { g.mean.x = side; }));
-    CHECK(hidden([&](Gaussian& g) { g.mean.y = side; }));
   }
 }
 

@@ -50,8 +50,6 @@ struct ViewConstants {
   float width, height;                       ///< of the image @units{pixels}
   float left, top, right, bottom;            ///< part of it that is shown @units{pixels}
   float near_plane, far_plane;               ///< kept where near_plane < z <= far_plane
-  float most_wide, most_high;  ///< half of a splat of alpha 1 whose size, focal length and depth are 1
-  float most_blur;             ///< the same of a blur of 1 @units{pixels}
   float min_compensation;
   float alpha_min;
   bool through_lens;       ///< not a pinhole that takes z alone, and so projected by `project_through_lens`

@@ -120,12 +120,6 @@ inline ViewConstants view_constants(const Camera& camera, const Conventions& con
   v.depth_along_ray = conventions.depth_at == Conventions::DepthAt::ray;
   v.through_lens = !camera.lens.is_pinhole() || v.depth_is_distance;
   v.limits = camera.lens.is_pinhole() ? tangents : lens_limits(camera, conventions);
-  // Of a pinhole. The rotation may lengthen by 1e-3.
-  const auto longest = [](double least, double most) { return std::hypot(1, std::fmax(-least, most)); };
-  const double sigmas = 1.002 * std::sqrt(2 * std::log(1.0001 / double(v.alpha_min)));
-  v.most_wide = float(sigmas * longest(v.limits.least_u, v.limits.most_u));
-  v.most_high = float(sigmas * longest(v.limits.least_v, v.limits.most_v));
-  v.most_blur = float(sigmas);
   if (*whole.order == SplatOrder::distance && !v.depth_is_distance) v.order_by_distance();
   if (traits_of(camera.lens.model).shows_sphere) v.turn = turn_of(camera);
   v.panorama_middle = 0.5 * camera.width;

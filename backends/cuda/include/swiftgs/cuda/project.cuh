@@ -14,7 +14,6 @@
 #include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/error.hpp>
-#include <swiftgs/project/cull.hpp>
 #include <swiftgs/project/project.hpp>
 
 namespace swiftgs::kernels {
@@ -33,47 +32,13 @@ struct ProjectOutput {
   std::uint32_t capacity;  ///< splats beyond it are counted and left out
 };
 
-/// Gaussians of a block that may be visible.
-struct Candidates {
-  SharedArray<Gaussian, project_threads> gaussians;
-  std::uint8_t threads[project_threads];  ///< that loaded them
-};
-
 /// What the threads of a block tell each other.
 template <class Bounds>
 struct ProjectShared {
   std::uint32_t epoch, before;
-  std::uint32_t candidates[project_warps], visible[project_warps], tiles[project_warps];  ///< of each warp
-  // Footprints are found after the last candidate is read.
-  union {
-    Candidates found;
-    FootprintShared<Bounds> footprints[project_warps];
-  };
+  std::uint32_t visible[project_warps], tiles[project_warps];  ///< of each warp
+  FootprintShared<Bounds> footprints[project_warps];
 };
-
-/// Moves the Gaussians of a block that may be visible to its first threads, in their order, so that whole
-/// warps need not project. `thread` becomes the one that loaded the thread's new Gaussian. Returns whether
-/// the thread has one. Synchronises the block.
-template <class Bounds>
-__device__ bool take_candidate(ProjectShared<Bounds>& shared, bool candidate, Gaussian& gaussian,
-                               unsigned& thread) {
-  static_assert(project_threads <= 256, "threads are stored in bytes");
-  const unsigned warp = threadIdx.x / warp_size, lanes = __ballot_sync(whole_warp, candidate);
-  if (lane_index() == 0) shared.candidates[warp] = std::uint32_t(__popc(lanes));
-  __syncthreads();
-  std::uint32_t slot = std::uint32_t(__popc(lanes & lanes_below())), count = 0;
-  for (unsigned w = 0; w < project_warps; ++w) {
-    if (w < warp) slot += shared.candidates[w];
-    count += shared.candidates[w];
-  }
-  if (count > project_threads - warp_size) return candidate;  // no warp would be spared
-  if (candidate)
-    shared.found.gaussians.data()[slot] = gaussian, shared.found.threads[slot] = std::uint8_t(threadIdx.x);
-  __syncthreads();
-  if (threadIdx.x >= count) return false;
-  gaussian = shared.found.gaussians.data()[threadIdx.x], thread = shared.found.threads[threadIdx.x];
-  return true;
-}
 
 /// All that projection reads of a Gaussian, asked for at once: the compiler would wait for each array before
 /// the next.
@@ -173,33 +138,29 @@ __global__ void __launch_bounds__(project_threads,
   const std::uint32_t block = listed == 0 ? 0 : list[blockIdx.x];
   const std::uint32_t of_view = Scenes::only ? block % views.size() : block / chunks_a_view;
 
-  // Load, and leave out what the view cannot show.
-  std::uint32_t first_gaussian = 0;
-  Gaussian gaussian;
-  bool candidate = false;
-  const ViewConstants* camera = nullptr;
-  const auto may_show = [&] {
+  // Project, and count the visible splats of the block.
+  std::uint32_t gaussian_number = 0;
+  const auto shape = [](const ViewConstants& camera, const Gaussian& gaussian) {
     if constexpr (through_lens)
-      return true;
+      return project_shape(camera, gaussian);
     else
-      return !GaussianCuller(*camera).hides(*camera, gaussian);
+      return project_through_pinhole(camera, gaussian);
   };
+  ProjectedShape splat;
   const std::uint32_t later = blockIdx.x + prefetch_ahead;
   if constexpr (Scenes::only) {
     const SceneView& scene = scenes.scene;
     if (later <= last) prefetch_gaussians(scene, list[later] / views.size());
-    first_gaussian = block / views.size() * project_threads;
-    const std::size_t i = std::size_t(first_gaussian) + threadIdx.x;
+    const std::size_t i = std::size_t(block / views.size()) * project_threads + threadIdx.x;
+    gaussian_number = std::uint32_t(i);
     if constexpr (ViewSource::only) {
-      camera = &views[0].camera;
-      if (i < scene.size()) gaussian = load_gaussian(scene, i), candidate = may_show();
+      if (i < scene.size()) splat = shape(views[0].camera, load_gaussian(scene, i));
     } else {
       __shared__ SharedCamera shared_camera;
       shared_camera.load(views[of_view].camera);
-      gaussian = load_gaussian(scene, i < scene.size() ? i : 0);
+      const Gaussian gaussian = load_gaussian(scene, i < scene.size() ? i : 0);
       __syncthreads();
-      camera = &shared_camera.camera();
-      candidate = i < scene.size() && may_show();
+      if (i < scene.size()) splat = shape(shared_camera.camera(), gaussian);
     }
   } else {
     __shared__ SharedCamera shared_eye;
@@ -211,23 +172,13 @@ __global__ void __launch_bounds__(project_threads,
       shared_eye.load_eye(views[of_view].camera, placed);
       if (threadIdx.x == warp_size) drawn = can_be_drawn(placed, at.chunk);
       const std::size_t i = std::size_t(at.chunk) * project_threads + threadIdx.x;
-      first_gaussian = placed.first_gaussian + at.chunk * project_threads;
-      gaussian = load_gaussian(scene, i < scene.size() ? i : 0);
+      gaussian_number = placed.first_gaussian + std::uint32_t(i);
+      const Gaussian gaussian = load_gaussian(scene, i < scene.size() ? i : 0);
       if (later <= last) prefetch_gaussians(scene, std::size_t(at.chunk) + (list[later] - block));
       __syncthreads();
-      camera = &shared_eye.camera();
-      candidate = drawn && i < scene.size() && placed.clip.shows(gaussian.mean) && may_show();
+      if (drawn && i < scene.size() && placed.clip.shows(gaussian.mean))
+        splat = shape(shared_eye.camera(), gaussian);
     }
-  }
-
-  // Project, and count the visible splats of the block.
-  unsigned thread = threadIdx.x;
-  ProjectedShape splat;
-  if (through_lens ? candidate : take_candidate(shared, candidate, gaussian, thread)) {
-    if constexpr (through_lens)
-      splat = project_shape(*camera, gaussian);
-    else
-      splat = project_through_pinhole(*camera, gaussian);
   }
   const unsigned visible_lanes = __ballot_sync(whole_warp, splat.visible);
   if (lane_index() == 0) shared.visible[warp] = std::uint32_t(__popc(visible_lanes));
@@ -246,10 +197,8 @@ __global__ void __launch_bounds__(project_threads,
   // Find their tiles.
   // Do so before the visible splats are compacted: after it, half of the warps wait. Measured on an H200 when
   // chosen: projection of garden takes 136 us so, and 156 with tiles found after it.
-  Footprint footprint;
-  if (visible_lanes != 0)
-    footprint =
-        find_footprint(bounds, views[of_view].grid, splat.shape, splat.visible, shared.footprints[warp]);
+  const Footprint footprint =
+      find_footprint(bounds, views[of_view].grid, splat.shape, splat.visible, shared.footprints[warp]);
   const std::uint32_t tiles_of_warp = warp_sum(footprint.count);
   if (lane_index() == 0) shared.tiles[warp] = tiles_of_warp;
   __syncthreads();
@@ -276,7 +225,7 @@ __global__ void __launch_bounds__(project_threads,
   output.shapes[at] = splat.shape;
   output.footprints[at] = footprint;
   output.depths[at] = splat.depth;
-  output.gaussians[at] = first_gaussian + thread;
+  output.gaussians[at] = gaussian_number;
   if constexpr (!ViewSource::only)
     if (output.of_view) output.of_view[at] = std::uint16_t(of_view);
 }
