@@ -74,7 +74,7 @@ TEST_CASE("pages: a streamed SOG is drawn by its levels") {
   CHECK(read_leaves(pages).means == load_scene(streamed.place / "scan/lod-meta.json").means);
   CHECK(cut_of(pages, 0).splats() == 65);
   CHECK(cut_of(pages, 1e9).splats() == 32);
-  const Page& coarse = pages.pages()[pages.root()];
+  const Page coarse = pages.pages()[pages.root()];
   CHECK(coarse.errors[0] == float(4 / std::sqrt(7.0)));  // side of the first leaf, whose level has 7
   CHECK(pages.pages()[1].errors[0] == float(4 / std::sqrt(20.0)));
 }

@@ -59,7 +59,8 @@ PagedScene open(const std::shared_ptr<TestSource>& source) {
 
 /// Leaves below a page.
 void leaves_below(const PagedScene& pages, std::uint32_t page, std::vector<std::uint32_t>& leaves) {
-  const Page& row = pages.pages()[page];
+  const Span<const Page> all = pages.pages();
+  const Page& row = all[page];
   if (row.is_leaf()) return leaves.push_back(page);
   leaves_below(pages, row.left, leaves), leaves_below(pages, row.right, leaves);
 }
