@@ -57,7 +57,13 @@ Moments sum_of(const Moments& a, const Moments& b, std::size_t each) {
   return sum;
 }
 
-/// Merges pairs of some nodes until few enough are left.
+/// A node of a block that takes in another. Costs of a block's steps never fall.
+struct Step {
+  float cost;
+  std::uint8_t to, from;
+};
+
+/// Some nodes, of which pairs merge.
 class Block {
  public:
   Block(const Nodes& nodes, std::span<const std::uint32_t> members, std::size_t each)
@@ -66,18 +72,22 @@ class Block {
     for (std::size_t i = 0; i < count_; ++i) {
       member_[i] = members[i], merged_[i] = false;
       moments_[i] = moments_of(nodes, members[i], each);
-      place(i);
     }
-    for (std::size_t i = 0; i < count_; ++i) find_partner(i);
   }
 
-  void merge_to(std::size_t count) {
+  /// Merges the two that cost least, again and again, until `count` are left.
+  std::vector<Step> merge_to(std::size_t count) {
+    for (std::size_t i = 0; i < count_; ++i) place(i);
+    for (std::size_t i = 0; i < count_; ++i) find_partner(i);
+    std::vector<Step> steps;
     for (std::size_t left = count_; left > count; --left) {
       const auto cheapest = std::min_element(cost_.begin(), cost_.begin() + std::ptrdiff_t(count_));
       const auto i = std::size_t(cheapest - cost_.begin()), j = partner_[i];
-      moments_[i] = sum_of(moments_[i], moments_[j], each_), merged_[i] = true;
+      const float last = steps.empty() ? 0 : steps.back().cost;
+      steps.push_back({std::max(*cheapest, last), std::uint8_t(i), std::uint8_t(j)});
+      take(steps.back());
       place(i);
-      gone_[j] = never, cost_[j] = never;
+      cost_[j] = never;
       find_partner(i);
       for (std::size_t k = 0; k < count_; ++k) {
         if (k == i || gone_[k] != 0) continue;
@@ -87,6 +97,12 @@ class Block {
           cost_[k] = cost, partner_[k] = i;
       }
     }
+    return steps;
+  }
+
+  void take(const Step& step) {
+    moments_[step.to] = sum_of(moments_[step.to], moments_[step.from], each_);
+    merged_[step.to] = true, gone_[step.from] = never;
   }
 
   /// Writes the nodes that are left, from number `to` on. Copies those that did not merge.
@@ -192,24 +208,55 @@ Nodes joined(const Nodes& left, const Nodes& right) {
   return all;
 }
 
+/// Keeps `count` steps of all blocks, those that cost least; of equal ones those of the first blocks.
+void keep_cheapest(std::vector<std::vector<Step>>& steps, std::size_t count) {
+  if (count == 0) return steps.assign(steps.size(), {});
+  std::vector<float> costs;
+  for (const auto& block : steps)
+    for (const Step& step : block) costs.push_back(step.cost);
+  const auto last = costs.begin() + std::ptrdiff_t(count - 1);
+  std::nth_element(costs.begin(), last, costs.end());
+  auto equal = std::count(costs.begin(), last + 1, *last);
+  for (auto& block : steps) {
+    const auto end = std::find_if(block.begin(), block.end(), [&](const Step& step) {
+      return step.cost > *last || (step.cost == *last && --equal < 0);
+    });
+    block.erase(end, block.end());
+  }
+}
+
 }  // namespace
 
 Nodes merge(const Nodes& left, const Nodes& right, int threads) {
   const Nodes all = joined(left, right);
   const std::size_t count = all.scene.size(), kept = (count + 1) / 2;
+  const std::size_t each = 3 * std::size_t(sh_rest_count(all.scene.sh_degree));
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0u);
   order_by_halves(all.scene.means, order, count, block_size);
 
+  const std::size_t blocks = (count + block_size - 1) / block_size;
+  const auto members = [&](std::size_t k) {
+    return std::span<const std::uint32_t>(order).subspan(k * block_size,
+                                                         std::min(block_size, count - k * block_size));
+  };
+  // More steps than needed: blocks where little is lost take more of them.
+  std::vector<std::vector<Step>> steps(blocks);
+  for_each_index(blocks, threads, [&](std::size_t k) {
+    steps[k] = Block(all, members(k), each).merge_to((members(k).size() + 3) / 4);
+  });
+  keep_cheapest(steps, count - kept);
+
   Nodes out{empty_like(all.scene), std::vector<float>(kept)};
-  for_each_array([&](const char*, std::size_t each, auto& values) { values.resize(each * kept); }, out.scene);
-  const std::size_t each = 3 * std::size_t(sh_rest_count(all.scene.sh_degree));
-  for_each_index((count + block_size - 1) / block_size, threads, [&](std::size_t k) {
-    const std::size_t begin = k * block_size, end = std::min(begin + block_size, count);
-    const std::size_t first = (begin + 1) / 2, last = (end + 1) / 2;
-    Block block(all, std::span(order).subspan(begin, end - begin), each);
-    block.merge_to(last - first);
-    block.write(out, first);
+  for_each_array([&](const char*, std::size_t values, auto& array) { array.resize(values * kept); },
+                 out.scene);
+  std::vector<std::size_t> first(blocks);
+  for (std::size_t k = 1; k < blocks; ++k)
+    first[k] = first[k - 1] + members(k - 1).size() - steps[k - 1].size();
+  for_each_index(blocks, threads, [&](std::size_t k) {
+    Block block(all, members(k), each);
+    for (const Step& step : steps[k]) block.take(step);
+    block.write(out, first[k]);
   });
   return out;
 }

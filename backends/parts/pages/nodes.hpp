@@ -29,8 +29,8 @@ int longest_axis(std::vector<vec3> means);
 void order_by_halves(const std::vector<vec3>& means, std::span<std::uint32_t> order, std::size_t page,
                      std::size_t least);
 
-/// Half as many nodes, rounded up, for those of `left` and `right`. Within small blocks of neighbours the two
-/// merge whose picture changes least. The result does not depend on `threads`.
+/// Half as many nodes, rounded up, for those of `left` and `right`. Neighbours merge, those first whose
+/// picture changes least. The result does not depend on `threads`.
 Nodes merge(const Nodes& left, const Nodes& right, int threads);
 
 /// Sets `finest` and `errors` of a page by its nodes.
