@@ -203,7 +203,7 @@ TEST_CASE("pages: budgets of splats and memory are kept and the error that they 
   CHECK(cut.splats() <= 3000);
   CHECK(cut.splats() > 2000);
   CHECK(cut.pixels() > 0);
-  PagePool<Cpu> tight(renderer.backend(), pages, {.bytes = 1'000'000});
+  PagePool<Cpu> tight(renderer.backend(), pages, {.bytes = 1'000'000, .ahead = 0});
   cut = tight.cut(all_of(views), {.pixels = 0});
   tight.wait(cut);
   CHECK(cut.missing() == 0);
