@@ -146,6 +146,12 @@ TEST_CASE("pages: 3D Tiles are drawn by replacing and adding tiles") {
   const PagedScene empty = tiles.open(tile(nullptr, 9, array({tile("a.glb", 0), tile("b.glb", 0)})));
   CHECK(empty.read(empty.root()).scene.size() == 7);
   CHECK(cut_of(empty, 1e9).splats() == 7);
+
+  const std::filesystem::path renamed =
+      tiles.place.write("t/city.json", content_of(tiles.place / "t/tileset.json"));
+  CHECK(is_page_file(renamed));
+  CHECK(open_pages(renamed).gaussians() == empty.gaussians());
+  CHECK_FALSE(is_page_file(tiles.place.write("t/cameras.json", R"([{"img_name": "root"}])")));
 }
 
 TEST_CASE("pages: content of tiles is moved from glTF's axes to those of the tileset") {

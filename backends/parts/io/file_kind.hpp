@@ -11,6 +11,8 @@
 #include <string_view>
 #include <vector>
 
+#include <swiftgs/frame/api.hpp>
+
 #include "scene_format.hpp"
 
 namespace swiftgs::io {
@@ -34,6 +36,9 @@ const SceneFormat* scene_format_of(std::string_view text, std::string_view name)
 /// What a file is, for an error of a reader of other files. What is no scene but often taken for one has its
 /// name, and what to give in its place. Of an archive it tells the scenes in it.
 std::string what_it_is(std::string_view text, std::string_view name);
+
+/// Whether a file that begins with `text` is a tileset of 3D Tiles.
+SWIFTGS_API bool is_tileset(std::string_view text);
 
 /// Whether `folder` holds a COLMAP model whose files end in `ending`.
 bool is_colmap(const std::filesystem::path& folder, const char* ending);

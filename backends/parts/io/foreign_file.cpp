@@ -144,7 +144,7 @@ std::string foreign_json(std::string_view text) {
   text = text.substr(json_start(text), beginning_bytes);
   const auto holds = [&](std::string_view key) { return text.find(key) != text.npos; };
   if (!text.starts_with('{')) return {};
-  if (holds("\"geometricError\"") && holds("\"root\"")) {
+  if (is_tileset(text)) {
     const std::vector<std::string> links = links_in(text);
     return "a 3D Tiles tileset; give " + (links.size() == 1 ? listed(links)
                                           : links.empty()   ? "one of its .glb files"
@@ -171,6 +171,12 @@ bool is_of_colmap(std::string_view name) {
 }
 
 }  // namespace
+
+bool is_tileset(std::string_view text) {
+  text = text.substr(json_start(text), beginning_bytes);
+  return text.starts_with('{') && text.find("\"geometricError\"") != text.npos &&
+         text.find("\"root\"") != text.npos;
+}
 
 bool is_surely_foreign(std::string_view text) {
   if (is_zip(text) || is_tar(text)) return true;

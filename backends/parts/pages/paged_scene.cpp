@@ -5,6 +5,7 @@
 #include <fstream>
 #include <limits>
 #include <memory>
+#include <string>
 #include <string_view>
 #include <system_error>
 #include <utility>
@@ -15,6 +16,7 @@
 #include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/pages/paged_scene.hpp>
 
+#include "file_kind.hpp"
 #include "file_pages.hpp"
 #include "mapped_file.hpp"
 #include "page_file.hpp"
@@ -180,6 +182,22 @@ PageContent read_page(const PagedScene::State& file, const PageSource& source, s
   return content;
 }
 
+/// The first bytes of a file. None of what is no file: opening a pipe would wait for a writer.
+std::string beginning_of(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return {};
+  std::string begin(io::beginning_bytes, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(begin.data(), std::streamsize(begin.size()));
+  begin.resize(std::size_t(file.gcount()));
+  return begin;
+}
+
+/// By its name too, so that a tileset which lacks something is told what.
+bool is_tileset(const std::filesystem::path& path) {
+  return path.filename() == "tileset.json" || io::is_tileset(beginning_of(path));
+}
+
 }  // namespace
 
 PagedScene::PagedScene(PageSource source, std::uint64_t size, std::string name) {
@@ -221,16 +239,12 @@ PageContent PagedScene::read(std::uint32_t page) const {
 }
 
 bool is_page_file(const std::filesystem::path& path) {
-  if (path.filename() == "tileset.json") return true;
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return false;  // opening a pipe would wait for a writer
-  std::array<char, pages::magic.size()> begin{};
-  std::ifstream(path, std::ios::binary).read(begin.data(), begin.size());
-  return begin == pages::magic;
+  if (is_tileset(path)) return true;
+  return beginning_of(path).starts_with(std::string_view(pages::magic.data(), pages::magic.size()));
 }
 
 PagedScene open_pages(const std::filesystem::path& path) {
-  if (path.filename() == "tileset.json") return pages::open_tiles(path);
+  if (is_tileset(path)) return pages::open_tiles(path);
   if (path.filename() == "lod-meta.json") return pages::open_streamed_sog(path);
   const auto file = std::make_shared<const io::MappedFile>(path);
   const auto read = [file](std::uint64_t offset, std::span<std::byte> to) {

@@ -123,11 +123,11 @@ class SWIFTGS_API PagedScene {
   std::shared_ptr<const State> state_;
 };
 
-/// Whether `path` is a page file, or the `tileset.json` of 3D Tiles.
+/// Whether `path` is a page file, or a tileset of 3D Tiles under any name.
 SWIFTGS_API bool is_page_file(const std::filesystem::path& path);
 
-/// Opens a page file and maps it into memory; or the `lod-meta.json` of a streamed SOG, or the `tileset.json`
-/// of 3D Tiles, whose files are read when a page of them is, but for one that tells the rendering model.
+/// Opens a page file and maps it into memory; or the `lod-meta.json` of a streamed SOG, or a tileset of 3D
+/// Tiles, whose files are read when a page of them is, but for one that tells the rendering model.
 /// Checks header and table, but reads no page. Files must not change while they are open. Throws
 /// `FormatError` that tells what was expected where, and `FileError`.
 SWIFTGS_API PagedScene open_pages(const std::filesystem::path& path);
