@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <numeric>
 #include <string>
 #include <vector>
@@ -131,6 +132,22 @@ TEST_CASE("pages: several files become one with the origin of the first") {
   Scene a = load_scene(folder / "a.ply");
   append(a, load_scene(folder / "b.ply"));
   check_same(read_leaves(open_pages(folder / "ab.sgp")), a);
+}
+
+TEST_CASE("pages: what is left out of a file that is read in parts is counted once") {
+  const TemporaryFolder folder;
+  write_scene(folder / "a.ply", ordered_scene(6000));
+  std::string text = content_of(folder / "a.ply");
+  const std::size_t row = 62 * sizeof(float);  // of mean, normal, harmonics, opacity, scale and rotation
+  const float infinite = INFINITY;
+  for (const std::size_t back : {1, 3000, 6000})
+    std::memcpy(text.data() + text.size() - back * row, &infinite, sizeof infinite);
+  folder.write("a.ply", text);
+  PageBuildOptions options = small_pages();
+  options.memory = 4 << 20;
+  const BuiltPages built = build_pages({folder / "a.ply"}, folder / "a.sgp", options);
+  CHECK(built.gaussians == 5997);
+  CHECK(built.notes == std::vector<std::string>{"Gaussians with a NaN or an infinity are left out: 3."});
 }
 
 TEST_CASE("pages: a build that is cancelled or refused leaves nothing behind") {

@@ -71,14 +71,12 @@ Fault fault_of(const Scene& scene, std::size_t i) {
 }
 
 void drop_signs_of_scales(SceneFile& file) {
-  std::uint64_t found = 0;
+  bool found = false;
   for (vec3& scale : file.scene.scales) {
-    found += scale.x < 0 || scale.y < 0 || scale.z < 0;
+    found = found || scale.x < 0 || scale.y < 0 || scale.z < 0;
     scale = glm::abs(scale);
   }
-  if (found != 0)
-    file.notes.push_back(
-        "Scales below 0 are taken without their sign, of Gaussians: " + std::to_string(found) + ".");
+  if (found) file.notes.push_back("Scales below 0 are taken without their sign.");
 }
 
 LeftOut leave_out(Scene& scene, const std::vector<Fault>& faults) {

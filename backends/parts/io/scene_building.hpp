@@ -69,7 +69,7 @@ enum class Fault : std::uint8_t { none, not_finite, no_rotation };
 /// The first fault of Gaussian `i`.
 Fault fault_of(const Scene& scene, std::size_t i);
 
-/// Takes scales below 0, which linear formats can hold, without their sign, and notes of how many Gaussians.
+/// Takes scales below 0, which linear formats can hold, without their sign, and notes it.
 void drop_signs_of_scales(SceneFile& file);
 
 /// Removes the Gaussians with a fault and keeps the order of the others. `faults` has one entry for each
@@ -83,6 +83,6 @@ LeftOut leave_out_invalid(Scene& scene);
 std::string text_of(const dvec3& origin);
 
 /// Adds a note for each reason for which Gaussians were left out.
-void note_left_out(const LeftOut& left_out, std::vector<std::string>& notes);
+SWIFTGS_API void note_left_out(const LeftOut& left_out, std::vector<std::string>& notes);
 
 }  // namespace swiftgs::io

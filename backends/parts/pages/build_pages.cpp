@@ -18,6 +18,7 @@
 #include "page_file.hpp"
 #include "page_writer.hpp"
 #include "records.hpp"
+#include "scene_building.hpp"
 
 namespace swiftgs {
 namespace {
@@ -233,15 +234,20 @@ BuiltPages build_pages(const std::vector<std::filesystem::path>& sources, const 
         continue;
       }
       const std::size_t parts = parts_of(find_capture(sources[k]).scene, options.memory);
+      LeftOut left_out;
+      std::vector<std::string> said;  // of this source
       for (std::size_t part = 0; part < parts; ++part) {
         SceneReadOptions read = options.read;
         read.part = {part, parts};
         read.progress = [&](double done) { return at((double(part) + done) / double(parts)); };
         SceneFile file = read_scene(sources[k], read);
-        for (const std::string& note : file.notes)
-          if (std::find(notes.begin(), notes.end(), note) == notes.end()) notes.push_back(note);
+        for (std::string& note : file.notes)
+          if (std::find(said.begin(), said.end(), note) == said.end()) said.push_back(std::move(note));
+        left_out += file.left_out;
         to.add(file.scene, sources[k].string());
       }
+      if (parts > 1) io::note_left_out(left_out, said);
+      notes.insert(notes.end(), said.begin(), said.end());
     }
   });
 }

@@ -82,11 +82,13 @@ struct LeftOut {
 /// A scene and what reading it brought up.
 struct SceneFile {
   Scene scene;
-  std::string format;              ///< such as "INRIA PLY (binary_little_endian)" or "SPZ version 2"
-  std::uint64_t bytes = 0;         ///< of the file, and of those that it names and were read
-  std::uint64_t stored = 0;        ///< Gaussians in the file, or in the part of it that was asked for
-  LeftOut left_out{};              ///< those of them that the scene lacks
-  std::vector<std::string> notes;  ///< what of the file the scene does not carry, a sentence each
+  std::string format;        ///< such as "INRIA PLY (binary_little_endian)" or "SPZ version 2"
+  std::uint64_t bytes = 0;   ///< of the file, and of those that it names and were read
+  std::uint64_t stored = 0;  ///< Gaussians in the file, or in the part of it that was asked for
+  LeftOut left_out{};        ///< those of them that the scene lacks
+  /// What of the file the scene does not carry, a sentence each. Those of a part do not count what is left
+  /// out.
+  std::vector<std::string> notes;
   /// Of the photograph that the scene was made of, where the file has it: @units{pixels}, and world units of
   /// the scene.
   std::optional<Camera> camera{};
