@@ -101,13 +101,13 @@ Commands::Shape Commands::over(Count count, Groups::Of of) const {
 void Commands::run(Kernel kernel, const std::vector<std::uint32_t>& constants, Push push,
                    const Shape& shape) {
   if (shape.columns == 0) return;
-  const Access groups = reads(b_.groups.device, b_.groups.bytes);
-  if (shape.at) push.touch(groups);
+  if (shape.at) push.touch(reads(b_.groups.device + *shape.at, sizeof(VkDispatchIndirectCommand)));
   const VkPipeline pipeline = device_.pipeline(kernel, shape.threads, constants);
   const VkCommandBuffer commands = b_.open->commands;
   const Functions& vk = device_.vk;
   if (b_.hazards.next(push.accesses()))
     barrier(device_, commands, kernels_write, std::exchange(b_.launches_written, false) ? launches : kernels);
+  const Access groups = reads(b_.groups.device, b_.groups.bytes);
   for (const Access& access : push.accesses())
     b_.launches_written =
         b_.launches_written || (access.how != Access::read && groups.conflicts_with(access));

@@ -131,13 +131,17 @@ struct Vulkan::State {
   std::uint64_t reported_at = 0;  ///< value of the timeline
   vulkan::Block staging;
   VulkanBuffer<std::uint32_t> numbers;            ///< of digits, of sorts
-  vulkan::Block groups;                           ///< two `Groups`, by the last `bin`, and `long_launch`
+  vulkan::Block groups;                           ///< two `Groups`, by the last `bin`, and two launches
   std::array<const std::uint32_t*, 2> counted{};  ///< addresses of its numbers of splats and intersections
   VulkanBuffer<std::uint32_t> long_tiles;         ///< with long lists, by the last `find_ranges`
   const TileRange* long_of = nullptr;             ///< its ranges
+  VulkanBuffer<std::uint32_t> long_blocks;        ///< that raster.comp hands over
+  bool long_blocks_empty = false;                 ///< whether `long_blocks_launch` was emptied and not used
 
-  /// Bytes into `groups` of the launch over blocks of long lists.
+  /// Bytes into `groups` of the launches over blocks of long lists, and over `long_blocks`.
   static constexpr std::size_t long_launch = 2 * sizeof(vulkan::Groups);
+  static constexpr std::size_t long_blocks_launch = long_launch + sizeof(VkDispatchIndirectCommand);
+  static constexpr std::size_t groups_bytes = long_blocks_launch + sizeof(VkDispatchIndirectCommand);
 };
 
 namespace vulkan {

@@ -24,6 +24,7 @@ namespace {
 #include "ranges.comp.hpp"
 #include "ranges_clear.comp.hpp"
 #include "raster.comp.hpp"
+#include "raster_long.comp.hpp"
 #include "scan.comp.hpp"
 #include "settle.comp.hpp"
 #include "shade.comp.hpp"

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include <swiftgs/contribution.hpp>
 #include <swiftgs/error.hpp>
@@ -79,6 +80,9 @@ bool has_no_planes(const FrameView& frame) {
   return none;
 }
 
+/// Splats that touch a block before raster.comp hands it over: FIRST_SEGMENT of raster.glsl.
+constexpr std::size_t first_segment = 1024;
+
 /// Lists that a launch of raster.comp draws.
 enum class Lists : std::uint32_t { all, with_many, others };
 
@@ -86,7 +90,7 @@ enum class Lists : std::uint32_t { all, with_many, others };
 void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* contributions) {
   raster_blocks_of(job);  // checks the number of lists
   Commands commands(b);
-  const Vulkan::State& state = b.state();
+  Vulkan::State& state = b.state();
   constexpr std::uint32_t side = raster_side;
   // lavapipe, whose subgroups are small, would compile the sums of all pixels of a block for a minute.
   const std::uint32_t parts =
@@ -99,7 +103,20 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
     const bool is_base = !contributions && !job.only_attributes;
     const auto asks = [](bool yes) { return std::uint32_t(yes); };
     const std::size_t n = job.splats.size(), rows = n * job.attributes.rows;
-    const auto draw = [&](Lists lists, const Commands::Shape& shape) {
+    const bool sums_depth = job.sums_depth(view) && !view.camera.depth_along_ray;
+    const std::uint32_t columns = (std::uint32_t(frame.width) + side - 1) / side,
+                        blocks = (std::uint32_t(frame.height) + side - 1) / side * columns;
+    // raster_long.comp draws colour, alpha and depths of means.
+    const bool hands_over = is_base && job.attributes.rows == 0 && !job.picks(view) && !frame.occluder &&
+                            parts == 1 && job.lists.ids.size > first_segment;
+    std::byte* const launch = state.groups.device + Vulkan::State::long_blocks_launch;
+    const void* const words_of_launch = launch;
+    if (hands_over) {
+      state.long_blocks.reset(std::max<std::size_t>(state.long_blocks.size(), blocks));
+      if (!std::exchange(state.long_blocks_empty, false))
+        commands.fill(const_cast<std::uint32_t*>(static_cast<const std::uint32_t*>(words_of_launch)), 3, 1);
+    }
+    const auto draw = [&](Kernel kernel, Lists lists, Access::How to_blocks, const Commands::Shape& shape) {
       Push push(
           address(commands.constants(Span<const RasterView>{&words, 1})), reads(job.splats.shapes.data, n),
           reads(job.colours.each.data, n), reads(job.splats.gaussians.data, n),
@@ -107,29 +124,33 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
           address(commands.constants(Span<const AttributeList>{&list, 1})), reads(job.attributes.data, rows),
           reads(job.attributes.first_row, n * job.attributes.first_stride), shares(contributions, 1),
           reads(state.long_tiles.data(), state.long_tiles.size()),
+          Access(launch, hands_over ? sizeof(VkDispatchIndirectCommand) : 0, to_blocks),
+          Access(state.long_blocks.data(), state.long_blocks.size(), to_blocks),
           job.attributes.first_stride * AttributeRow::channels, std::uint32_t(lists), long_list);
       // The views of a frame do not overlap in memory, nor do the planes of its passes.
       for_each_plane(
           [&](std::size_t, const auto& plane) { push.touch(pixels_of(plane, frame.height, Access::shared)); },
           frame);
       push.touch(pixels_of(frame.occluder, frame.height, Access::read));
-      commands.run(
-          Kernel::raster,
-          {kind.exponent, asks(kind.threshold), asks(job.sums_depth(view) && !view.camera.depth_along_ray),
-           asks(job.picks(view)), asks(bool(frame.occluder)), asks(frame.conversion != Conversion::as_is),
-           job.attributes.rows * AttributeRow::channels, asks(is_base), asks(view.camera.depth_along_ray),
-           asks(contributions != nullptr), asks(!contributions || job.colours.each.data), parts},
-          push, shape);
+      commands.run(kernel,
+                   {kind.exponent, asks(kind.threshold), asks(sums_depth), asks(job.picks(view)),
+                    asks(bool(frame.occluder)), asks(frame.conversion != Conversion::as_is),
+                    job.attributes.rows * AttributeRow::channels, asks(is_base),
+                    asks(view.camera.depth_along_ray), asks(contributions != nullptr),
+                    asks(!contributions || job.colours.each.data), parts, asks(hands_over)},
+                   push, shape);
     };
-    const Commands::Shape all{(std::uint32_t(frame.width) + side - 1) / side,
-                              (std::uint32_t(frame.height) + side - 1) / side, commands.subgroup(), parts};
+    const Commands::Shape all{columns, blocks / std::max(columns, 1u), commands.subgroup(), parts};
     if (parts != 1 || job.lists.ranges.data != state.long_of) {
-      draw(Lists::all, all);
+      draw(Kernel::raster, Lists::all, Access::shared, all);
     } else {
-      draw(Lists::with_many,
+      draw(Kernel::raster, Lists::with_many, Access::shared,
            {.columns = 1, .threads = commands.subgroup(), .at = Vulkan::State::long_launch});
-      draw(Lists::others, all);
+      draw(Kernel::raster, Lists::others, Access::shared, all);
     }
+    if (hands_over)
+      draw(Kernel::raster_long, Lists::all, Access::read,
+           {.columns = 1, .threads = commands.sort_threads(), .at = Vulkan::State::long_blocks_launch});
   }
   commands.submit();
 }

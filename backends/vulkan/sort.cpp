@@ -46,9 +46,10 @@ void sort_digit(Vulkan& b, Commands& commands, const SortedPairs& pairs, Count n
   const Commands::Shape shape = commands.over(n, Groups::sort);
   commands.run(Kernel::sort_count, {pairs.words},
                Push(reads(pairs.keys, words), writes(numbers, count), n, std::uint32_t(bit), mask), shape);
+  // Small subgroups are software's, which is slow at barriers.
   commands.run(Kernel::sort_scan, {},
                Push(writes(numbers, count), writes(totals, sort_digits), n, commands.sort_part()),
-               {sort_digits});
+               {.columns = sort_digits, .threads = commands.subgroup() < 32 ? commands.subgroup() : 256});
   commands.run(Kernel::sort_move, {pairs.words},
                Push(reads(pairs.keys, words), reads(numbers, count), reads(totals, sort_digits),
                     reads(pairs.values, n.most), writes(pairs.keys_to, words),

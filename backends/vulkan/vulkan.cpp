@@ -38,7 +38,7 @@ void release(VulkanDevice::State& device, vulkan::CommandSlot& slot) {
 Vulkan::State::State(const VulkanDevice& on, const std::optional<MemoryHook>& memory)
     : device(on), hook(memory ? *memory : on.memory_hook()), hooked(memory) {
   if (memory) validate(*memory);
-  use_memory(hook, numbers, long_tiles);
+  use_memory(hook, numbers, long_tiles, long_blocks);
 }
 
 void Vulkan::State::create() {
@@ -56,7 +56,7 @@ void Vulkan::State::create() {
                   "vkAllocateCommandBuffers");
   if (of.nanoseconds != 0) times = of.make_queries(vulkan::time_points);
   report = of.allocate_host_block(sizeof(FrameReport));
-  groups = of.allocate_block(long_launch + sizeof(VkDispatchIndirectCommand));
+  groups = of.allocate_block(groups_bytes);
 }
 
 Vulkan::State::~State() {
@@ -167,7 +167,7 @@ void Vulkan::wait() const {
 
 void Vulkan::trim() {
   wait();
-  trim_parts(*this, state_->numbers, state_->long_tiles), state_->long_of = nullptr;
+  trim_parts(*this, state_->numbers, state_->long_tiles, state_->long_blocks), state_->long_of = nullptr;
   state_->device.state().release(state_->staging);
 }
 

@@ -143,6 +143,40 @@ SWIFTGS_VULKAN_CASE("vulkan: conservative bounds and sorts change no bit") {
   CHECK(adaptive.sort_decided());
 }
 
+SWIFTGS_VULKAN_CASE("vulkan: blocks of many splats have the same bits by one subgroup and by several") {
+  // Where pixels stop: in the first segment, in later ones, and nowhere.
+  for (const float opacity : {0.05f, 0.02f, 0.006f}) {
+    CAPTURE(opacity);
+    Scene scene = random_scene(9000, 0, 13);
+    Random random(14);
+    for (std::size_t i = 0; i < scene.size(); ++i) {
+      const float z = 2 + 8 * random.f(0, 1);
+      scene.means[i] = vec3(random.f(-0.3, 0.3) * z, random.f(-0.3, 0.3) * z, z);
+      scene.scales[i] = vec3(random.f(0.05, 0.4) * z, random.f(0.05, 0.4) * z, 0.01f);
+      scene.opacities[i] = opacity;
+    }
+    const Camera camera = forward_camera(21, 19);
+    UsualVulkan renderer;
+    UsualSerial serial;
+    const VulkanScene there = renderer.backend().upload(scene);
+    RenderSettings lean;
+    lean.outputs.depth = true;
+    const Frame shared = renderer.render(there, camera, lean);
+    CHECK(same_planes(renderer.render(there, camera, lean), shared));
+    const Frame alone = renderer.render(there, camera, with_planes());
+    CHECK(same_bits(shared.depth, alone.depth));
+    RenderSettings on_background = with_planes();
+    on_background.outputs = lean.outputs;
+    CHECK(same_bits(renderer.render(there, camera, on_background).colour, alone.colour));
+    // Rounding may decide which splat stops a pixel that shows next to nothing.
+    const Frame expected = serial.render(serial.backend().upload(scene), camera, lean);
+    CHECK(max_abs_difference(shared.colour, expected.colour) < 1e-3);
+    CHECK(max_abs_difference(shared.depth, expected.depth) < 1e-2);
+    Renderer<Vulkan, EarlySort, AxisSharedThreshold<FloatCholesky>, OpacityBox> boxes;
+    CHECK(same_planes(boxes.render(there, camera, lean), shared));
+  }
+}
+
 SWIFTGS_VULKAN_CASE("vulkan: more than 65,535 workgroups fill all words and none behind them") {
   Vulkan b;
   const std::size_t words = 65535 * std::size_t(vulkan::usual_threads) + 1;

@@ -54,6 +54,10 @@ shared uint subgroup_sums[THREADS / 4 + 1];
 // The sum of `x` over the threads before this one; `total` is that over all threads. All threads call it.
 uint sum_before(uint x, out uint total) {
   const uint inclusive = subgroupInclusiveAdd(x);
+  if (THREADS == SUBGROUP) {
+    total = subgroupShuffle(inclusive, SUBGROUP - 1u);
+    return inclusive - x;
+  }
   if (gl_SubgroupInvocationID == SUBGROUP - 1u) subgroup_sums[gl_SubgroupID] = inclusive;
   barrier();
   uint before = 0u;

@@ -2,63 +2,17 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
-#include "frame.glsl"
-#include "attributes.glsl"
-#include "pixels.glsl"
-#include "alpha.glsl"
+#include "raster.glsl"
 
-// Blends the splats of a warp block of 8x8 pixels, which a subgroup shares, or several that have PARTS of it. A subgroup
-// tests a splat a lane against the block and queues those that touch it. It blends as many as it has lanes at a time, in
-// groups: the alphas of a group do not wait for each other, and pixels test once a group whether they stop.
+// A subgroup tests a splat a lane against its block and queues those that touch it. It blends as many as it has lanes at
+// a time, in groups: the alphas of a group do not wait for each other, and pixels test once a group whether they stop.
 
-// What the view asks for beside colour and alpha.
-layout(constant_id = 5) const bool DEPTH = false;
-layout(constant_id = 6) const bool PICKS = false;
-layout(constant_id = 7) const bool OCCLUDER = false;
-layout(constant_id = 8) const bool CONVERTS = false;
-// Attributes of a pass; and whether the pass draws the other planes too.
-layout(constant_id = 9) const uint ATTRIBUTES = 0u;
-layout(constant_id = 10) const bool IS_BASE = true;
-// Whether depths are those along the ray: the first attributes of a splat.
-layout(constant_id = 11) const bool ALONG_RAY = false;
-
-// Whether the weights are added to `contributions` and nothing is drawn, and whether colours tell who is hidden.
-layout(constant_id = 12) const bool CONTRIBUTES = false;
-layout(constant_id = 13) const bool HAS_COLOURS = true;
-
-layout(constant_id = 14) const uint PARTS = 1u;
-
-layout(push_constant, scalar) uniform Push {
-  RasterViews views;  // this view alone
-  Shapes shapes;
-  Colours colours;
-  Uints gaussians, ids, ranges;
-  AttributeLists attributes_of;  // this view alone
-  Floats attributes;
-  Floats ray_depths;    // the first of the frame's attributes
-  Uints contributions;  // 64-bit sums of Gaussians, by halves
-  Uints long_tiles;
-  uint ray_depth_stride;
-  uint lists;      // which are drawn
-  uint long_list;  // intersections of a list that is long
-};
-const uint all_lists = 0u, long_lists = 1u, other_lists = 2u;
-
-const uint SIDE = 8u, EACH = SIDE * SIDE / (SUBGROUP * PARTS);
-// Splats that are blended together: fewer where a lane has many pixels, or software would compile for a minute.
-const uint GROUP = EACH > 4u ? 1u : EACH > 2u ? 2u : 4u;
 const uint NONE = 0xffffffffu, SUMS = ATTRIBUTES == 0u ? 1u : ATTRIBUTES;
 
 // Two halves: one is filled while the other is blended.
 const uint QUEUE = 2u * SUBGROUP;
 shared vec4 exponents[QUEUE], rests[QUEUE], shades[QUEUE];
 shared uint queued_ids[QUEUE];
-
-// Pixels of a lane are next to each other. Place of pixel `p` of this lane in the block.
-uvec2 place_of(uint p) {
-  const uint first = (gl_WorkGroupID.z * SUBGROUP + gl_SubgroupInvocationID) * EACH;
-  return uvec2(first % SIDE + p % SIDE, first / SIDE + p / SIDE);
-}
 
 // The depth of splat `id` along the ray of a pixel, `place` from the middle of the image.
 float ray_depth_at(uint id, vec2 place) {
@@ -68,20 +22,6 @@ float ray_depth_at(uint id, vec2 place) {
   precise float slopes = x + y;
   precise float depth = ray_depths.at[at] + slopes;
   return depth;
-}
-
-// As `box_touched` of `Cuda`: whether the ellipse s <= cutoff meets the box of the block's pixel centres.
-bool box_touched(Shape s, vec2 first) {
-  const float left = right_of_mean(s, first.x), right = left + float(SIDE - 1u);
-  const float top = below_mean(s, first.y), bottom = top + float(SIDE - 1u);
-  const float nearest_y = min(max(0.0, top), bottom);
-  const float u_left = s.l0 * left + s.l1 * nearest_y, u_right = s.l0 * right + s.l1 * nearest_y;
-  const float edge = u_left > 0.0 ? left : right;
-  const float along_edge = -s.l0 * s.l1 * edge / (s.l1 * s.l1 + s.l2 * s.l2);
-  const bool across = u_left <= 0.0 && u_right >= 0.0;
-  const float y = across ? nearest_y : min(max(along_edge, top), bottom);
-  const float u = across ? 0.0 : s.l0 * edge + s.l1 * y, v = s.l2 * y;
-  return u * u + v * v <= s.cutoff * 1.0001;
 }
 
 float picked_depth(uint id, vec2 place) {
@@ -121,19 +61,15 @@ void main() {
   if (begin > end) return;  // as of `TileRange::undrawn`
   if (lists == other_lists && end - begin >= long_list) return;
 
-  // A pixel that stopped has no transmittance, so that later splats add nothing. Its limit holds what was left, negated.
-  float transmittance[EACH], limit[EACH], depth[EACH], weight_of_largest[EACH], occluded_from[EACH];
-  vec3 colour[EACH];
-  float sums[EACH * SUMS];
+  Pixel all[EACH], pixels[EACH];  // behind the segments that are composited, and within one
+  float sums_of_all[EACH * SUMS], sums[EACH * SUMS], weight_of_largest[EACH], occluded_from[EACH];
   uint first[EACH], median[EACH], largest[EACH];
   [[unroll]] for (uint p = 0u; p < EACH; ++p) {
     const uvec2 at = block + place_of(p);
     const bool inside = at.x < view.width && at.y < view.height;
-    transmittance[p] = inside ? 1.0 : 0.0;
-    limit[p] = inside ? view.stop_below : -1.0;
-    colour[p] = vec3(0.0);
-    for (uint k = 0u; k < SUMS; ++k) sums[p * SUMS + k] = 0.0;
-    depth[p] = 0.0;
+    all[p] = pixel_of(0.0);
+    pixels[p] = pixel_of(inside ? view.stop_below : -1.0);
+    for (uint k = 0u; k < SUMS; ++k) sums_of_all[p * SUMS + k] = sums[p * SUMS + k] = 0.0;
     first[p] = median[p] = largest[p] = NONE;
     weight_of_largest[p] = 0.0;
     occluded_from[p] = OCCLUDER && inside ? occluder_at(view, at) : 0.0;
@@ -144,7 +80,7 @@ void main() {
   uint next_id = id_at(begin, end), later_id = id_at(begin + SUBGROUP, end);
   ShapeWords next_shape;
   if (begin < end) next_shape = shapes.at[next_id];
-  uint waiting = 0u, front = 0u;
+  uint waiting = 0u, front = 0u, blended = 0u;
   for (uint from = begin; from < end || waiting != 0u; from += SUBGROUP) {
     if (from < end) {
       const uint id = next_id;
@@ -178,58 +114,31 @@ void main() {
     subgroupBarrier();
 
     for (uint of_group = front; of_group < front + count; of_group += GROUP) {
-      float weight[EACH * GROUP];  // alphas at first
+      Group group[EACH];
       [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
         const Terms terms = Terms(exponents[of_group + k], rests[of_group + k]);
         [[unroll]] for (uint p = 0u; p < EACH; ++p)
-          weight[p * GROUP + k] = alpha_of(terms, vec2(place_of(p)), view.alpha_min, view.alpha_max);
+          group[p].weight[k] = alpha_of(terms, vec2(place_of(p)), view.alpha_min, view.alpha_max);
       }
 
-      float left[EACH * (GROUP + 1u)];  // the transmittances in front of each splat, and behind the last
-      bool some_stop = false, occluded[EACH];
       [[unroll]] for (uint p = 0u; p < EACH; ++p) {
-        const uint row = p * (GROUP + 1u);
-        occluded[p] = false;
-        left[row] = transmittance[p];
-        [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
-          float alpha = weight[p * GROUP + k];
-          if (OCCLUDER) {
-            // Depths along the ray do not ascend in a list: the pixel skips a hidden splat.
-            if (ALONG_RAY) {
-              if (alpha != 0.0 &&
-                  ray_depth_at(queued_ids[of_group + k], first_place + vec2(place_of(p))) >= occluded_from[p])
-                alpha = 0.0;
-            } else {
-              occluded[p] = occluded[p] || (alpha != 0.0 && shades[of_group + k].w >= occluded_from[p]);
-              if (occluded[p]) alpha = 0.0;
-            }
-          }
-          weight[p * GROUP + k] = alpha * left[row + k];
-          left[row + k + 1u] = dimmed(left[row + k], alpha, weight[p * GROUP + k]);
-        }
-        transmittance[p] = left[row + GROUP];
-        some_stop = some_stop || left[row + GROUP] < limit[p];
-      }
-      if (some_stop) {
-        [[unroll]] for (uint p = 0u; p < EACH; ++p) {
-          const uint row = p * (GROUP + 1u);
-          if (!(left[row + GROUP] < limit[p])) continue;
-          // Undo from the splat on that stops the pixel.
-          float last = left[row];
+        bool occluded = false;
+        if (OCCLUDER) {
           [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
-            if (left[row + k + 1u] < limit[p]) weight[p * GROUP + k] = 0.0;
-            else last = left[row + k + 1u];
+            if (group[p].weight[k] == 0.0) continue;
+            // Depths along the ray do not ascend in a list: the pixel skips a hidden splat.
+            const bool hidden =
+                (ALONG_RAY ? ray_depth_at(queued_ids[of_group + k], first_place + vec2(place_of(p))) : shades[of_group + k].w) >=
+                occluded_from[p];
+            occluded = occluded || (hidden && !ALONG_RAY);
+            if (hidden || occluded) group[p].weight[k] = 0.0;
           }
-          transmittance[p] = 0.0;
-          limit[p] = -last;
         }
-      }
-      if (OCCLUDER) {
-        [[unroll]] for (uint p = 0u; p < EACH; ++p)
-          if (occluded[p] && limit[p] >= 0.0) {
-            limit[p] = -transmittance[p];
-            transmittance[p] = 0.0;
-          }
+        weigh(pixels[p], group[p]);
+        if (occluded && pixels[p].limit >= 0.0) {
+          pixels[p].limit = -pixels[p].transmittance;
+          pixels[p].transmittance = 0.0;
+        }
       }
 
       [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
@@ -237,12 +146,11 @@ void main() {
         const uint id = CONTRIBUTES || PICKS || ATTRIBUTES != 0u ? queued_ids[of_group + k] : NONE;
         uint low_bits = 0u, high_bits = 0u;
         [[unroll]] for (uint p = 0u; p < EACH; ++p) {
-          const float w = weight[p * GROUP + k];
-          colour[p] = fma(vec3(w), shade.rgb, colour[p]);
-          if (DEPTH) depth[p] = fma(w, shade.w, depth[p]);
-          for (uint a = 0u; a < ATTRIBUTES; ++a) sums[p * SUMS + a] += w * attributes.at[id * ATTRIBUTES + a];
+          add(pixels[p], group[p].weight[k], shade);
+          for (uint a = 0u; a < ATTRIBUTES; ++a) sums[p * SUMS + a] += group[p].weight[k] * attributes.at[id * ATTRIBUTES + a];
+          const float w = group[p].weight[k] * all[p].transmittance;
           if (PICKS && w > 0.0) {
-            const float behind = left[p * (GROUP + 1u) + k + 1u];
+            const float behind = group[p].left[k + 1u] * all[p].transmittance;
             if (w > weight_of_largest[p]) {
               largest[p] = id;
               weight_of_largest[p] = w;
@@ -261,9 +169,27 @@ void main() {
     }
     waiting -= count;
     front ^= SUBGROUP;
+    blended += count;
     bool all_stopped = true;
-    [[unroll]] for (uint p = 0u; p < EACH; ++p) all_stopped = all_stopped && limit[p] < 0.0;
+    [[unroll]] for (uint p = 0u; p < EACH; ++p) all_stopped = all_stopped && pixels[p].limit < 0.0;
     if (subgroupAll(all_stopped)) break;
+    if (HANDS_OVER) {
+      if (blended == FIRST_SEGMENT && (waiting != 0u || from + SUBGROUP < end)) {
+        const uint columns = (view.width + SIDE - 1u) / SIDE;
+        if (lane == 0u)
+          long_blocks.at[atomicAdd(long_launch.at[0], 1u) - 1u] = block.y / SIDE * columns + block.x / SIDE;
+        return;
+      }
+    } else if (blended >= FIRST_SEGMENT && (blended - FIRST_SEGMENT) % SEGMENT == 0u) {
+      [[unroll]] for (uint p = 0u; p < EACH; ++p) {
+        for (uint k = 0u; k < ATTRIBUTES; ++k) {
+          sums_of_all[p * SUMS + k] += all[p].transmittance * sums[p * SUMS + k];
+          sums[p * SUMS + k] = 0.0;
+        }
+        composite(all[p], pixels[p]);
+        pixels[p] = pixel_of(pixels[p].limit < 0.0 ? -1.0 : limit_of(view.stop_below, all[p].transmittance));
+      }
+    }
     subgroupBarrier();
   }
 
@@ -271,20 +197,21 @@ void main() {
     const uvec2 at = block + place_of(p);
     if (at.x >= view.width || at.y >= view.height) continue;
     const vec2 place = first_place + vec2(place_of(p));
-    const float left = limit[p] < 0.0 ? -limit[p] : transmittance[p];
-    precise float alpha = 1.0 - left;
+    for (uint k = 0u; k < ATTRIBUTES; ++k) sums_of_all[p * SUMS + k] += all[p].transmittance * sums[p * SUMS + k];
+    composite(all[p], pixels[p]);
+    precise float alpha = 1.0 - left_by(all[p]);
     for (uint k = 0u; k < ATTRIBUTES; ++k) {
       const Attribute to = attributes_of.at[0].each[k];
       const uint from = p * SUMS + k;
-      const float sum = sums[from];
+      const float sum = sums_of_all[from];
       if (to.of == of_ray_depth && to.channel == 0u && !is_null(view.depth.data)) {
-        precise float slopes = sums[from + 1u] * place.x + sums[from + 2u] * place.y;
+        precise float slopes = sums_of_all[from + 1u] * place.x + sums_of_all[from + 2u] * place.y;
         floats_of(view.depth, at, 1u).at[0] = alpha > 0.0 ? (sum + slopes) / alpha : 0.0;
       }
       if (to.of == of_squared_ray_depth && to.channel == 0u) {  // as `sum_of_squares`
-        precise float linear = sums[from + 1u] * place.x + sums[from + 2u] * place.y;
-        precise float by_x = sums[from + 3u] * place.x + sums[from + 4u] * place.y;
-        precise float by_y = sums[from + 5u] * place.y;
+        precise float linear = sums_of_all[from + 1u] * place.x + sums_of_all[from + 2u] * place.y;
+        precise float by_x = sums_of_all[from + 3u] * place.x + sums_of_all[from + 4u] * place.y;
+        precise float by_y = sums_of_all[from + 5u] * place.y;
         precise float square = sum + (linear + (by_x * place.x + by_y * place.y));
         floats_of(view.squared_depth, at, 1u).at[0] = alpha > 0.0 ? square / alpha : 0.0;
       }
@@ -293,17 +220,7 @@ void main() {
       if (to.of == of_feature) floats_of(view.features, at, view.feature_channels).at[to.channel] = sum;
     }
     if (!IS_BASE) continue;
-    if (!is_null(view.colour.data)) {
-      vec4 below = view.over != 0u ? load_colour(view, at) : vec4(view.background, 0.0);
-      if (CONVERTS && view.over != 0u) below = converted(view, below, below.w, true);
-      precise vec4 dim = left * below;
-      precise vec4 laid = vec4(colour[p], alpha) + dim;
-      const bool whole = view.format == rgb_float || (view.over == 0u && view.background != vec3(0.0));
-      if (CONVERTS) store_colour(view, at, converted(view, laid, whole ? 1.0 : laid.w, false));
-      else store_colour(view, at, laid);
-    }
-    if (!is_null(view.alpha.data)) floats_of(view.alpha, at, 1u).at[0] = alpha;
-    if (DEPTH) floats_of(view.depth, at, 1u).at[0] = alpha > 0.0 ? depth[p] / alpha : 0.0;
+    store(view, at, all[p]);
     if (PICKS) {
       if (!is_null(view.first_depth.data))
         floats_of(view.first_depth, at, 1u).at[0] = picked_depth(first[p], place);

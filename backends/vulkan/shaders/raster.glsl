@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: Apache-2.0
+
+// What rasterizing kernels share: which splats touch a block of 8x8 pixels, and how its pixels blend them. A subgroup has
+// a block, or several subgroups have PARTS of it; each lane has pixels that are next to each other.
+
+#include "frame.glsl"
+#include "attributes.glsl"
+#include "pixels.glsl"
+#include "alpha.glsl"
+
+// What the view asks for beside colour and alpha.
+layout(constant_id = 5) const bool DEPTH = false;
+layout(constant_id = 6) const bool PICKS = false;
+layout(constant_id = 7) const bool OCCLUDER = false;
+layout(constant_id = 8) const bool CONVERTS = false;
+// Attributes of a pass; and whether the pass draws the other planes too.
+layout(constant_id = 9) const uint ATTRIBUTES = 0u;
+layout(constant_id = 10) const bool IS_BASE = true;
+// Whether depths are those along the ray: the first attributes of a splat.
+layout(constant_id = 11) const bool ALONG_RAY = false;
+
+// Whether the weights are added to `contributions` and nothing is drawn, and whether colours tell who is hidden.
+layout(constant_id = 12) const bool CONTRIBUTES = false;
+layout(constant_id = 13) const bool HAS_COLOURS = true;
+
+layout(constant_id = 14) const uint PARTS = 1u;
+// Whether raster_long.comp blends blocks that more splats touch than the first segment has.
+layout(constant_id = 15) const bool HANDS_OVER = false;
+
+layout(push_constant, scalar) uniform Push {
+  RasterViews views;  // this view alone
+  Shapes shapes;
+  Colours colours;
+  Uints gaussians, ids, ranges;
+  AttributeLists attributes_of;  // this view alone
+  Floats attributes;
+  Floats ray_depths;    // the first of the frame's attributes
+  Uints contributions;  // 64-bit sums of Gaussians, by halves
+  Uints long_tiles;
+  Uints long_launch;  // workgroups of raster_long.comp: one more than there are `long_blocks`
+  Uints long_blocks;
+  uint ray_depth_stride;
+  uint lists;      // which are drawn
+  uint long_list;  // intersections of a list that is long
+};
+const uint all_lists = 0u, long_lists = 1u, other_lists = 2u;
+
+const uint SIDE = 8u, EACH = SIDE * SIDE / (SUBGROUP * PARTS);
+// Splats that are blended together: fewer where a lane has many pixels, or software would compile for a minute.
+const uint GROUP = EACH > 4u ? 1u : EACH > 2u ? 2u : 4u, GROUP_END = GROUP + 1u;
+
+// Place of pixel `p` of this lane in the block.
+uvec2 place_of(uint p) {
+  const uint first = (gl_WorkGroupID.z * SUBGROUP + gl_SubgroupInvocationID) * EACH;
+  return uvec2(first % SIDE + p % SIDE, first / SIDE + p / SIDE);
+}
+
+// Splats that touch the block are blended in segments. Each is blended as if it were alone and composited behind those in
+// front of it, so that many subgroups may blend the segments of a list, with the bits of one that blends them all. All
+// conservative bounds list the same splats that touch, so they have the same segments.
+const uint FIRST_SEGMENT = 1024u, SEGMENT = 128u;
+
+// As `box_touched` of `Cuda`: whether the ellipse s <= cutoff meets the box of the block's pixel centres.
+bool box_touched(Shape s, vec2 first) {
+  const float left = right_of_mean(s, first.x), right = left + float(SIDE - 1u);
+  const float top = below_mean(s, first.y), bottom = top + float(SIDE - 1u);
+  const float nearest_y = min(max(0.0, top), bottom);
+  const float u_left = s.l0 * left + s.l1 * nearest_y, u_right = s.l0 * right + s.l1 * nearest_y;
+  const float edge = u_left > 0.0 ? left : right;
+  const float along_edge = -s.l0 * s.l1 * edge / (s.l1 * s.l1 + s.l2 * s.l2);
+  const bool across = u_left <= 0.0 && u_right >= 0.0;
+  const float y = across ? nearest_y : min(max(along_edge, top), bottom);
+  const float u = across ? 0.0 : s.l0 * edge + s.l1 * y, v = s.l2 * y;
+  return u * u + v * v <= s.cutoff * 1.0001;
+}
+
+// A pixel of a segment. When it stops it loses its transmittance, so that later splats add nothing, and `limit` holds
+// what was left, negated.
+struct Pixel {
+  float transmittance, limit, depth;
+  vec3 colour;
+};
+Pixel pixel_of(float limit) { return Pixel(limit < 0.0 ? 0.0 : 1.0, limit, 0.0, vec3(0.0)); }
+float left_by(Pixel pixel) { return pixel.limit < 0.0 ? -pixel.limit : pixel.transmittance; }
+
+// The limit within a segment that has this transmittance in front of it. Only a splat stops a pixel.
+float limit_of(float stop_below, float before) { return before > 0.0 ? min(stop_below / before, 1.0) : 0.0; }
+
+// A group of splats as a pixel sees them.
+struct Group {
+  float weight[GROUP];   // alphas at first
+  float left[GROUP_END]; // the transmittances in front of each, and behind the last
+};
+
+// Finds the weights of a group from its alphas, and dims the pixel. A pixel that stops undoes what the splat that stops it
+// and those behind it weigh.
+void weigh(inout Pixel pixel, inout Group g) {
+  g.left[0] = pixel.transmittance;
+  [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
+    const float alpha = g.weight[k];
+    g.weight[k] = alpha * g.left[k];
+    g.left[k + 1u] = dimmed(g.left[k], alpha, g.weight[k]);
+  }
+  pixel.transmittance = g.left[GROUP];
+  if (!(g.left[GROUP] < pixel.limit)) return;
+  float last = g.left[0];
+  [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
+    if (g.left[k + 1u] < pixel.limit) g.weight[k] = 0.0;
+    else last = g.left[k + 1u];
+  }
+  pixel.transmittance = 0.0;
+  pixel.limit = -last;
+}
+
+void add(inout Pixel pixel, float weight, vec4 shade) {
+  pixel.colour = fma(vec3(weight), shade.rgb, pixel.colour);
+  if (DEPTH) pixel.depth = fma(weight, shade.w, pixel.depth);
+}
+
+// Composites `segment` behind a pixel.
+void composite(inout Pixel all, Pixel segment) {
+  all.colour = fma(vec3(all.transmittance), segment.colour, all.colour);
+  if (DEPTH) all.depth = fma(all.transmittance, segment.depth, all.depth);
+  all.transmittance *= left_by(segment);
+}
+
+// Stores what a pixel of a view's colour, alpha and mean depth shows.
+void store(RasterView view, uvec2 at, Pixel pixel) {
+  const float left = left_by(pixel);
+  precise float alpha = 1.0 - left;
+  if (!is_null(view.colour.data)) {
+    vec4 below = view.over != 0u ? load_colour(view, at) : vec4(view.background, 0.0);
+    if (CONVERTS && view.over != 0u) below = converted(view, below, below.w, true);
+    precise vec4 dim = left * below;
+    precise vec4 laid = vec4(pixel.colour, alpha) + dim;
+    const bool whole = view.format == rgb_float || (view.over == 0u && view.background != vec3(0.0));
+    if (CONVERTS) store_colour(view, at, converted(view, laid, whole ? 1.0 : laid.w, false));
+    else store_colour(view, at, laid);
+  }
+  if (!is_null(view.alpha.data)) floats_of(view.alpha, at, 1u).at[0] = alpha;
+  if (DEPTH) floats_of(view.depth, at, 1u).at[0] = alpha > 0.0 ? pixel.depth / alpha : 0.0;
+}

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#include "common.glsl"
+#include "raster.glsl"
+
+// Blends a block that raster.comp hands over, by a workgroup in rounds: all threads find the splats that touch it, each
+// subgroup blends a segment of them, and segments are composited. A subgroup does not know how much its segment's pixels
+// see, so they stop late and never early. When all transmittances are known it blends its segment again if a pixel stops
+// in it.
+
+const uint SUBGROUPS = THREADS / SUBGROUP, PIXELS = SIDE * SIDE;
+
+// Ids of splats that touch: `found` from `front` on. Holds those of a round and of one step more.
+const uint RING = 2048u;
+shared uint ring[RING];
+uint front = 0u, found = 0u, visited;
+
+// Those that a subgroup blends next.
+shared vec4 exponents[THREADS], rests[THREADS], shades[THREADS];
+
+// Colour and transmittance of pixels behind the segments that are composited, and of each segment of a round; the
+// transmittance of a pixel that stopped is negative.
+shared vec4 composited[PIXELS], segments[SUBGROUPS * PIXELS];
+shared float depths[PIXELS], segment_depths[SUBGROUPS * PIXELS];
+
+// Finds splats until there are `wanted`, or the list ends. All threads call it.
+void find(uint wanted, uint end, vec2 first_centre) {
+  while (found < wanted && visited < end) {
+    const uint i = visited + thread();
+    const uint id = i < end ? ids.at[i] : 0u;
+    const bool touches = i < end && box_touched(shape_of(shapes.at[id]), first_centre);
+    uint total;
+    const uint place = sum_before(touches ? 1u : 0u, total);
+    if (touches) ring[(front + found + place) % RING] = id;
+    found += total;
+    visited += THREADS;
+  }
+  barrier();
+}
+
+// Blends `count` splats from the `from`-th found on, by a subgroup.
+void blend(RasterView view, uint from, uint count, vec2 first_centre, inout Pixel pixels[EACH]) {
+  const uint first = gl_SubgroupID * SUBGROUP, slot = first + gl_SubgroupInvocationID;
+  for (uint k = 0u; k < count; k += SUBGROUP) {
+    const bool some = k + gl_SubgroupInvocationID < count;
+    const uint id = some ? ring[(front + from + k + gl_SubgroupInvocationID) % RING] : 0u;
+    vec4 shade = vec4(0.0);
+    if (some) shade = colours.at[id];
+    Terms terms = Terms(vec4(0.0), vec4(0.0, 0.0, -1.0, 0.0));  // shows nothing
+    if (shade.w > 0.0) terms = terms_of(shape_of(shapes.at[id]), first_centre);
+    subgroupBarrier();
+    exponents[slot] = terms.exponent;
+    rests[slot] = terms.rest;
+    shades[slot] = shade;
+    subgroupBarrier();
+    for (uint of_group = first; of_group < first + min(count - k, SUBGROUP); of_group += GROUP) {
+      Group group[EACH];
+      [[unroll]] for (uint n = 0u; n < GROUP; ++n) {
+        const Terms queued = Terms(exponents[of_group + n], rests[of_group + n]);
+        [[unroll]] for (uint p = 0u; p < EACH; ++p)
+          group[p].weight[n] = alpha_of(queued, vec2(place_of(p)), view.alpha_min, view.alpha_max);
+      }
+      [[unroll]] for (uint p = 0u; p < EACH; ++p) weigh(pixels[p], group[p]);
+      [[unroll]] for (uint n = 0u; n < GROUP; ++n)
+        [[unroll]] for (uint p = 0u; p < EACH; ++p) add(pixels[p], group[p].weight[n], shades[of_group + n]);
+    }
+    bool all_stopped = true;
+    [[unroll]] for (uint p = 0u; p < EACH; ++p) all_stopped = all_stopped && pixels[p].limit < 0.0;
+    if (subgroupAll(all_stopped)) break;
+  }
+}
+
+// Number of this lane's pixel `p` in the block.
+uint number_of_pixel(uint p) { return gl_SubgroupInvocationID * EACH + p; }
+
+void store_segment(Pixel pixels[EACH]) {
+  [[unroll]] for (uint p = 0u; p < EACH; ++p) {
+    const uint at = gl_SubgroupID * PIXELS + number_of_pixel(p);
+    // Pixels that had stopped before see nothing of the segment, which leaves them as they are.
+    const bool stops = pixels[p].limit < 0.0 && composited[number_of_pixel(p)].w > 0.0;
+    segments[at] = vec4(pixels[p].colour, stops ? -left_by(pixels[p]) : left_by(pixels[p]));
+    if (DEPTH) segment_depths[at] = pixels[p].depth;
+  }
+}
+
+bool stops_in(float left, float stop_below, float before) { return left < 0.0 || left < limit_of(stop_below, before); }
+
+void main() {
+  if (gl_WorkGroupID.x + 1u >= gl_NumWorkGroups.x) return;
+  const RasterView view = views.at[0];
+  const TileGrid grid = view.grid;
+  const uint columns = (view.width + SIDE - 1u) / SIDE, number = long_blocks.at[gl_WorkGroupID.x];
+  const uvec2 block = uvec2(number % columns, number / columns) * SIDE;
+  const ivec2 first_pixel = ivec2(grid.first_column, grid.first_row) * grid.side + ivec2(block);
+  const vec2 first_centre = vec2(first_pixel) + 0.5;
+  const uint tile = tile_number(grid, first_pixel.x / grid.side, first_pixel.y / grid.side);
+  const uint end = ranges.at[2u * tile + 1u];
+  visited = ranges.at[2u * tile];
+
+  Pixel pixels[EACH];
+  find(FIRST_SEGMENT, end, first_centre);
+  uint count = min(found, FIRST_SEGMENT);
+  if (gl_SubgroupID == 0u) {
+    [[unroll]] for (uint p = 0u; p < EACH; ++p) {
+      const uvec2 at = block + place_of(p);
+      pixels[p] = pixel_of(at.x < view.width && at.y < view.height ? view.stop_below : -1.0);
+    }
+    blend(view, 0u, count, first_centre, pixels);
+    [[unroll]] for (uint p = 0u; p < EACH; ++p) {
+      Pixel all = pixel_of(0.0);
+      composite(all, pixels[p]);
+      composited[number_of_pixel(p)] = vec4(all.colour, pixels[p].limit < 0.0 ? -all.transmittance : all.transmittance);
+      if (DEPTH) depths[number_of_pixel(p)] = all.depth;
+    }
+  }
+  barrier();
+
+  for (;;) {
+    front = (front + count) % RING;
+    found -= count;
+    find(SUBGROUPS * SEGMENT, end, first_centre);
+    count = min(found, SUBGROUPS * SEGMENT);
+    bool some_live = false;
+    [[unroll]] for (uint p = 0u; p < EACH; ++p) some_live = some_live || composited[number_of_pixel(p)].w > 0.0;
+    if (count == 0u || !subgroupAny(some_live)) break;
+
+    const uint from = gl_SubgroupID * SEGMENT, own = count - min(from, count) < SEGMENT ? count - min(from, count) : SEGMENT;
+    [[unroll]] for (uint p = 0u; p < EACH; ++p) {
+      const float before = composited[number_of_pixel(p)].w;
+      pixels[p] = pixel_of(before > 0.0 ? limit_of(view.stop_below, before) : -1.0);
+    }
+    blend(view, from, own, first_centre, pixels);
+    store_segment(pixels);
+    barrier();
+
+    bool again = false;
+    [[unroll]] for (uint p = 0u; p < EACH; ++p) {
+      float before = composited[number_of_pixel(p)].w;
+      bool live = before > 0.0;
+      for (uint s = 0u; s < gl_SubgroupID; ++s) {
+        const float left = segments[s * PIXELS + number_of_pixel(p)].w;
+        live = live && !stops_in(left, view.stop_below, before);
+        before *= abs(left);
+      }
+      const float left = segments[gl_SubgroupID * PIXELS + number_of_pixel(p)].w;
+      again = again || (live && gl_SubgroupID != 0u && stops_in(left, view.stop_below, before));
+      pixels[p] = pixel_of(live ? limit_of(view.stop_below, before) : -1.0);
+    }
+    barrier();
+    if (subgroupAny(again)) {
+      blend(view, from, own, first_centre, pixels);
+      store_segment(pixels);
+    }
+    barrier();
+
+    for (uint i = thread(); i < PIXELS; i += THREADS) {
+      Pixel all = Pixel(composited[i].w, 0.0, depths[i], composited[i].rgb);
+      bool live = all.transmittance > 0.0;
+      for (uint s = 0u; s < SUBGROUPS && live; ++s) {
+        const vec4 segment = segments[s * PIXELS + i];
+        composite(all, Pixel(abs(segment.w), 0.0, segment_depths[s * PIXELS + i], segment.rgb));
+        live = segment.w >= 0.0;
+      }
+      composited[i] = vec4(all.colour, live ? all.transmittance : -abs(all.transmittance));
+      if (DEPTH) depths[i] = all.depth;
+    }
+    barrier();
+  }
+
+  for (uint i = thread(); i < PIXELS; i += THREADS) {
+    const uvec2 at = block + uvec2(i % SIDE, i / SIDE);
+    if (at.x < view.width && at.y < view.height)
+      store(view, at, Pixel(abs(composited[i].w), 0.0, depths[i], composited[i].rgb));
+  }
+}
