@@ -28,6 +28,21 @@ struct Feature {
 };
 using Features = std::array<Feature, 5>;
 
+/// Features of all versions in one chain.
+struct FeatureChain {
+  VkPhysicalDeviceFeatures2 all{};
+  VkPhysicalDeviceVulkan12Features of_1_2{};
+  VkPhysicalDeviceVulkan13Features of_1_3{};
+
+  FeatureChain() {
+    all.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, all.pNext = &of_1_2;
+    of_1_2.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, of_1_2.pNext = &of_1_3;
+    of_1_3.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
+  }
+  FeatureChain(const FeatureChain&) = delete;
+  FeatureChain& operator=(const FeatureChain&) = delete;
+};
+
 /// The needed features that a chain enables, in the structs of 1.2 and 1.3 or in those of each.
 Features needed_features(const VkPhysicalDeviceFeatures2& chain) {
   VkBool32 address = VK_FALSE, timeline = VK_FALSE, scalar = VK_FALSE, size = VK_FALSE, full = VK_FALSE;
@@ -133,7 +148,7 @@ class OwnDevice {
         reinterpret_cast<PFN_vkGetDeviceQueue>(vk_.vkGetDeviceProcAddr(device_, "vkGetDeviceQueue"));
     VkQueue queue = VK_NULL_HANDLE;
     get_queue(device_, family_, 0, &queue);
-    return {instance_, physical_, device_, queue, family_, &enabled_, get_};
+    return {instance_, physical_, device_, queue, family_, &enabled_.all, get_};
   }
 
   /// Throws `Unavailable` if no device has all that is needed.
@@ -169,22 +184,19 @@ class OwnDevice {
     const auto computes = [](const auto& of) { return (of.queueFlags & VK_QUEUE_COMPUTE_BIT) != 0; };
     family_ = std::uint32_t(std::find_if(families.begin(), families.end(), computes) - families.begin());
     if (family_ == count) throw Unavailable("vulkan: expected a queue that computes");
-    of_1_3_.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
-    of_1_3_.subgroupSizeControl = of_1_3_.computeFullSubgroups = VK_TRUE;
-    of_1_2_.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, of_1_2_.pNext = &of_1_3_;
-    of_1_2_.bufferDeviceAddress = of_1_2_.timelineSemaphore = of_1_2_.scalarBlockLayout = VK_TRUE;
-    VkPhysicalDeviceFeatures2 found{};
-    found.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
-    vk_.vkGetPhysicalDeviceFeatures2(device, &found);
-    enabled_.features.shaderStorageImageWriteWithoutFormat =
-        found.features.shaderStorageImageWriteWithoutFormat;
-    enabled_.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, enabled_.pNext = &of_1_2_;
+    FeatureChain found;
+    vk_.vkGetPhysicalDeviceFeatures2(device, &found.all);
+    enabled_.of_1_3.subgroupSizeControl = enabled_.of_1_3.computeFullSubgroups = VK_TRUE;
+    enabled_.of_1_2.bufferDeviceAddress = enabled_.of_1_2.timelineSemaphore = VK_TRUE;
+    enabled_.of_1_2.scalarBlockLayout = VK_TRUE;
+    enabled_.all.features.shaderStorageImageWriteWithoutFormat =
+        found.all.features.shaderStorageImageWriteWithoutFormat;
     const float priority = 1;
     VkDeviceQueueCreateInfo queue{};
     queue.sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO, queue.queueFamilyIndex = family_;
     queue.queueCount = 1, queue.pQueuePriorities = &priority;
     VkDeviceCreateInfo info{};
-    info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, info.pNext = &enabled_;
+    info.sType = VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO, info.pNext = &enabled_.all;
     info.queueCreateInfoCount = 1, info.pQueueCreateInfos = &queue;
     vulkan::check(vk_.vkCreateDevice(device, &info, nullptr, &device_), "vkCreateDevice");
   }
@@ -192,14 +204,9 @@ class OwnDevice {
  private:
   std::string why_not(VkPhysicalDevice device) const {
     if (std::string lacking = lacks(vk_, device); !lacking.empty()) return lacking;
-    VkPhysicalDeviceVulkan13Features of_1_3{};
-    of_1_3.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
-    VkPhysicalDeviceVulkan12Features of_1_2{};
-    of_1_2.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, of_1_2.pNext = &of_1_3;
-    VkPhysicalDeviceFeatures2 all{};
-    all.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2, all.pNext = &of_1_2;
-    vk_.vkGetPhysicalDeviceFeatures2(device, &all);
-    for (const Feature& feature : needed_features(all))
+    FeatureChain found;
+    vk_.vkGetPhysicalDeviceFeatures2(device, &found.all);
+    for (const Feature& feature : needed_features(found.all))
       if (!feature.enabled) return std::string("vulkan: expected a device with ") + feature.name;
     return {};
   }
@@ -210,9 +217,7 @@ class OwnDevice {
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;
   VkDevice device_ = VK_NULL_HANDLE;
   std::uint32_t family_ = 0;
-  VkPhysicalDeviceVulkan13Features of_1_3_{};
-  VkPhysicalDeviceVulkan12Features of_1_2_{};
-  VkPhysicalDeviceFeatures2 enabled_{};
+  FeatureChain enabled_;
 };
 
 /// Asks the device what its arithmetic promises, as `State::arithmetic` has it.
