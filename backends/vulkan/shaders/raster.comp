@@ -106,7 +106,8 @@ void main() {
     {
       const uint slot = front + lane;
       vec4 shade = vec4(0.0);
-      if (lane < count) shade = HAS_COLOURS ? colours.at[queued_ids[slot]] : vec4(1.0);
+      if (lane >= count) queued_ids[slot] = 0u;
+      else shade = HAS_COLOURS ? colours.at[queued_ids[slot]] : vec4(1.0);
       shades[slot] = shade;
       // Neither a hidden splat nor what fills the last group is shown.
       if (!(shade.w > 0.0)) rests[slot] = vec4(0.0, 0.0, -1.0, 0.0);
