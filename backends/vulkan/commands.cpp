@@ -159,6 +159,14 @@ void Commands::fill(std::uint32_t* to, std::size_t words, std::uint32_t value) {
   run(Kernel::fill, {}, Push(writes(to, words), std::uint32_t(words), value), Shape::of(words));
 }
 
+bool Commands::run_beside() {
+  if (b_.beside.empty()) return false;
+  const auto next = std::move(b_.beside.front());
+  b_.beside.pop_front();
+  next(*this);
+  return true;
+}
+
 void Commands::scan(const std::uint32_t* numbers, std::uint32_t* to, Count count, std::uint32_t each) {
   const std::size_t n = (count.most + each - 1) / each;
   run(Kernel::scan, {}, Push(reads(numbers, n), writes(to, n + 1), count, each),

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <deque>
+#include <functional>
 #include <optional>
 #include <type_traits>
 #include <vector>
@@ -86,6 +88,8 @@ struct CommandSlot {
   std::uint64_t done_at = 0;             ///< value of the timeline
 };
 
+class Commands;
+
 /// Frees descriptor pools of commands that are done.
 void clear_images(const VulkanDevice::State& device, CommandSlot& slot);
 
@@ -127,8 +131,9 @@ struct Vulkan::State {
   std::array<std::uint64_t, vulkan::time_points> reached_at{};  ///< values of the timeline of time points
   std::vector<std::uint32_t> open_points;                       ///< those within `open`
   vulkan::Profile profile;
-  vulkan::Block report;           ///< a `FrameReport`
-  std::uint64_t reported_at = 0;  ///< value of the timeline
+  std::deque<std::function<void(vulkan::Commands&)>> beside;  ///< kernels that wait for others to run beside
+  vulkan::Block report;                                       ///< a `FrameReport`
+  std::uint64_t reported_at = 0;                              ///< value of the timeline
   vulkan::Block staging;
   VulkanBuffer<std::uint32_t> numbers;            ///< of digits, of sorts
   vulkan::Block groups;                           ///< two `Groups`, by the last `bin`, and two launches
@@ -188,6 +193,8 @@ class Commands {
   /// Lets the next kernels see `image`, at one of `image_types`.
   void bind_image(VkImageView image, std::uint32_t binding);
   void fill(std::uint32_t* to, std::size_t words, std::uint32_t value);
+  /// Runs what comes next of `State::beside`. Returns whether there was something.
+  bool run_beside();
 
   /// Writes the sums before numbers, and behind them that of all. There is a number for `each` of `count`
   /// elements; the first is aligned to 16 bytes.

@@ -55,6 +55,7 @@ void sort_digit(Vulkan& b, Commands& commands, const SortedPairs& pairs, Count n
                     reads(pairs.values, n.most), writes(pairs.keys_to, words),
                     writes(pairs.values_to, n.most), n, std::uint32_t(bit), mask),
                shape);
+  commands.run_beside();
 }
 
 template <class Key>

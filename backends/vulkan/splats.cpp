@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <utility>
 #include <vector>
 
 #include <swiftgs/error.hpp>
@@ -159,20 +160,39 @@ FrameReport await_report(Vulkan& b, Splats<Vulkan>& splats, Footprints<Vulkan>& 
 
 Shading<Vulkan> shade(Vulkan& b, const FramePlan& plan, const Splats<Vulkan>& splats,
                       Colours<Vulkan>& colours) {
-  const std::size_t n = splats.count;
-  vulkan::Commands commands(b);
-  colours.each.reset(n), colours.hidden.reset(1);
-  commands.fill(colours.hidden.data(), 1, 0);
   const SplatsView view = splats.view();
-  commands.run(
-      vulkan::Kernel::shade, {},
-      vulkan::Push(vulkan::address(vulkan::all_seen(commands, plan.views, plan.scenes)),
-                   vulkan::reads(view.gaussians.data, n), vulkan::reads_views(view),
-                   vulkan::reads(view.depths.data, n), vulkan::writes(colours.each.data(), n),
-                   vulkan::writes(colours.hidden.data(), 1), view.count(), std::uint32_t(plan.scenes.size())),
-      vulkan::Commands::Shape::of(n));
+  const std::size_t n = view.size();
+  colours.each.reset(n), colours.hidden.reset(1);
+  SplatColour* const to = colours.each.data();
+  std::uint32_t* const hidden = colours.hidden.data();
+  vulkan::Commands(b).fill(hidden, 1, 0);
+  // A launch beside each pass of the sort, which leaves most of the memory's rate idle.
+  constexpr std::size_t least = 1 << 18, most_launches = 5;
+  const std::size_t launches = std::clamp<std::size_t>(n / least, 1, most_launches);
+  const std::size_t each = ((n + launches - 1) / launches + vulkan::usual_threads - 1) /
+                           vulkan::usual_threads * vulkan::usual_threads;
+  for (std::size_t first = 0; first < n; first += each)
+    b.state().beside.emplace_back([=, &plan](vulkan::Commands& commands) {
+      commands.run(
+          vulkan::Kernel::shade, {},
+          vulkan::Push(vulkan::address(vulkan::all_seen(commands, plan.views, plan.scenes)),
+                       vulkan::reads(view.gaussians.data, n), vulkan::reads_views(view),
+                       vulkan::reads(view.depths.data, n), vulkan::shares(to, n), vulkan::shares(hidden, 1),
+                       view.count(), std::uint32_t(plan.scenes.size()), std::uint32_t(first)),
+          vulkan::Commands::Shape::of(std::min(each, n - first)));
+    });
+  return Shading<Vulkan>(b, {{to, n}, hidden});
+}
+
+ColoursView Shading<Vulkan>::finish() {
+  vulkan::Commands commands(*std::exchange(b_, nullptr));
+  while (commands.run_beside()) continue;
   commands.finish();
-  return Shading<Vulkan>({{colours.each.data(), n}, colours.hidden.data()});
+  return colours_;
+}
+
+Shading<Vulkan>::~Shading() {
+  if (b_) b_->state().beside.clear();
 }
 
 void gather_attributes(Vulkan& b, const SplatAttributes& from, const StoredScenes& scenes, const Views& views,

@@ -43,8 +43,8 @@ float exponent_of(Terms t, vec2 at) {
 float alpha_of(Terms t, vec2 at, float alpha_min, float alpha_max) {
   const float exponent = exponent_of(t, at);
   const float alpha = t.rest.y * (NATIVE_EXP2 ? exp2(-exponent) : exp2_negative(exponent));
-  const bool kept = THRESHOLD ? exponent >= 0.0 && exponent <= t.rest.z : exponent >= 0.0 && alpha >= alpha_min;
-  return kept ? min(alpha, alpha_max) : 0.0;
+  const bool kept = THRESHOLD ? exponent <= t.rest.z : alpha >= alpha_min;
+  return kept && (EXPONENT != half_split || exponent >= 0.0) ? min(alpha, alpha_max) : 0.0;
 }
 
 // The transmittance behind a splat of this alpha and weight.

@@ -122,8 +122,9 @@ void main() {
           group[p].weight[k] = alpha_of(terms, vec2(place_of(p)), view.alpha_min, view.alpha_max);
       }
 
+      bool some_stop = false, occluded[EACH];
       [[unroll]] for (uint p = 0u; p < EACH; ++p) {
-        bool occluded = false;
+        occluded[p] = false;
         if (OCCLUDER) {
           [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
             if (group[p].weight[k] == 0.0) continue;
@@ -131,15 +132,21 @@ void main() {
             const bool hidden =
                 (ALONG_RAY ? ray_depth_at(queued_ids[of_group + k], first_place + vec2(place_of(p))) : shades[of_group + k].w) >=
                 occluded_from[p];
-            occluded = occluded || (hidden && !ALONG_RAY);
-            if (hidden || occluded) group[p].weight[k] = 0.0;
+            occluded[p] = occluded[p] || (hidden && !ALONG_RAY);
+            if (hidden || occluded[p]) group[p].weight[k] = 0.0;
           }
         }
-        weigh(pixels[p], group[p]);
-        if (occluded && pixels[p].limit >= 0.0) {
-          pixels[p].limit = -pixels[p].transmittance;
-          pixels[p].transmittance = 0.0;
-        }
+        some_stop = weigh(pixels[p], group[p]) || some_stop;
+      }
+      if (some_stop) {
+        [[unroll]] for (uint p = 0u; p < EACH; ++p) undo(pixels[p], group[p]);
+      }
+      if (OCCLUDER) {
+        [[unroll]] for (uint p = 0u; p < EACH; ++p)
+          if (occluded[p] && pixels[p].limit >= 0.0) {
+            pixels[p].limit = -pixels[p].transmittance;
+            pixels[p].transmittance = 0.0;
+          }
       }
 
       [[unroll]] for (uint k = 0u; k < GROUP; ++k) {

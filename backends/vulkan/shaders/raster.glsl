@@ -92,9 +92,8 @@ struct Group {
   float left[GROUP_END]; // the transmittances in front of each, and behind the last
 };
 
-// Finds the weights of a group from its alphas, and dims the pixel. A pixel that stops undoes what the splat that stops it
-// and those behind it weigh.
-void weigh(inout Pixel pixel, inout Group g) {
+// Finds the weights of a group from its alphas, and dims the pixel. Returns whether it stops.
+bool weigh(inout Pixel pixel, inout Group g) {
   g.left[0] = pixel.transmittance;
   [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
     const float alpha = g.weight[k];
@@ -102,6 +101,11 @@ void weigh(inout Pixel pixel, inout Group g) {
     g.left[k + 1u] = dimmed(g.left[k], alpha, g.weight[k]);
   }
   pixel.transmittance = g.left[GROUP];
+  return g.left[GROUP] < pixel.limit;
+}
+
+// If the pixel stops, undoes what the splat that stops it and those behind it weigh.
+void undo(inout Pixel pixel, inout Group g) {
   if (!(g.left[GROUP] < pixel.limit)) return;
   float last = g.left[0];
   [[unroll]] for (uint k = 0u; k < GROUP; ++k) {

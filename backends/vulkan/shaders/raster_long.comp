@@ -61,7 +61,11 @@ void blend(RasterView view, uint from, uint count, vec2 first_centre, inout Pixe
         [[unroll]] for (uint p = 0u; p < EACH; ++p)
           group[p].weight[n] = alpha_of(queued, vec2(place_of(p)), view.alpha_min, view.alpha_max);
       }
-      [[unroll]] for (uint p = 0u; p < EACH; ++p) weigh(pixels[p], group[p]);
+      bool some_stop = false;
+      [[unroll]] for (uint p = 0u; p < EACH; ++p) some_stop = weigh(pixels[p], group[p]) || some_stop;
+      if (some_stop) {
+        [[unroll]] for (uint p = 0u; p < EACH; ++p) undo(pixels[p], group[p]);
+      }
       [[unroll]] for (uint n = 0u; n < GROUP; ++n)
         [[unroll]] for (uint p = 0u; p < EACH; ++p) add(pixels[p], group[p].weight[n], shades[of_group + n]);
     }

@@ -15,8 +15,6 @@ layout(push_constant, scalar) uniform Push {
   uint parts, splat_capacity, intersection_capacity, draws, sort_part;
 };
 
-shared uvec2 sums[THREADS];
-
 uvec2 plus(uvec2 a, uint high, uint low) {
   uint carry;
   const uint sum = uaddCarry(a.x, low, carry);
@@ -42,11 +40,16 @@ void main() {
     const uvec2 halves = tile_counts.at[g];
     sum = plus(plus(sum, 0u, halves.x), halves.y >> 16, halves.y << 16);
   }
-  sums[thread()] = sum;
-  barrier();
-  if (thread() != 0u) return;
+  // By 16 bits, so that no sum over the threads leaves 32.
   uvec2 intersections = uvec2(0u);
-  for (uint t = 0u; t < THREADS; ++t) intersections = plus(intersections, sums[t].y, sums[t].x);
+  for (uint part = 0u; part < 4u; ++part) {
+    uint total;
+    sum_before((sum[part / 2u] >> (16u * (part & 1u))) & 0xffffu, total);
+    if (part == 0u) intersections = plus(intersections, 0u, total);
+    if (part == 1u) intersections = plus(intersections, total >> 16, total << 16);
+    if (part >= 2u) intersections.y += total << (16u * (part & 1u));
+  }
+  if (thread() != 0u) return;
   const uint splats = number_of(visible);
   const bool fits = draws != 0u && (splat_capacity == 0u || splats <= splat_capacity) &&
                     (intersection_capacity == 0u || (intersections.y == 0u && intersections.x <= intersection_capacity));

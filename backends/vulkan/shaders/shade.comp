@@ -13,24 +13,38 @@ layout(push_constant, scalar) uniform Push {
   Colours colours;
   Uints hidden;
   Count count;
-  uint scenes;
+  uint scenes, first;  // splat of this launch
 };
 
 const float LARGEST = 3.4028234663852886e38;
 
-// Coefficients above band 0 of a Gaussian: a `HarmonicRow`.
+// Coefficients above band 0 of the Gaussians of a workgroup, as `HarmonicRow`. A subgroup copies a row at a time, whose
+// words lie next to each other in memory.
+const uint MOST_WORDS = 45u;
+shared uint words[THREADS * MOST_WORDS];
+
+void copy_rows(uvec2 row, uint count) {
+  [[unroll]] for (uint r = 0u; r < SUBGROUP; ++r) {
+    Uints from = Uints(uvec2(subgroupShuffle(row.x, r), subgroupShuffle(row.y, r)));
+    const uint of_row = subgroupShuffle(count, r), to = (gl_SubgroupID * SUBGROUP + r) * MOST_WORDS;
+    for (uint w = gl_SubgroupInvocationID; w < of_row; w += SUBGROUP) words[to + w] = from.at[w];
+  }
+  subgroupBarrier();
+}
+
+// How a row holds numbers.
 struct Row {
-  uvec2 values;
   uint format;
   float scale;
 };
 float coefficient(Row row, uint k) {
-  if (row.format == 0u) return Floats(row.values).at[k];
+  const uint first = thread() * MOST_WORDS;
+  if (row.format == 0u) return uintBitsToFloat(words[first + k]);
   if (row.format == 1u) {
-    const vec2 two = unpackHalf2x16(Uints(row.values).at[k / 2u]);
+    const vec2 two = unpackHalf2x16(words[first + k / 2u]);
     return (k & 1u) == 0u ? two.x : two.y;
   }
-  return row.scale * float(bitfieldExtract(int(Uints(row.values).at[k / 4u]), int(8u * (k & 3u)), 8));
+  return row.scale * float(bitfieldExtract(int(words[first + k / 4u]), int(8u * (k & 3u)), 8));
 }
 vec3 coefficients(Row row, uint k) {
   return vec3(coefficient(row, 3u * k), coefficient(row, 3u * k + 1u), coefficient(row, 3u * k + 2u));
@@ -65,16 +79,25 @@ vec3 colour_of(uint degree, vec3 sh0, Row row, vec3 d, float unit) {
 bool is_finite(vec3 c) { return all(lessThanEqual(abs(c), vec3(LARGEST))); }
 
 void main() {
-  const uint i = invocation();
-  if (i >= number_of(count)) return;
-  const uint of = seen_by(seen, scenes, view_at(of_view, i), gaussians.at[i]);
-  const uint g = gaussians.at[i] - seen.at[of].first_gaussian;
+  const uint i = first + invocation();
+  const bool some = i < number_of(count);
+  uint of = 0u, g = 0u, row_words = 0u;
+  uvec2 row_at = uvec2(0u);
+  if (some) {
+    of = seen_by(seen, scenes, view_at(of_view, i), gaussians.at[i]);
+    g = gaussians.at[i] - seen.at[of].first_gaussian;
+    const uint number = is_null(seen.at[of].scene.labels) ? g : half_word(seen.at[of].scene.labels, g);
+    const uint degree = seen.at[of].scene.sh_degree, numbers = 3u * (degree * degree + 2u * degree);
+    const uint shift = seen.at[of].scene.sh_format;  // a word holds 1, 2 or 4 numbers
+    row_words = (numbers + (1u << shift) - 1u) >> shift;
+    row_at = element(seen.at[of].scene.sh_rest, number, seen.at[of].scene.sh_stride);
+  }
+  copy_rows(row_at, row_words);
+  if (!some) return;
   const SceneArrays scene = seen.at[of].scene;
   vec3 sh0 = vector_at(scene.sh0, g, scene.sh0_stride);
   if (scene.plain_colours != 0u) sh0 = (sh0 - 0.5) / 0.28209479177387814;
-  uint number = g;
-  if (!is_null(scene.labels)) number = half_word(scene.labels, g);
-  const Row row = Row(element(scene.sh_rest, number, scene.sh_stride), scene.sh_format, scene.sh_scale);
+  const Row row = Row(scene.sh_format, scene.sh_scale);
 
   const vec3 mean = vector_at(scene.means, g, scene.means_stride);
   const vec3 direction = view_direction(seen.at[of].eye, mean);

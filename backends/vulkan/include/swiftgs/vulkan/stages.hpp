@@ -122,6 +122,21 @@ struct Splats<Vulkan> {
   static auto buffers(auto& self) { return std::tie(self.shapes, self.depths, self.gaussians, self.of_view); }
 };
 
+/// Colours that are evaluated in parts, beside the passes of a sort, and the rest by `finish`.
+template <>
+class SWIFTGS_API Shading<Vulkan> {
+ public:
+  Shading(Vulkan& b, const ColoursView& colours) : b_(&b), colours_(colours) {}
+  Shading(Shading&& from) noexcept : b_(std::exchange(from.b_, nullptr)), colours_(from.colours_) {}
+  ~Shading();
+  ColoursView finish();
+  void* stream() const { return nullptr; }
+
+ private:
+  Vulkan* b_;  ///< null once they are evaluated
+  ColoursView colours_;
+};
+
 /// Footprints, which projection finds.
 template <>
 struct Footprints<Vulkan> {
@@ -185,6 +200,7 @@ requires(!vulkan::KnownBounds<Bounds>) void project(Vulkan&, const FramePlan&, c
   static_assert(vulkan::KnownBounds<Bounds>, "bounds: expected some of the library's on the backend Vulkan");
 }
 
+/// The plan outlives what it returns.
 SWIFTGS_API Shading<Vulkan> shade(Vulkan& b, const FramePlan& plan, const Splats<Vulkan>& splats,
                                   Colours<Vulkan>& colours);
 
