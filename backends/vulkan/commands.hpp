@@ -135,13 +135,13 @@ struct Vulkan::State {
   vulkan::Block report;                                       ///< a `FrameReport`
   std::uint64_t reported_at = 0;                              ///< value of the timeline
   vulkan::Block staging;
-  VulkanBuffer<std::uint32_t> numbers;            ///< of digits, of sorts
-  vulkan::Block groups;                           ///< two `Groups`, by the last `bin`, and two launches
-  std::array<const std::uint32_t*, 2> counted{};  ///< addresses of its numbers of splats and intersections
-  VulkanBuffer<std::uint32_t> long_tiles;         ///< with long lists, by the last `find_ranges`
-  const TileRange* long_of = nullptr;             ///< its ranges
-  VulkanBuffer<std::uint32_t> long_blocks;        ///< that raster.comp hands over
-  bool long_blocks_empty = false;                 ///< whether `long_blocks_launch` was emptied and not used
+  VulkanBuffer<std::uint32_t> numbers;      ///< of digits, of sorts
+  vulkan::Block groups;                     ///< two `Groups`, by the last `bin`, and two launches
+  std::array<Count, 2> counted{};           ///< its numbers of splats and intersections
+  VulkanBuffer<std::uint32_t> long_tiles;   ///< with long lists, by the last `find_ranges`
+  const TileRange* long_of = nullptr;       ///< its ranges
+  VulkanBuffer<std::uint32_t> long_blocks;  ///< that raster.comp hands over
+  bool long_blocks_empty = false;           ///< whether `long_blocks_launch` was emptied and not used
 
   /// Bytes into `groups` of the launches over blocks of long lists, and over `long_blocks`.
   static constexpr std::size_t long_launch = 2 * sizeof(vulkan::Groups);
@@ -165,9 +165,12 @@ class Commands {
   Commands& operator=(const Commands&) = delete;
 
   std::uint32_t subgroup() const { return device_.subgroup; }
-  /// Threads of a workgroup that sorts, and pairs that it has.
   std::uint32_t sort_threads() const { return vulkan::sort_threads(subgroup()); }
-  std::uint32_t sort_part() const { return 16 * sort_threads(); }
+  /// Pairs of a thread in sorts of `most` pairs at most: few fill a GPU by smaller workgroups.
+  std::uint32_t sort_each(std::size_t most) const {
+    return subgroup() >= 32 && most < (std::size_t(1) << 20) ? 4 : 16;
+  }
+  std::uint32_t sort_part(std::size_t most) const { return sort_each(most) * sort_threads(); }
 
   /// Copies `values` to where kernels of these commands read them.
   template <class T>

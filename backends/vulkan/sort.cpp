@@ -27,13 +27,14 @@ struct SortedPairs {
 };
 
 std::size_t parts_of(const Commands& commands, std::size_t pairs) {
-  return (pairs + commands.sort_part() - 1) / commands.sort_part();
+  const std::size_t part = commands.sort_part(pairs);
+  return (pairs + part - 1) / part;
 }
 
 void take_memory(Vulkan& b, const Commands& commands, std::size_t pairs) {
   const std::size_t numbers = sort_digits * (parts_of(commands, pairs) + 1);
   if (numbers > 0xffffffff)
-    throw CapacityError("pairs to sort", pairs, (0xffffffff / sort_digits - 1) * commands.sort_part());
+    throw CapacityError("pairs to sort", pairs, (0xffffffff / sort_digits - 1) * commands.sort_part(pairs));
   b.state().numbers.reset(numbers);
 }
 
@@ -44,13 +45,13 @@ void sort_digit(Vulkan& b, Commands& commands, const SortedPairs& pairs, Count n
   const std::size_t count = sort_digits * parts_of(commands, n.most), words = pairs.words * n.most;
   const std::uint32_t mask = (1u << std::min(digit_bits, bits - bit)) - 1;
   const Commands::Shape shape = commands.over(n, Groups::sort);
-  commands.run(Kernel::sort_count, {pairs.words},
+  commands.run(Kernel::sort_count, {pairs.words, commands.sort_each(n.most)},
                Push(reads(pairs.keys, words), writes(numbers, count), n, std::uint32_t(bit), mask), shape);
   // Small subgroups are software's, which is slow at barriers.
   commands.run(Kernel::sort_scan, {},
-               Push(writes(numbers, count), writes(totals, sort_digits), n, commands.sort_part()),
+               Push(writes(numbers, count), writes(totals, sort_digits), n, commands.sort_part(n.most)),
                {.columns = sort_digits, .threads = commands.subgroup() < 32 ? commands.subgroup() : 256});
-  commands.run(Kernel::sort_move, {pairs.words},
+  commands.run(Kernel::sort_move, {pairs.words, commands.sort_each(n.most)},
                Push(reads(pairs.keys, words), reads(numbers, count), reads(totals, sort_digits),
                     reads(pairs.values, n.most), writes(pairs.keys_to, words),
                     writes(pairs.values_to, n.most), n, std::uint32_t(bit), mask),

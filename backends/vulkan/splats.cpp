@@ -121,14 +121,14 @@ void bin(Vulkan& b, const FramePlan& plan, BoundsKind bounds, Splats<Vulkan>& sp
   const Count visible = splats.exact ? Count(0xffffffff, splats.exact) : Count(splats.count);
   Vulkan::State& state = b.state();
   const void* const report = limits.report ? static_cast<const void*>(limits.report) : state.report.device;
-  commands.run(
-      Kernel::settle, {},
-      Push(reads(found.counts, 2 * found.workgroups), writes(totals, 1),
-           writes(static_cast<const FrameReport*>(report), 1),
-           writes(state.groups.device, Vulkan::State::long_launch), visible, found.workgroups,
-           std::uint32_t(std::min<std::size_t>(limits.capacity.splats, 0xffffffff)),
-           std::uint32_t(limits.capacity.intersections), std::uint32_t(limits.draw), commands.sort_part()),
-      {.columns = 1, .threads = commands.sort_threads()});
+  commands.run(Kernel::settle, {},
+               Push(reads(found.counts, 2 * found.workgroups), writes(totals, 1),
+                    writes(static_cast<const FrameReport*>(report), 1),
+                    writes(state.groups.device, Vulkan::State::long_launch), visible, found.workgroups,
+                    std::uint32_t(std::min<std::size_t>(limits.capacity.splats, 0xffffffff)),
+                    std::uint32_t(limits.capacity.intersections), std::uint32_t(limits.draw),
+                    commands.sort_part(splats.count), commands.sort_part(limits.capacity.intersections)),
+               {.columns = 1, .threads = commands.sort_threads()});
   commands.release_to_host();
   const std::uint64_t value = commands.submit();
   if (!limits.report) state.reported_at = value;
@@ -137,7 +137,7 @@ void bin(Vulkan& b, const FramePlan& plan, BoundsKind bounds, Splats<Vulkan>& sp
   footprints.count = splats.count, splats.exact = &totals->splats;
   footprints.intersections = Count(limits.capacity.intersections, &totals->intersections);
   footprints.overflowed = &totals->report.overflowed;
-  state.counted = {&totals->splats, &totals->intersections};
+  state.counted = {Count(splats.count, splats.exact), footprints.intersections};
   if (limits.capacity.intersections != 0) return;
   FrameReport known;
   b.download(Span<const FrameReport>{&totals->report, 1}, &known);

@@ -12,7 +12,7 @@ layout(push_constant, scalar) uniform Push {
   TotalsAt to;
   Uints report, groups;  // of the splats, then of the intersections
   Count visible;
-  uint parts, splat_capacity, intersection_capacity, draws, sort_part;
+  uint parts, splat_capacity, intersection_capacity, draws, splats_part, intersections_part;  // of sorts
 };
 
 uvec2 plus(uvec2 a, uint high, uint low) {
@@ -29,9 +29,9 @@ void store_command(uint at, uint elements, uint each) {
   groups.at[at + 2u] = 1u;
 }
 // `Groups` of the host.
-void store_groups(uint at, uint elements) {
+void store_groups(uint at, uint elements, uint part) {
   store_command(at, elements, 128u);
-  store_command(at + 3u, elements, sort_part);
+  store_command(at + 3u, elements, part);
 }
 
 void main() {
@@ -59,8 +59,8 @@ void main() {
   to.totals.overflowed = uvec2(overflowed, 0u);
   to.totals.splats = fits ? splats : 0u;
   to.totals.kept_intersections = fits ? intersections.x : 0u;
-  store_groups(0u, fits ? splats : 0u);
-  store_groups(6u, fits ? intersections.x : 0u);
+  store_groups(0u, fits ? splats : 0u, splats_part);
+  store_groups(6u, fits ? intersections.x : 0u, intersections_part);
   report.at[0] = splats;
   report.at[1] = 0u;
   report.at[2] = intersections.x;

@@ -3,7 +3,8 @@
 // A pass of the radix sort by 8 bits. A workgroup has a part of the pairs, and each of its subgroups some consecutive
 // ones. Keys have one word or two, and positions take the place of values that are null.
 
-const uint EACH = 16u, PART = EACH * THREADS, DIGITS = 256u;
+layout(constant_id = 4) const uint EACH = 16u;  // pairs of a thread
+const uint PART = EACH * THREADS, DIGITS = 256u;
 
 // Word `w` of key `i`. Numbers of words may exceed 2^31, where indices turn negative.
 Uints key_of(Uints keys, uint words, uint i) { return Uints(element(uvec2(keys), i, 4u * words)); }
