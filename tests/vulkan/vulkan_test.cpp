@@ -58,10 +58,11 @@ double other_depths(const std::vector<float>& a, const std::vector<float>& b) {
   return double(other) / double(std::max<std::size_t>(a.size(), 1));
 }
 
-/// Holds `frame` to that of `Serial`: kernels round exponentials and sums in their own way.
+/// Holds `frame` to that of `Serial`: kernels round exponentials, by 2.5 units in the last place where the
+/// device's own serve, and sums in their own way.
 void check_like(const Frame& frame, const Frame& serial) {
   CHECK(max_abs_difference(frame.colour, serial.colour) < 2e-6);
-  CHECK(max_abs_difference(frame.alpha, serial.alpha) < 1e-6);
+  CHECK(max_abs_difference(frame.alpha, serial.alpha) < 2e-6);
   CHECK(max_abs_difference(frame.depth, serial.depth) < 1e-3);
   CHECK(other_depths(frame.first_depth, serial.first_depth) < 1e-3);
   CHECK(other_depths(frame.median_depth, serial.median_depth) < 1e-3);
