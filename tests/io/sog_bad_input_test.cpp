@@ -42,11 +42,15 @@ TEST_CASE("sog: an image or a description that ends early is refused wherever it
   const Files files = sog_files(parts_of(2));
   for (const auto& file : files) {
     CAPTURE(file.first);
-    check_every_truncation(file.second, [&](const std::string& part) {
-      Files changed = files;
-      changed[file.first] = part;
-      read(zip(changed));
-    });
+    // Each file is decoded with all the others.
+    check_every_truncation(
+        file.second,
+        [&](const std::string& part) {
+          Files changed = files;
+          changed[file.first] = part;
+          read(zip(changed));
+        },
+        file.first.ends_with(".webp") ? 13 : 1);
   }
 }
 

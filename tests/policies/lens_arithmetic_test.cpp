@@ -180,14 +180,14 @@ TEST_CASE("lens: the fold-over is where radii stop to grow") {
   std::mt19937_64 random(2);
   std::uniform_real_distribution<double> in(-1, 1);
   int folded = 0;
-  for (int i = 0; i < 60; ++i) {
+  for (int i = 0; i < 30; ++i) {
     Distortion d{{0.3 * in(random), 0.1 * in(random), 0.02 * in(random), 0.004 * in(random)}, {}, {}, {}};
     if (i % 2) d.rational[0] = 0.2 * std::fabs(in(random)), d.rational[1] = 0.05 * std::fabs(in(random));
     const double found = std::sqrt(lens::fold_squared(d, 9)), expected = fold_by_steps(d, 3);
     CHECK(found == doctest::Approx(expected).epsilon(1e-4));
     folded += found < 3;
   }
-  CHECK(folded >= 20);
+  CHECK(folded >= 10);
   // A pole of the rational term ends the lens too.
   CHECK(lens::fold_squared({{}, {-0.25, 0, 0}, {}, {}}, 100) == doctest::Approx(4));
 }

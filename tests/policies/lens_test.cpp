@@ -27,7 +27,7 @@ namespace {
 
 constexpr double turn = 2 * std::numbers::pi;
 
-Scene test_scene() { return order_spatially(make_builtin_scene(20'000)); }
+Scene test_scene() { return order_spatially(make_builtin_scene(6000)); }
 
 RenderSettings all_outputs() { return settings_of({true, true}, vec3(0.2f, 0.3f, 0.4f)); }
 
