@@ -108,7 +108,7 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
                         blocks = (std::uint32_t(frame.height) + side - 1) / side * columns;
     // raster_long.comp draws colour, alpha and depths of means.
     const bool hands_over = is_base && job.attributes.rows == 0 && !job.picks(view) && !frame.occluder &&
-                            parts == 1 && job.lists.ids.size > first_segment;
+                            parts == 1 && n > first_segment;
     std::byte* const launch = state.groups.device + Vulkan::State::long_blocks_launch;
     const void* const words_of_launch = launch;
     if (hands_over) {
