@@ -21,21 +21,6 @@ inline std::size_t resident_bytes(const Page& page) {
   return page.bytes + (page.count + chunk_size - 1) / chunk_size * sizeof(ChunkBounds);
 }
 
-/// Tells from the views of frames where their cameras go.
-class SWIFTGS_API Motion {
- public:
-  /// Throws `InvalidArgument` unless `frames` is 0 to 1000.
-  explicit Motion(int frames);
-
-  /// The views in 2 frames and in `frames` if each camera moves and turns on as it did since the call before.
-  /// None if all stand still, if their number changed, and of 0 frames.
-  std::vector<View> ahead(Span<const View> views);
-
- private:
-  int frames_;
-  std::vector<View> last_;
-};
-
 /// Decides which pages a frame wants, which it draws, and which memory forgets first. Knows which pages are
 /// resident, and that the parent of a resident page is.
 class SWIFTGS_API PagePlan {

@@ -17,6 +17,7 @@
 
 #include <swiftgs/frame/span.hpp>
 #include <swiftgs/pages/cut.hpp>
+#include <swiftgs/pages/motion.hpp>
 #include <swiftgs/pages/page_loader.hpp>
 #include <swiftgs/pages/page_plan.hpp>
 #include <swiftgs/pages/paged_scene.hpp>
