@@ -351,7 +351,8 @@ int main(int argc, char** argv) try {
   app.add_option("--splats", options.millions, "Most millions of splats")->capture_default_str();
   app.add_option("--upload", options.upload, "MB that a frame uploads")->capture_default_str();
   app.add_option("--threads", options.threads, "That read pages")->capture_default_str();
-  app.add_option("--ahead", options.ahead, "As of the pool")->capture_default_str();
+  app.add_option("--ahead", options.ahead, "Frames that the pool expects cameras to go on for")
+      ->capture_default_str();
   app.add_flag("--wait", options.wait, "Wait for the pages of each frame: for images");
   app.add_option("--compared", options.compared, "Frames to compare with the whole scene")
       ->capture_default_str();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstring>
 #include <functional>
@@ -67,12 +68,13 @@ inline void check_every_damage(const std::string& content, char flip,
 }
 
 /// Checks that `read` takes `content` and throws `FormatError`, in one line, for each shorter file: of more
-/// than 64 bytes for every `step`th.
+/// than 64 bytes for every `step`th, from the longest down.
 inline void check_every_truncation(const std::string& content,
                                    const std::function<void(const std::string&)>& read,
                                    std::size_t step = 1) {
   CHECK_NOTHROW(read(content));
-  for (std::size_t length = 0; length < content.size(); length += length < 64 ? 1 : step) {
+  for (std::size_t left = content.size(); left > 0; left -= left <= 64 ? 1 : std::min(step, left - 64)) {
+    const std::size_t length = left - 1;
     const std::string message = complaint([&] { read(content.substr(0, length)); });
     CHECK_MESSAGE(contains(message, "expected"),
                   "of " << content.size() << " bytes only the first " << length);

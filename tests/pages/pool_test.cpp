@@ -451,7 +451,7 @@ TEST_CASE("pages: levels that blend change pictures little at a time") {
   const Camera camera = builtin_camera(width, height);
   const std::vector<View> views = front();
   PagePool<Cpu> pool(renderer.backend(), pages);
-  // Largest mean square change where errors fall by 2 % a frame, as they do if a camera comes closer.
+  // Largest mean square change where errors grow by 2 % of the goal a frame, as if a camera came closer.
   const auto largest_change = [&](double blend, int& faded) {
     double largest = 0;
     std::vector<float> last;

@@ -2,8 +2,10 @@
 #include "draw/page_frames.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cstring>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -19,7 +21,7 @@ TEST_CASE("page frames: nothing shows where a page that a complete frame needs c
   const test::TemporaryFolder folder;
   test::pages_of(folder, test::ordered_scene(3000));
   const std::string content = test::content_of(folder / "scene.sgp");
-  bool fails = false;
+  std::atomic<bool> fails = false;
   const PagedScene pages(
       [&](std::uint64_t offset, std::span<std::byte> to) {
         if (fails) throw std::runtime_error("no disk");

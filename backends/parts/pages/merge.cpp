@@ -139,7 +139,7 @@ class Block {
     const float dx = x_[i] - x_[j], dy = y_[i] - y_[j], dz = z_[i] - z_[j];
     const float dr = red_[i] - red_[j], dg = green_[i] - green_[j], db = blue_[i] - blue_[j];
     const float moved = dx * dx + dy * dy + dz * dz;
-    // Of xx, yy and zz; and of xy, xz and yz, which stand in a covariance twice.
+    // Squared differences: xx, yy and zz count once; xy, yz and xz twice, since the matrix is symmetric.
     float diagonal = 0, others = 0, sizes = 1e-30f;
     for (int k = 0; k < 3; ++k) {
       const float own = diagonal_[k][i] - diagonal_[k][j], other = others_[k][i] - others_[k][j];

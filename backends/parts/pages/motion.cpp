@@ -52,12 +52,14 @@ std::vector<View> Motion::ahead(Span<const View> views) {
   bool moved = false;
   if (last_.size() == views.size)
     for (std::size_t i = 0; i < views.size; ++i) moved = moved || has_moved(last_[i], views[i]);
-  // Cameras that turn pass what the last view does not show.
-  for (const int frames : {std::min(2, frames_), frames_})
-    for (std::size_t i = 0; moved && frames != 0 && i < views.size; ++i) {
+  const auto go_on = [&](int frames) {
+    for (std::size_t i = 0; i < views.size; ++i) {
       all.push_back(views[i]);
       all.back().camera = gone_on(last_[i].camera, views[i].camera, frames);
     }
+  };
+  if (moved && frames_ > 2) go_on(2);  // cameras that turn pass what the last view does not show
+  if (moved && frames_ > 0) go_on(frames_);
   last_.assign(views.begin(), views.end());
   return all;
 }

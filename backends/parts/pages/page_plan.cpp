@@ -116,8 +116,9 @@ PagePlan::Wanted PagePlan::choose(Span<const View> views, const CutGoal& goal, S
   wanted.now = wanted.missing.size();
   CutGoal finer = goal;
   finer.pixels *= 0.95;  // cameras do not go on quite so
-  for (std::size_t first = 0; first < ahead.size; first += views.size) {
-    const Span<const View> next{ahead.data + first, std::min(views.size, ahead.size - first)};
+  const std::size_t together = std::max<std::size_t>(views.size, 1);
+  for (std::size_t first = 0; first < ahead.size; first += together) {
+    const Span<const View> next{ahead.data + first, std::min(together, ahead.size - first)};
     const Wanted later = grow(next, finer, false, bytes);
     wanted.missing.insert(wanted.missing.end(), later.missing.begin(), later.missing.end());
   }
@@ -147,7 +148,7 @@ PagePlan::Wanted PagePlan::grow(Span<const View> views, const CutGoal& goal, boo
     if (page.is_leaf()) continue;
     // As are all others. But for goal 0: nodes of Gaussians in one place err by 0.
     if (goal.pixels > 0 && next.error <= goal.pixels) break;
-    // Of a page that fades, the part that is left.
+    // How much of a fading page still shows, 0 to 1.
     const double left = goal.blend > 0 && goal.pixels > 0
                             ? std::max(0.0, 1 - (next.error / goal.pixels - 1) / goal.blend)
                             : 0;
@@ -215,14 +216,12 @@ void PagePlan::use(PageKey key) {
 
 void PagePlan::set_resident(PageKey key, bool resident) {
   PageState& page = state(key);
+  const bool is_root = page.parent == Page::none;
+  if (resident && !is_root) page.place = by_use_.insert(by_use_.end(), key);  // may throw
   page.resident = resident;
-  if (page.parent == Page::none) return;
-  PageState& parent = state(parent_of(key));
-  if (resident) {
-    ++parent.children, page.place = by_use_.insert(by_use_.end(), key);
-  } else {
-    --parent.children, by_use_.erase(page.place);
-  }
+  if (is_root) return;
+  state(parent_of(key)).children += resident ? 1 : -1;
+  if (!resident) by_use_.erase(page.place);
 }
 
 bool PagePlan::find_victim(PageKey& victim, const std::function<bool(PageKey)>& is_held) const {

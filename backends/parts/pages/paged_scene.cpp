@@ -182,7 +182,7 @@ PageContent read_page(const PagedScene::State& file, const PageSource& source, s
   return content;
 }
 
-/// The first bytes of a file. None of what is no file: opening a pipe would wait for a writer.
+/// The first bytes of a regular file, else none: opening a pipe would wait for a writer.
 std::string beginning_of(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) return {};
@@ -193,7 +193,7 @@ std::string beginning_of(const std::filesystem::path& path) {
   return begin;
 }
 
-/// By its name too, so that a tileset which lacks something is told what.
+/// Accepts any `tileset.json`, so that `open_tiles` reports what an invalid one lacks.
 bool is_tileset(const std::filesystem::path& path) {
   return path.filename() == "tileset.json" || io::is_tileset(beginning_of(path));
 }

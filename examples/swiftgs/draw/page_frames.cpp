@@ -88,8 +88,8 @@ const Cut& PageFrames::show(Span<const Camera> cameras, const RenderSettings& se
 
 const Cut& PageFrames::show_complete(Span<const Camera> cameras, const RenderSettings& settings,
                                      const CutGoal& goal) {
-  choose(cameras, settings, goal);
   renderer_.show({});  // not the pages that waiting gives back
+  choose(cameras, settings, goal);
   pool_->wait(cut_);
   if (!cut_.failed().empty()) throw std::runtime_error(cut_.failed()[0].reason);
   show();

@@ -30,9 +30,9 @@ struct PlacedPages {
 struct CutGoal {
   /// Largest error of a page that is drawn; 0 draws leaves alone. @units{pixels}
   double pixels = 1;
-  /// Lets a page fade into its children while its error falls from (1 + `blend`) times `pixels` to `pixels`,
-  /// so that levels do not change at once as a camera moves. Both then show. 0 or more; 0: pages change at
-  /// once.
+  /// Lets a page fade into its children while its error rises from `pixels` to (1 + `blend`) times `pixels`,
+  /// so that levels do not change at once as a camera moves. Pages of such errors are drawn then. 0 or more;
+  /// 0: pages change at once.
   double blend = 0;
   /// Most Gaussians and nodes of a complete cut. The largest errors are mended first. Roots show in any case.
   std::uint64_t splats = std::numeric_limits<std::uint64_t>::max();

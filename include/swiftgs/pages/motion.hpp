@@ -15,8 +15,8 @@ class SWIFTGS_API Motion {
   /// Throws `InvalidArgument` unless `frames` is 0 to 1000.
   explicit Motion(int frames);
 
-  /// The views in 2 frames and in `frames` if each camera moves and turns on as it did since the call before.
-  /// None if all stand still, if their number changed, and of 0 frames.
+  /// The views in 2 frames, if `frames` are more, and in `frames`, if each camera moves and turns on as it
+  /// did since the call before. None if all stand still, if their number changed, and of 0 frames.
   std::vector<View> ahead(Span<const View> views);
 
  private:

@@ -76,7 +76,7 @@ class SWIFTGS_API PagePlan {
   /// A page of a placed scene, as the last frame saw it.
   struct Seen {
     std::uint64_t refined = 0;  ///< frame that chose its children
-    float left = 0;             ///< how much of it shows beside them then, 0 to 1
+    float left = 0;             ///< how much of the page shows beside its children in that frame, 0 to 1
     std::uint64_t shown = 0;    ///< frame in which a view may show it
   };
   struct Candidate;

@@ -29,8 +29,8 @@ struct PagePoolOptions {
   std::size_t bytes = 2'000'000'000;        ///< of all pages in the backend's memory @units{bytes}
   std::size_t upload_per_frame = 16 << 20;  ///< a frame uploads one page at least @units{bytes}
   std::size_t waiting = 64 << 20;           ///< of pages that were read and not uploaded @units{bytes}
-  /// Pages are there in time if the cameras go on for so many frames as they do, for which an eighth of the
-  /// memory that roots leave is kept; 0: none is kept.
+  /// Frames for which the pool expects cameras to go on as they do, and brings pages. Reserves an eighth of
+  /// the memory that roots leave; 0: reserves none.
   int ahead = 10;
   int threads = 1;          ///< of the pool, which read pages; 1 or more
   PageExecutor executor{};  ///< reads pages in their place
@@ -91,7 +91,7 @@ class PagePool {
   void wait(Cut& cut) {
     Cut asked;
     asked.views_ = cut.views_, asked.goal_ = cut.goal_;
-    failures_.clear();
+    note_loaded(), failures_.clear();  // pages that failed before are tried again
     for (;;) {
       bool stuck = false;
       cut = asked;  // gives back memory

@@ -123,7 +123,8 @@ class SWIFTGS_API PagedScene {
   std::shared_ptr<const State> state_;
 };
 
-/// Whether `path` is a page file, or a tileset of 3D Tiles under any name.
+/// Whether `path` is a page file, or a tileset of 3D Tiles: under any name if `root` begins in its first 64
+/// KiB.
 SWIFTGS_API bool is_page_file(const std::filesystem::path& path);
 
 /// Opens a page file and maps it into memory; or the `lod-meta.json` of a streamed SOG, or a tileset of 3D
