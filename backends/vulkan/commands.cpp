@@ -22,7 +22,7 @@ struct Scope {
 constexpr Scope kernels_write{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT, VK_ACCESS_SHADER_WRITE_BIT};
 constexpr Scope kernels{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
                         VK_ACCESS_SHADER_READ_BIT | VK_ACCESS_SHADER_WRITE_BIT};
-/// Kernels, and the device as it reads their numbers of workgroups, which it does ahead where it may.
+/// Kernels, and the device reading sizes of indirect launches, which it may do early.
 constexpr Scope launches{kernels.stages | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT,
                          kernels.accesses | VK_ACCESS_INDIRECT_COMMAND_READ_BIT};
 constexpr Scope program{VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
@@ -188,6 +188,8 @@ void Commands::precede_program() { barrier(device_, b_.open->commands, kernels_w
 void Commands::drop() {
   const Closing closing{device_};
   b_.open_points.clear();
+  // Nothing of these commands runs.
+  b_.launches_written = true, b_.long_of = nullptr, b_.long_blocks_empty = false;
   device_.vk.vkEndCommandBuffer(std::exchange(b_.open, nullptr)->commands);
 }
 

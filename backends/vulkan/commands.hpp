@@ -138,9 +138,9 @@ struct Vulkan::State {
   VulkanBuffer<std::uint32_t> numbers;      ///< of digits, of sorts
   vulkan::Block groups;                     ///< two `Groups`, by the last `bin`, and two launches
   std::array<Count, 2> counted{};           ///< its numbers of splats and intersections
-  VulkanBuffer<std::uint32_t> long_tiles;   ///< with long lists, by the last `find_ranges`
-  const TileRange* long_of = nullptr;       ///< its ranges
-  VulkanBuffer<std::uint32_t> long_blocks;  ///< that raster.comp hands over
+  VulkanBuffer<std::uint32_t> long_tiles;   ///< tiles with long lists, from the last `find_ranges`
+  const TileRange* long_of = nullptr;       ///< ranges that `long_tiles` belongs to
+  VulkanBuffer<std::uint32_t> long_blocks;  ///< blocks that raster.comp leaves to raster_long.comp
   bool long_blocks_empty = false;           ///< whether `long_blocks_launch` was emptied and not used
 
   /// Bytes into `groups` of the launches over blocks of long lists, and over `long_blocks`.

@@ -116,6 +116,8 @@ std::string lacks(const vulkan::Functions& vk, VkPhysicalDevice device) {
   if (limits.maxComputeWorkGroupInvocations < 256 || limits.maxComputeWorkGroupSize[0] < 256 ||
       of_1_3.maxComputeWorkgroupSubgroups < subgroups)
     return begin + "workgroups of 256 threads and " + std::to_string(subgroups) + " subgroups";
+  // What rasterizing long lists takes with subgroups of 32 lanes.
+  if (limits.maxComputeSharedMemorySize < 32768) return begin + "32,768 bytes of shared memory";
   return {};
 }
 

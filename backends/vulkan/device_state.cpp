@@ -100,6 +100,7 @@ void VulkanDevice::State::create() {
   vk.vkDestroyBuffer(device, probe, nullptr);
   memory_types_ = needs.memoryTypeBits;
   most_allocations_ = properties.properties.limits.maxMemoryAllocationCount;
+  most_groups = properties.properties.limits.maxComputeWorkGroupCount[0];
   device_type_ = memory_type(0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
   host_type_ = memory_type(VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
                            VK_MEMORY_PROPERTY_HOST_CACHED_BIT);
@@ -342,7 +343,7 @@ struct KeptHeader {
 }  // namespace
 
 std::vector<std::byte> VulkanDevice::State::kept_pipelines() {
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(cache_mutex_);
   std::size_t bytes = 0;
   vulkan::check(vk.vkGetPipelineCacheData(device, pipelines, &bytes, nullptr), "vkGetPipelineCacheData");
   std::vector<std::byte> kept(sizeof(KeptHeader) + bytes);
@@ -366,7 +367,7 @@ void VulkanDevice::State::add_pipelines(Span<const std::byte> kept) {
   info.initialDataSize = data.size, info.pInitialData = data.data;
   VkPipelineCache more = VK_NULL_HANDLE;
   vulkan::check(vk.vkCreatePipelineCache(device, &info, nullptr, &more), "vkCreatePipelineCache");
-  const std::lock_guard lock(mutex_);
+  const std::lock_guard lock(cache_mutex_);
   const VkResult result = vk.vkMergePipelineCaches(device, pipelines, 1, &more);
   vk.vkDestroyPipelineCache(device, more, nullptr);
   vulkan::check(result, "vkMergePipelineCaches");
@@ -381,7 +382,10 @@ VkPipeline VulkanDevice::State::pipeline(vulkan::Kernel kernel, std::uint32_t th
     if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
   }
   // Others go on meanwhile. If two threads compile the same, the first that is done wins.
-  const VkPipeline made = compile(kernel, key);
+  const VkPipeline made = [&] {
+    const std::shared_lock lock(cache_mutex_);
+    return compile(kernel, key);
+  }();
   const std::lock_guard lock(mutex_);
   const auto [at, is_new] = pipelines_.emplace(key, made);
   if (!is_new) vk.vkDestroyPipeline(device, made, nullptr);

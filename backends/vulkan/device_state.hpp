@@ -6,6 +6,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <shared_mutex>
 #include <string>
 #include <utility>
 #include <vector>
@@ -91,8 +92,9 @@ struct VulkanDevice::State {
   VkDevice device;
   std::string name;
   std::uint32_t subgroup = 0;
-  std::uint32_t arithmetic = 0;  ///< bits: `fma` rounds once; `exp2` is exact enough for pixels
-  float nanoseconds = 0;         ///< of a tick of timestamps; 0: there are none
+  std::uint32_t arithmetic = 0;   ///< bits: `fma` rounds once; `exp2` is exact enough for pixels
+  std::uint32_t most_groups = 0;  ///< workgroups of a launch in its first direction
+  float nanoseconds = 0;          ///< of a tick of timestamps; 0: there are none
   std::uint64_t tick_mask = 0;
   bool stores_images = false;
   VkDescriptorSetLayout images = VK_NULL_HANDLE;  ///< of an image to store to, and of one to load from
@@ -114,7 +116,8 @@ struct VulkanDevice::State {
   std::uint32_t memory_type(VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) const;
 
   std::mutex mutex_;
-  std::mutex queue_mutex_;  ///< locked within `mutex_`
+  std::shared_mutex cache_mutex_;  ///< of the pipeline cache; threads that compile share it
+  std::mutex queue_mutex_;         ///< locked within `mutex_`
   std::uint64_t submitted_ = 0, done_ = 0;
   int open_ = 0;
   std::map<void*, vulkan::Allocation> memories_;

@@ -92,9 +92,17 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
   Commands commands(b);
   Vulkan::State& state = b.state();
   constexpr std::uint32_t side = raster_side;
+  const std::size_t most_groups = state.device.state().most_groups;
   // lavapipe, whose subgroups are small, would compile the sums of all pixels of a block for a minute.
   const std::uint32_t parts =
       job.attributes.rows != 0 && commands.subgroup() < 32 ? side * side / commands.subgroup() : 1;
+  const auto blocks_of = [](const FrameView& frame) {
+    return std::size_t((std::uint32_t(frame.width) + side - 1) / side) *
+           ((std::uint32_t(frame.height) + side - 1) / side);
+  };
+  // All views write to one buffer: it must not grow between them.
+  std::size_t most_blocks = 0;
+  for (const View& view : job.views) most_blocks = std::max(most_blocks, blocks_of(view.frame));
   for (const View& view : job.views) {
     if (!contributions && has_no_planes(view.frame)) continue;
     const RasterView words(view);
@@ -105,14 +113,14 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
     const std::size_t n = job.splats.size(), rows = n * job.attributes.rows;
     const bool sums_depth = job.sums_depth(view) && !view.camera.depth_along_ray;
     const std::uint32_t columns = (std::uint32_t(frame.width) + side - 1) / side,
-                        blocks = (std::uint32_t(frame.height) + side - 1) / side * columns;
-    // raster_long.comp draws colour, alpha and depths of means.
+                        blocks = std::uint32_t(blocks_of(frame));
+    // raster_long.comp draws colour, alpha and depths of means. Its launch has a row alone.
     const bool hands_over = is_base && job.attributes.rows == 0 && !job.picks(view) && !frame.occluder &&
-                            parts == 1 && n > first_segment;
+                            parts == 1 && n > first_segment && blocks < most_groups;
     std::byte* const launch = state.groups.device + Vulkan::State::long_blocks_launch;
     const void* const words_of_launch = launch;
     if (hands_over) {
-      state.long_blocks.reset(std::max<std::size_t>(state.long_blocks.size(), blocks));
+      state.long_blocks.reset(std::max(state.long_blocks.size(), most_blocks));
       if (!std::exchange(state.long_blocks_empty, false))
         commands.fill(const_cast<std::uint32_t*>(static_cast<const std::uint32_t*>(words_of_launch)), 3, 1);
     }
@@ -142,7 +150,10 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
           push, shape);
     };
     const Commands::Shape all{columns, blocks / std::max(columns, 1u), commands.subgroup(), parts};
-    if (parts != 1 || job.lists.ranges.data != state.long_of) {
+    const std::size_t of_tile =
+        std::size_t(view.grid.side / int(side)) * std::size_t(view.grid.side / int(side));
+    const bool fits = std::min(state.long_tiles.size(), job.lists.ranges.size) * of_tile <= most_groups;
+    if (parts != 1 || !fits || job.lists.ranges.data != state.long_of) {
       draw(Kernel::raster, Lists::all, Access::shared, all);
     } else {
       draw(Kernel::raster, Lists::with_many, Access::shared,

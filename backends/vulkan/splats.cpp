@@ -185,9 +185,10 @@ Shading<Vulkan> shade(Vulkan& b, const FramePlan& plan, const Splats<Vulkan>& sp
 }
 
 ColoursView Shading<Vulkan>::finish() {
-  vulkan::Commands commands(*std::exchange(b_, nullptr));
+  vulkan::Commands commands(*b_);
   while (commands.run_beside()) continue;
   commands.finish();
+  b_ = nullptr;  // after what may throw: the destructor drops launches that are left
   return colours_;
 }
 

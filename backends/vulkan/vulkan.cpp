@@ -105,6 +105,7 @@ VulkanRecording& VulkanRecording::operator=(VulkanRecording&&) noexcept = defaul
 VulkanRecording Vulkan::record(VkCommandBuffer_T* commands, const std::function<void()>& draw) {
   State& b = *state_;
   vulkan::refuse_while_recording(b, "record");
+  if (b.profile.on) throw OrderError("vulkan: record within profile, expected it before or behind");
   if (b.open) vulkan::Commands(*this).submit();
   auto kept = std::make_unique<VulkanRecording::Kept>(b.device, commands);
   const struct Recording {

@@ -175,6 +175,14 @@ SWIFTGS_VULKAN_CASE("vulkan: blocks of many splats have the same bits by one sub
     CHECK(max_abs_difference(shared.depth, expected.depth) < 1e-2);
     Renderer<Vulkan, EarlySort, AxisSharedThreshold<FloatCholesky>, OpacityBox> boxes;
     CHECK(same_planes(boxes.render(there, camera, lean), shared));
+    // Several views of one frame, each with blocks of its own.
+    const Camera cameras[] = {camera, forward_camera(37, 23)};
+    const Frame other = renderer.render(there, cameras[1], lean);
+    Frame both[2];
+    renderer.set_scene(std::make_shared<const Scene>(scene));
+    renderer.render({cameras, 2}, lean, {both, 2});
+    CHECK(same_planes(both[0], shared));
+    CHECK(same_planes(both[1], other));
   }
 }
 

@@ -24,7 +24,7 @@ layout(constant_id = 12) const bool CONTRIBUTES = false;
 layout(constant_id = 13) const bool HAS_COLOURS = true;
 
 layout(constant_id = 14) const uint PARTS = 1u;
-// Whether raster_long.comp blends blocks that more splats touch than the first segment has, or none may be there.
+// Blend only the first segment: raster_long.comp blends blocks with more, or the frame has too few splats for more.
 layout(constant_id = 15) const bool HANDS_OVER = false;
 
 layout(push_constant, scalar) uniform Push {

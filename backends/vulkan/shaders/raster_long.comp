@@ -16,7 +16,7 @@ const uint RING = 2048u;
 shared uint ring[RING];
 uint front = 0u, found = 0u, visited;
 
-// Those that a subgroup blends next.
+// Splats that a subgroup blends next.
 shared vec4 exponents[THREADS], rests[THREADS], shades[THREADS];
 
 // Colour and transmittance of pixels behind the segments that are composited, and of each segment of a round; the

@@ -152,7 +152,7 @@ class SWIFTGS_API Vulkan {
   };
   Signal last_signal() const;
 
-  /// Gives back the memory that scans and sorts keep.
+  /// Gives back the memory that sorts and long lists keep.
   void trim();
 
   TimePoint now();
