@@ -31,36 +31,27 @@ void store(uint at, uint tile, uint id) {
   }
 }
 
-// Splats of this workgroup without a mask, which its subgroups share: neighbours in depth are large together.
+// Splats of this workgroup without a mask, which all its threads emit together: some have more tiles than a driver lets
+// one loop run (lavapipe ends loops after 65,535 rounds).
 shared uvec2 large[THREADS];  // ids, and places
 shared uint large_count;
 
-// The last lane that begins at this position or before, where lanes begin at ascending positions, the first at 0.
-uint owner_of(uint position, uint first) {
-  uint owner = 0u;
-  for (uint step = SUBGROUP / 2u; step > 0u; step /= 2u)
-    if (subgroupShuffle(first, owner + step) <= position) owner += step;
-  return owner;
-}
-
-// A lane has a row of tiles, and then an intersection at a time.
+// A thread has a row of tiles at a time.
 void emit_large(uint id, uint place) {
-  const uint end = place + footprints.at[id].z;
+  const uint tiles_in_all = footprints.at[id].z;
   const TileGrid grid = grids.at[view_at(of_view, id)];
   const Shape shape = shape_of(shapes.at[id]);
   const SplatTiles tiles = tiles_of(BOUNDS, shape, grid);
-  for (int first_row = tiles.rows.begin; first_row < tiles.rows.end; first_row += int(SUBGROUP)) {
-    const int row = first_row + int(gl_SubgroupInvocationID);
+  uint before_rows = 0u;
+  for (int first = tiles.rows.begin; first < tiles.rows.end; first += int(THREADS)) {
+    const int row = first + int(thread());
     TileRun run = tile_run(0, 0);
     if (row < tiles.rows.end) run = tiles_of_row(BOUNDS, tiles, shape, grid, row);
-    const uint size = uint(run_size(run)), last = subgroupInclusiveAdd(size), first = last - size;
-    const uint all = subgroupShuffle(last, SUBGROUP - 1u), first_tile = tile_number(grid, run.begin, row);
-    for (uint from = 0u; from < all; from += SUBGROUP) {
-      const uint position = from + gl_SubgroupInvocationID, owner = owner_of(position, first);
-      const uint tile = subgroupShuffle(first_tile, owner) + position - subgroupShuffle(first, owner);
-      if (position < all && place + position < end) store(place + position, tile, id);
-    }
-    place += all;
+    uint of_rows;
+    uint at = before_rows + sum_before(uint(run_size(run)), of_rows);
+    for (int column = run.begin; column < run.end && at < tiles_in_all; ++column)
+      store(place + at++, tile_number(grid, column, row), id);
+    before_rows += of_rows;
   }
 }
 
@@ -89,7 +80,10 @@ void emit_masks(uint id, uvec4 footprint, uint stride, uint place) {
   const uint end = subgroupInclusiveAdd(tiles), first = end - tiles, all = subgroupShuffle(end, SUBGROUP - 1u);
   for (uint from = 0u; from < all; from += SUBGROUP) {
     const uint position = from + gl_SubgroupInvocationID;
-    const uint owner = owner_of(position, first);
+    // The last lane that begins at this position or before.
+    uint owner = 0u;
+    for (uint step = SUBGROUP / 2u; step > 0u; step /= 2u)
+      if (subgroupShuffle(first, owner + step) <= position) owner += step;
     const uvec2 mask = uvec2(subgroupShuffle(footprint.x, owner), subgroupShuffle(footprint.y, owner));
     const uint first_tile = subgroupShuffle(footprint.w, owner), row_stride = subgroupShuffle(stride, owner);
     const uint of_splat = subgroupShuffle(id, owner), begin = subgroupShuffle(place, owner);
@@ -115,5 +109,5 @@ void main() {
   if ((footprint.x | footprint.y) == 0u && footprint.z != 0u) large[atomicAdd(large_count, 1u)] = uvec2(id, place);
   emit_masks(id, footprint, stride, place);
   barrier();
-  for (uint k = gl_SubgroupID; k < large_count; k += THREADS / SUBGROUP) emit_large(large[k].x, large[k].y);
+  for (uint k = 0u; k < large_count; ++k) emit_large(large[k].x, large[k].y);
 }
