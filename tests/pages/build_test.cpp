@@ -134,7 +134,7 @@ TEST_CASE("pages: several files become one with the origin of the first") {
   check_same(read_leaves(open_pages(folder / "ab.sgp")), a);
 }
 
-TEST_CASE("pages: what is left out of a file that is read in parts is counted once") {
+TEST_CASE("pages: Gaussians that a file read in parts leaves out are counted once") {
   const TemporaryFolder folder;
   write_scene(folder / "a.ply", ordered_scene(6000));
   std::string text = content_of(folder / "a.ply");

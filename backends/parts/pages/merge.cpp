@@ -63,7 +63,7 @@ struct Step {
   std::uint8_t to, from;
 };
 
-/// Some nodes, of which pairs merge.
+/// Merges pairs of up to `block_size` nodes.
 class Block {
  public:
   Block(const Nodes& nodes, std::span<const std::uint32_t> members, std::size_t each)

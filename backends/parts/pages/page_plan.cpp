@@ -190,7 +190,7 @@ void PagePlan::draw(const Drawn& page, std::vector<Drawn>& to) const {
   const auto is_ready = [&](std::uint32_t child) { return !shows(child) || is_resident({file, child}); };
   if (own.refined != frame_ || !std::all_of(children.begin(), children.end(), is_ready))
     return to.push_back(page);
-  // One of both levels always shows fully: two that are half transparent would let through what is behind.
+  // Show one of the two levels fully: through two half transparent ones the background would show.
   const float children_show = std::min(1.0f, 2 * (1 - own.left));
   if (own.left > 0) to.push_back({page.scene, page.page, page.opacity * std::min(1.0f, 2 * own.left)});
   if (children_show == 0) return;

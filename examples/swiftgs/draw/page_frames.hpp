@@ -30,8 +30,8 @@ struct PageOptions {
 /// Adds `--pixels`, `--blend`, `--pool` and `--paged`.
 void add_page_options(CLI::App& command, PageOptions& options, SceneOptions& scene);
 
-/// Frames of scenes, some of which have pages: chooses the pages that the cameras need, and shows them with a
-/// renderer. The renderer outlives it.
+/// Draws plain and paged scenes together. Chooses the pages that cameras need, and has a renderer show them.
+/// The renderer must outlive it.
 class PageFrames {
  public:
   /// Uploads the scenes without pages. Throws as `PagePool`.

@@ -92,7 +92,7 @@ class Drawing {
   std::size_t version() const { return version_; }
 
  private:
-  /// Makes frames of `drawn`, some of which have pages, on `renderer`.
+  /// Prepares `drawn`, which has pages, for frames of `renderer`.
   std::unique_ptr<PageFrames> page_frames(AnyRenderer& renderer, DrawnScenes drawn,
                                           std::vector<Placement> placements) const;
   /// Makes `scenes` those of the list. Throws as `AnyRenderer::place`, and changes nothing then.

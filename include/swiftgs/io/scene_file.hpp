@@ -86,8 +86,8 @@ struct SceneFile {
   std::uint64_t bytes = 0;   ///< of the file, and of those that it names and were read
   std::uint64_t stored = 0;  ///< Gaussians in the file, or in the part of it that was asked for
   LeftOut left_out{};        ///< those of them that the scene lacks
-  /// What of the file the scene does not carry, a sentence each. Those of a part do not count what is left
-  /// out.
+  /// Parts of the file that the scene lacks, a sentence each. If only a part of the file was read, see
+  /// `left_out` for Gaussians.
   std::vector<std::string> notes;
   /// Of the photograph that the scene was made of, where the file has it: @units{pixels}, and world units of
   /// the scene.

@@ -200,7 +200,7 @@ requires(!vulkan::KnownBounds<Bounds>) void project(Vulkan&, const FramePlan&, c
   static_assert(vulkan::KnownBounds<Bounds>, "bounds: expected some of the library's on the backend Vulkan");
 }
 
-/// The plan outlives what it returns.
+/// The returned `Shading` refers to `plan`, which must outlive it.
 SWIFTGS_API Shading<Vulkan> shade(Vulkan& b, const FramePlan& plan, const Splats<Vulkan>& splats,
                                   Colours<Vulkan>& colours);
 
