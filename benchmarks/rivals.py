@@ -13,15 +13,18 @@ there; `total` is the time of a frame among ten in a row. gsplat's packed and un
 are timed. Faster-GS draws by its path for inference, without clamping colours. SwiftGS and gsplat also draw planes
 beside colour: a call named `depth` draws alpha and expected depth, one named `id` the Gaussian of the largest weight,
 for which gsplat walks its tile lists a second time. gsplat always draws alpha, so `SwiftGS` does too. The first views
-are compared with `tests/python/float64.py`, by the rules by which each renderer blends: a minute of a core for each.
+are compared with `tests/python/float64.py` after all is timed, by the rules by which each renderer blends: a minute of a
+core for each.
 
 `calls` measures `rasterization` of SwiftGS and of gsplat, pinholes in frames of 1, 4 and 16 views and gsplat's other
 camera models in frames of 4. `swiftgs, scene kept` draws a scene that was set before into the same memory. `worlds` are
 64 scenes of 20,000 Gaussians, each drawn for 16 cameras of its own in 128x128 pixels, by one call.
 """
 import argparse
+import concurrent.futures
 import importlib.util
 import json
+import multiprocessing
 import os
 import pathlib
 import random
@@ -234,18 +237,36 @@ def in_a_row(calls, rounds):
     return {name: statistics.median(times) for name, times in found.items()}
 
 
-def errors(case, index, calls):
-    """{call: members of its row}, against the view in float64."""
+def errors(arguments, images):
+    """{call: members of its row} of the images of one view, against the view in float64."""
     import float64  # pylint: disable=import-outside-toplevel
     from conftest import decibels  # pylint: disable=import-outside-toplevel
-    wanted = dict(zip(float64.RULES, float64.render_first(case.arrays([case.cameras[index]]), rules=float64.RULES)))
+    wanted = dict(zip(float64.RULES, float64.render_first(arguments, rules=float64.RULES)))
     found = {}
-    for name, call in calls.items():
+    for name, image in images.items():
         rules = float64.UNCLAMPED if name.startswith(("HiGS", "Faster-GS")) else float64.GSPLAT
-        image = call().double().cpu().numpy()
         found[name] = {"psnr_db": float(decibels(image, wanted[rules])),
                        "max_abs": float(abs(image - wanted[rules]).max())}
     return found
+
+
+class Judge:
+    """Compares images with the view in float64, several views at once, after all is timed: it fills the processor."""
+
+    def __init__(self):
+        self.views = []  # rows by call, arguments, images
+
+    def add(self, case, index, calls, rows):
+        images = {name: call().cpu().numpy() for name, call in calls.items()}
+        self.views.append((rows, case.arrays([case.cameras[index]]), images))
+
+    def run(self):
+        os.environ["OPENBLAS_NUM_THREADS"] = "1"  # of each band of an image, which are threads themselves
+        spawned = multiprocessing.get_context("spawn")  # a fork would share the GPU's state
+        with concurrent.futures.ProcessPoolExecutor(mp_context=spawned) as pool:
+            for (rows, *_), found in zip(self.views, pool.map(errors, *zip(*(view[1:] for view in self.views)))):
+                for name, members in found.items():
+                    rows[name].update(members)
 
 
 def write_canvases(folder, case, calls):
@@ -257,7 +278,7 @@ def write_canvases(folder, case, calls):
         np.save(path, call().cpu().numpy())
 
 
-def rows_of_frames(name, arguments):
+def rows_of_frames(name, arguments, judge):
     case = Case(name, arguments.scale)
     tensors = case.tensors(case.cameras)
     views = [{"viewmat": viewmat.contiguous(), "K": matrix.contiguous()}
@@ -268,13 +289,14 @@ def rows_of_frames(name, arguments):
         if arguments.canvases and index == 0:
             write_canvases(arguments.canvases, case, calls)
         total, wall = in_a_row(calls, arguments.rounds), alone(calls, arguments.rounds)
-        judged = errors(case, index, calls) if index < arguments.judged else {}
-        for call in calls:
-            yield {**case.row, "view": str(index), "renderer": call,
-                   "ms": {"total": {"median": total[call]}, "wall": {"median": wall[call]}}, **judged.get(call, {})}
+        rows = {call: {**case.row, "view": str(index), "renderer": call,
+                       "ms": {"total": {"median": total[call]}, "wall": {"median": wall[call]}}} for call in calls}
+        if index < arguments.judged:
+            judge.add(case, index, calls, rows)
+        yield from rows.values()
 
 
-def rows_of_calls(name, arguments):
+def rows_of_calls(name, arguments, _judge):
     if name == "worlds":
         yield from rows_of_worlds(arguments.rounds)
         return
@@ -339,13 +361,16 @@ def main():
     found = {"format": "swiftgs-bench", "version": 1, "machine": json.loads(machine), "command": command,
              "notes": [f"PyTorch {torch.__version__}, gsplat {gsplat.__version__}"], "scenes": [], "views": [],
              "rows": []}
-    rows_of = {"frames": rows_of_frames, "calls": rows_of_calls}[arguments.what]
+    rows_of, judge = {"frames": rows_of_frames, "calls": rows_of_calls}[arguments.what], Judge()
     with torch.no_grad():
         for name in arguments.scenes:
-            for row in rows_of(name, arguments):
+            for row in rows_of(name, arguments, judge):
                 found["rows"].append(row)
                 print(json.dumps(row), flush=True)
                 arguments.json.write_text(json.dumps(found, indent=1) + "\n")
+    if judge.views:
+        judge.run()
+        arguments.json.write_text(json.dumps(found, indent=1) + "\n")
 
 
 if __name__ == "__main__":
