@@ -16,7 +16,7 @@ from tables.rivals import NAME, RIVALS, reached, rivals_in, scenes_of  # noqa: E
 
 WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM = 720, 320, 60, 24, 44, 56
 COLOURS = dict(zip(RIVALS, ("#6c757d", "#4c956c", "#c8553d", "#1b6ca8")))
-LEAST, MOST = 60, 110  # dB
+LEAST, MOST = 60, 130  # dB
 TICKS = (0.125, 0.25, 0.5, 1, 2, 4, 8, 16, 32)  # ms
 # Outlines around 0, 0 for one scene each.
 MARKS = ("m-6 0a6 6 0 1 0 12 0a6 6 0 1 0-12 0z", "m-5.5-5.5h11v11h-11z", "m0-7l7 13h-14z", "m0-8l7 8l-7 8l-7-8z")

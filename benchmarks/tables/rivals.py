@@ -8,7 +8,6 @@ from tables.markdown import decibel, ms, prose, table
 from tables.blocks import commit_of
 
 NAME = "rivals.json"
-PLANES_NAME = "planes-rivals.json"
 OPTIONAL = "Faster-GS"  # rivals.py may run without it
 # Each with its calls, of which the fastest in a scene counts.
 RIVALS = {"gsplat": ("gsplat", "gsplat, not packed"), OPTIONAL: (OPTIONAL,),
@@ -81,7 +80,7 @@ def rivals(source, machine):
 
 def rivals_planes(source, machine):
     """Milliseconds of frames with planes, and how many times those of colour they take, of SwiftGS and gsplat."""
-    about, found = source.rows(machine, PLANES_NAME)
+    about, found = source.rows(machine, NAME)
     scenes, lines = scenes_of(found), []
     for rival, sets in WITH_PLANES.items():
         for planes, of_set in sets.items():
