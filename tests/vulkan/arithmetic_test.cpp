@@ -58,6 +58,7 @@ TEST_CASE("vulkan arithmetic: pairs of floats are as exact as their bounds say")
   Random random(7);
   const double unit = 0x1p-24, squared = unit * unit;
   for (int i = 0; i < 100000; ++i) {
+    glsl::FUSES = i % 2 != 0;
     const double a = random.f(-100, 100) * (1 + 1e-9), b = random.f(0.01, 100) * (1 + 1e-9),
                  c = random.f(-100, 100);
     const glsl::FloatPair x = pair_of(a), y = pair_of(b), z = pair_of(c);
@@ -71,7 +72,9 @@ TEST_CASE("vulkan arithmetic: pairs of floats are as exact as their bounds say")
     check(glsl::inverse_pair(y), 1 / of_y, 1 / of_y);
     check(glsl::inverse_root(y), 1 / std::sqrt(of_y), 1 / std::sqrt(of_y));
     REQUIRE(std::fabs(value_of(glsl::log2_of(y.high)) - std::log2(double(y.high))) < 2e-9);
+    REQUIRE(ulps(glsl::root(y.high), float(std::sqrt(double(y.high)))) <= 1);
   }
+  glsl::FUSES = false;
 }
 
 TEST_CASE("vulkan arithmetic: products are split into the bits of a product that is rounded once") {
@@ -120,6 +123,7 @@ TEST_CASE("vulkan arithmetic: projection has the bits of the library but for tie
   const SceneView gaussians = view(scene);
   std::size_t splats = 0, other = 0;
   for (const bool antialiased : {false, true}) {
+    glsl::FUSES = antialiased;
     Conventions conventions;
     conventions.antialiased = antialiased;
     const ViewConstants camera = view_constants(builtin_camera(640, 360), conventions);
@@ -145,6 +149,7 @@ TEST_CASE("vulkan arithmetic: projection has the bits of the library but for tie
                shape.l2 != expected.shape.l2;
     }
   }
+  glsl::FUSES = false;
   MESSAGE(other, " of ", splats, " splats have other bits");
   CHECK(splats > 10000);
   CHECK(other * 1000 < splats);

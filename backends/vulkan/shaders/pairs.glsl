@@ -66,15 +66,18 @@ FUNCTION FloatPair two_product(float a, float b) {
   return pair(product, low);
 }
 
-// Off by 3 u^2 (|a| + |b|), with u = 2^-24.
-FUNCTION FloatPair add(FloatPair a, FloatPair b) {
-  FloatPair high = two_sum(a.high, b.high);
-  FloatPair low = two_sum(a.low, b.low);
-  PRECISE float across = high.low + low.high;
-  FloatPair sum = fast_two_sum(high.high, across);
-  PRECISE float rest = low.low + sum.low;
-  return fast_two_sum(sum.high, rest);
+// Loose pairs are not rounded to float at `high`: |low| is up to some u |high|, with u = 2^-24. Sums and products take
+// them; `tight` rounds.
+FUNCTION FloatPair tight(FloatPair a) { return fast_two_sum(a.high, a.low); }
+
+// Off by 3 u^2 (|a| + |b|).
+FUNCTION FloatPair loose_sum(FloatPair a, FloatPair b) {
+  FloatPair sum = two_sum(a.high, b.high);
+  PRECISE float lows = a.low + b.low;
+  PRECISE float low = sum.low + lows;
+  return pair(sum.high, low);
 }
+FUNCTION FloatPair add(FloatPair a, FloatPair b) { return tight(loose_sum(a, b)); }
 FUNCTION FloatPair subtract(FloatPair a, FloatPair b) { return add(a, negative(b)); }
 
 // a - b, off by 2 u^2 |a - b|.
@@ -84,60 +87,60 @@ FUNCTION FloatPair float_minus(float a, FloatPair b) {
   return fast_two_sum(sum.high, low);
 }
 
-FUNCTION FloatPair unnormalised_product(FloatPair a, FloatPair b) {
+// Off by 7 u^2 |a b|. Low parts do not ask for an `fma` that rounds once.
+FUNCTION FloatPair loose_product(FloatPair a, FloatPair b) {
   FloatPair product = two_product(a.high, b.high);
-  PRECISE float high_low = a.high * b.low;
-  PRECISE float low_high = a.low * b.high;
-  PRECISE float across = high_low + low_high;
-  PRECISE float low = product.low + across;
+  PRECISE float with_low = fma(a.high, b.low, product.low);
+  PRECISE float low = fma(a.low, b.high, with_low);
   return pair(product.high, low);
 }
-
-// Off by 7 u^2 |a b|.
-FUNCTION FloatPair times(FloatPair a, FloatPair b) {
-  FloatPair product = unnormalised_product(a, b);
-  return fast_two_sum(product.high, product.low);
-}
+FUNCTION FloatPair times(FloatPair a, FloatPair b) { return tight(loose_product(a, b)); }
 
 // a b + c.
-FUNCTION FloatPair multiply_add(FloatPair a, FloatPair b, FloatPair c) {
-  FloatPair product = unnormalised_product(a, b);
-  FloatPair sum = two_sum(product.high, c.high);
-  PRECISE float lows = product.low + c.low;
-  PRECISE float low = sum.low + lows;
-  return fast_two_sum(sum.high, low);
+FUNCTION FloatPair multiply_add(FloatPair a, FloatPair b, FloatPair c) { return tight(loose_sum(loose_product(a, b), c)); }
+
+// a - b c, where that is small beside a: exact but for one rounding.
+FUNCTION float rest_of(float a, float b, float c) {
+  FloatPair product = two_product(b, c);
+  PRECISE float rest = a - product.high;
+  PRECISE float whole = rest - product.low;
+  PRECISE float fused = fma(-b, c, a);
+  return FUSES ? fused : whole;
 }
 
-// 1 / x. Vulkan promises 2.5 units in the last place of a division: a step of Newton's first makes it one.
+// 1 / x, off by 32 u^2 / |x|: a step of Newton's from a division, of which Vulkan promises 2.5 units in the last place.
 FUNCTION FloatPair inverse_pair(FloatPair x) {
-  float rough = 1.0f / x.high;
-  FloatPair of_rough = two_product(x.high, rough);
-  PRECISE float rough_misses = 1.0f - of_rough.high;
-  PRECISE float rough_off = rough_misses - of_rough.low;
-  PRECISE float correction = rough * rough_off;
-  PRECISE float near = rough + correction;
-  FloatPair of_near = two_product(x.high, near);
-  PRECISE float misses = 1.0f - of_near.high;
-  PRECISE float misses_low = misses - of_near.low;
-  PRECISE float of_low = x.low * near;
-  PRECISE float off = misses_low - of_low;
+  float near = 1.0f / x.high;
+  PRECISE float off = fma(-x.low, near, rest_of(1.0f, x.high, near));
   PRECISE float low = near * off;
   return fast_two_sum(near, low);
 }
 
-// 1 / sqrt(x): two steps of Newton's from what the device has, the second in pairs.
+// 1 / sqrt(x): two steps of Newton's from what the device has, which is off by two units; the second is in pairs.
 FUNCTION FloatPair inverse_root(FloatPair x) {
   float rough = inversesqrt(x.high);
-  PRECISE float squared = rough * rough;
-  PRECISE float product = x.high * squared;
-  PRECISE float off = 1.0f - product;
+  PRECISE float product = x.high * rough;
+  PRECISE float rough_off = fma(-product, rough, 1.0f);
   PRECISE float half_rough = 0.5f * rough;
-  PRECISE float step = half_rough * off;
-  PRECISE float near = rough + step;
-  FloatPair missing = subtract(pair(1.0f, 0.0f), times(x, two_product(near, near)));
+  PRECISE float near = fma(half_rough, rough_off, rough);
+  FloatPair squared = two_product(near, near);
+  PRECISE float by_low = x.low * squared.high;
+  PRECISE float of_lows = fma(x.high, squared.low, by_low);
+  PRECISE float off = rest_of(1.0f, x.high, squared.high) - of_lows;
   PRECISE float half_near = 0.5f * near;
-  PRECISE float low = half_near * missing.high;
+  PRECISE float low = half_near * off;
   return fast_two_sum(near, low);
+}
+
+// sqrt(x), 0 where x is not above it.
+FUNCTION float root(float x) {
+  if (!(x > 0.0f)) return 0.0f;
+  float inverse = inversesqrt(x);
+  PRECISE float near = x * inverse;
+  PRECISE float half_inverse = 0.5f * inverse;
+  PRECISE float step = half_inverse * rest_of(x, near, near);
+  PRECISE float exact = near + step;
+  return exact;
 }
 
 // log2(x) of a normal x: 2 / ln 2 times the series of the inverse hyperbolic tangent. Off by 1e-9.
@@ -148,8 +151,7 @@ FUNCTION FloatPair log2_of(float x) {
     m = 0.5f * m;
     exponent = exponent + 1;
   }
-  FloatPair above = two_sum(m, -1.0f);
-  FloatPair t = times(above, inverse_pair(two_sum(m, 1.0f)));
+  FloatPair t = times(pair(m - 1.0f, 0.0f), inverse_pair(two_sum(m, 1.0f)));
   PRECISE float s = t.high * t.high;
   PRECISE float s5 = s * 0.262308189f;
   PRECISE float p4 = s5 + 0.320598898f;

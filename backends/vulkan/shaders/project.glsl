@@ -75,12 +75,6 @@ FUNCTION float below_mean(Shape s, float y) {
   return from_mean;
 }
 
-FUNCTION float root(float x) {
-  if (!(x > 0.0f)) return 0.0f;
-  FloatPair p = pair(x, 0.0f);
-  return times(p, inverse_root(p)).high;
-}
-
 // A vector of pairs.
 struct PairVector {
   FloatPair x, y, z;
@@ -93,10 +87,11 @@ FUNCTION PairVector pair_vector(FloatPair x, FloatPair y, FloatPair z) {
   return v;
 }
 FUNCTION FloatPair dot_pairs(PairVector a, PairVector b) {
-  return multiply_add(a.x, b.x, multiply_add(a.y, b.y, times(a.z, b.z)));
+  return tight(loose_sum(loose_sum(loose_product(a.x, b.x), loose_product(a.y, b.y)), loose_product(a.z, b.z)));
 }
+// a b - c d
 FUNCTION FloatPair minor_of(FloatPair a, FloatPair b, FloatPair c, FloatPair d) {
-  return subtract(times(a, b), times(c, d));
+  return multiply_add(a, b, negative(loose_product(c, d)));
 }
 // x + t y
 FUNCTION PairVector along(PairVector x, FloatPair t, PairVector y) {
@@ -113,20 +108,22 @@ FUNCTION FloatPair clamped(FloatPair x, FloatPair least, FloatPair most) {
   return x;
 }
 
-// Columns of the rotation matrix of a quaternion, unit or not. Doubling is exact.
+// Columns of the rotation matrix of a quaternion, unit or not, in loose pairs. Doubling is exact.
 struct LocalAxes {
   PairVector x, y, z;
 };
+FUNCTION FloatPair rest_of_one(FloatPair a, FloatPair b) {
+  return loose_sum(loose_sum(pair(1.0f, 0.0f), negative(a)), negative(b));
+}
 FUNCTION LocalAxes local_axes(vec4 q) {
   float w = q.x, x = q.y, y = q.z, z = q.w, x2 = 2.0f * x, y2 = 2.0f * y, z2 = 2.0f * z;
   FloatPair xx = two_product(x2, x), yy = two_product(y2, y), zz = two_product(z2, z);
   FloatPair xy = two_product(x2, y), xz = two_product(x2, z), yz = two_product(y2, z);
   FloatPair wx = two_product(w, x2), wy = two_product(w, y2), wz = two_product(w, z2);
-  FloatPair one = pair(1.0f, 0.0f);
   LocalAxes axes;
-  axes.x = pair_vector(subtract(subtract(one, zz), yy), add(xy, wz), subtract(xz, wy));
-  axes.y = pair_vector(subtract(xy, wz), subtract(subtract(one, zz), xx), add(yz, wx));
-  axes.z = pair_vector(add(xz, wy), subtract(yz, wx), subtract(subtract(one, yy), xx));
+  axes.x = pair_vector(rest_of_one(yy, zz), loose_sum(xy, wz), loose_sum(xz, negative(wy)));
+  axes.y = pair_vector(loose_sum(xy, negative(wz)), rest_of_one(xx, zz), loose_sum(yz, wx));
+  axes.z = pair_vector(loose_sum(xz, wy), loose_sum(yz, negative(wx)), rest_of_one(xx, yy));
   return axes;
 }
 
