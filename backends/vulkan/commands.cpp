@@ -167,12 +167,6 @@ bool Commands::run_beside() {
   return true;
 }
 
-void Commands::scan(const std::uint32_t* numbers, std::uint32_t* to, Count count, std::uint32_t each) {
-  const std::size_t n = (count.most + each - 1) / each;
-  run(Kernel::scan, {}, Push(reads(numbers, n), writes(to, n + 1), count, each),
-      Shape::of(n + 1, 4 * usual_threads));
-}
-
 void Commands::timestamp(VkQueryPool times, std::uint32_t query) {
   device_.vk.vkCmdResetQueryPool(b_.open->commands, times, query, 1);
   device_.vk.vkCmdWriteTimestamp(b_.open->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, times, query);

@@ -61,6 +61,9 @@ class Push {
 /// Threads of a workgroup of most kernels.
 inline constexpr std::uint32_t usual_threads = 128;
 
+/// Workgroups whose numbers are added up in places.glsl.
+inline constexpr std::uint32_t run_size = 4 * usual_threads;
+
 /// Threads of a workgroup that sorts, by the lanes of a subgroup.
 constexpr std::uint32_t sort_threads(std::uint32_t lanes) { return lanes < 32 ? 8 * lanes : 256; }
 
@@ -198,10 +201,6 @@ class Commands {
   void fill(std::uint32_t* to, std::size_t words, std::uint32_t value);
   /// Runs what comes next of `State::beside`. Returns whether there was something.
   bool run_beside();
-
-  /// Writes the sums before numbers, and behind them that of all. There is a number for `each` of `count`
-  /// elements; the first is aligned to 16 bytes.
-  void scan(const std::uint32_t* numbers, std::uint32_t* to, Count count, std::uint32_t each);
 
   /// Orders the next kernel behind all before: frames find scenes by addresses that their kernels do not
   /// note.

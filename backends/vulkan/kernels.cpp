@@ -25,7 +25,6 @@ namespace {
 #include "ranges_clear.comp.hpp"
 #include "raster.comp.hpp"
 #include "raster_long.comp.hpp"
-#include "scan.comp.hpp"
 #include "settle.comp.hpp"
 #include "shade.comp.hpp"
 #include "sort_count.comp.hpp"

@@ -17,16 +17,19 @@ void emit(Vulkan& b, const SortJob& job, BoundsKind bounds, const std::uint32_t*
   const std::size_t n = count.most, found = job.footprints.intersections.most;
   if (n == 0) return;
   Commands commands(b);
-  const std::size_t groups = (n + usual_threads - 1) / usual_threads;
-  std::uint32_t* const places = sums + groups;
+  const std::size_t groups = (n + usual_threads - 1) / usual_threads, most_sums = (groups + 3) / 4 * 4;
+  std::uint32_t* const sums_of_runs = sums + most_sums;
+  const std::size_t runs = groups / run_size + 1;
   const Access footprints = reads(job.footprints.each.data, n);
-  commands.run(Kernel::tile_sums, {}, Push(footprints, reads(order, n), writes(sums, groups), count),
+  commands.fill(sums_of_runs, runs, 0);
+  commands.run(Kernel::tile_sums, {},
+               Push(footprints, reads(order, n), writes(sums, most_sums), shares(sums_of_runs, runs), count),
                commands.over(count));
-  commands.scan(sums, places, count, usual_threads);
   commands.run(Kernel::emit, {bounds.number, keys.each},
                Push(reads(splats.shapes.data, n), reads(splats.depths.data, n), reads(splats.of_view, n),
                     reads(order, n), address(grids_of(commands, job.footprints.views)), footprints,
-                    reads(places, groups), writes(keys.words, keys.each * found), writes(ids, found), count),
+                    reads(sums, most_sums), reads(sums_of_runs, runs), writes(keys.words, keys.each * found),
+                    writes(ids, found), count),
                commands.over(count));
   commands.finish();
 }

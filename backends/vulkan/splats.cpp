@@ -45,41 +45,42 @@ void project(Vulkan& b, const FramePlan& plan, BoundsKind bounds, ProjectScratch
   Commands commands(b);
   b.state().counted = {};
   scratch.projected.reset(workgroups * usual_threads);
-  scratch.counts.reset(workgroups), scratch.places.reset(workgroups + 1);
-  scratch.tile_counts.reset(2 * workgroups);
-  splats.reset(capacity, views), footprints.each.reset(capacity);
-  splats.count = capacity, splats.exact = scratch.places.data() + workgroups;
+  const std::size_t most_counts = (workgroups + 3) / 4 * 4, runs = workgroups / run_size + 1;
+  scratch.counts.reset(most_counts), scratch.runs.reset(runs);
+  splats.reset(capacity, views), footprints.each.reset(capacity), footprints.totals.reset(1);
+  FrameTotals* const totals = footprints.totals.data();
+  commands.fill(scratch.runs.data(), runs, 0);
+  commands.fill(words_at(totals), sizeof *totals / sizeof(std::uint32_t), 0);
+  splats.count = capacity, splats.exact = words_at(&totals->report.visible);
 
   const Seen* const seen = all_seen(commands, plan.views, plan.scenes);
   const TileGrid* const grids = grids_of(commands, plan.views);
   const std::size_t scenes = plan.scenes.size();
-  std::uint32_t *const counts = scratch.counts.data(), *const places = scratch.places.data();
-  void* const of_view = views > 1 ? splats.of_view.data() : nullptr;
-  const auto view_words = static_cast<std::uint32_t*>(of_view);
-  if (of_view) commands.fill(view_words, (capacity + 1) / 2, 0);
+  std::uint32_t* const counts = scratch.counts.data();
+  std::uint32_t* const view_words = views > 1 ? words_at(splats.of_view.data()) : nullptr;
+  if (view_words) commands.fill(view_words, (capacity + 1) / 2, 0);
   for_each_part(plan, [&](std::size_t v, std::size_t s, const StoredScene& placed, std::size_t first) {
     const std::size_t n = placed.size();
     const ViewConstants& camera = plan.views[v].camera;
     commands.run(
         camera.through_lens ? Kernel::project_lens : Kernel::project, {Eye::lens_of(camera)},
         Push(address(seen + v * scenes + s), writes(scratch.projected.data() + first * usual_threads, n),
-             writes(counts + first, (n + usual_threads - 1) / usual_threads), std::uint32_t(n)),
+             shares(counts, most_counts), shares(scratch.runs.data(), runs), shares(totals, 1),
+             std::uint32_t(n), std::uint32_t(first)),
         Commands::Shape::of(n));
   });
-  commands.scan(counts, places, workgroups, 1);
   for_each_part(plan, [&](std::size_t v, std::size_t, const StoredScene& placed, std::size_t first) {
-    const std::size_t n = placed.size(), groups = (n + usual_threads - 1) / usual_threads;
+    const std::size_t n = placed.size();
     commands.run(Kernel::compact, {bounds.number},
-                 Push(reads(scratch.projected.data() + first * usual_threads, n),
-                      reads(places + first, groups + 1), shares(splats.shapes.data(), capacity),
+                 Push(reads(scratch.projected.data() + first * usual_threads, n), reads(counts, most_counts),
+                      reads(scratch.runs.data(), runs), shares(splats.shapes.data(), capacity),
                       shares(splats.depths.data(), capacity), shares(splats.gaussians.data(), capacity),
                       shares(view_words, (capacity + 1) / 2), shares(footprints.each.data(), capacity),
-                      writes(scratch.tile_counts.data() + 2 * first, 2 * groups), address(grids + v),
-                      std::uint32_t(n), std::uint32_t(capacity), placed.first_gaussian, std::uint32_t(v)),
+                      shares(totals, 1), address(grids + v), std::uint32_t(n), std::uint32_t(capacity),
+                      placed.first_gaussian, std::uint32_t(first), std::uint32_t(v)),
                  Commands::Shape::of(n));
   });
   commands.finish();
-  footprints.found = {scratch.tile_counts.data(), std::uint32_t(workgroups)};
   footprints.found_within = bounds.name;
 }
 
@@ -89,14 +90,14 @@ Access reads_views(const SplatsView& splats) { return reads(splats.of_view, spla
 /// Finds the footprints of splats that projection did not bin within these bounds.
 void find_footprints(Commands& commands, const FramePlan& plan, BoundsKind bounds,
                      const Splats<Vulkan>& splats, Footprints<Vulkan>& footprints) {
-  const std::size_t n = splats.count, groups = (n + usual_threads - 1) / usual_threads;
-  footprints.each.reset(n), footprints.tile_counts.reset(2 * groups);
-  footprints.found = {footprints.tile_counts.data(), std::uint32_t(groups)};
+  const std::size_t n = splats.count;
+  FrameTotals* const totals = footprints.totals.data();
+  footprints.each.reset(n);
+  commands.fill(words_at(&totals->report.intersections), 2, 0);
   const SplatsView view = splats.view();
   commands.run(Kernel::footprints, {bounds.number},
                Push(reads(view.shapes.data, n), reads_views(view), address(grids_of(commands, plan.views)),
-                    writes(footprints.each.data(), n), writes(footprints.tile_counts.data(), 2 * groups),
-                    view.count()),
+                    writes(footprints.each.data(), n), shares(totals, 1), view.count()),
                Commands::Shape::of(n));
 }
 
@@ -113,27 +114,24 @@ void bin(Vulkan& b, const FramePlan& plan, BoundsKind bounds, Splats<Vulkan>& sp
   const Limits& limits = plan.limits;
   Commands commands(b);
   footprints.totals.reset(1);
-  if (!footprints.found.counts || footprints.found_within != bounds.name)
-    find_footprints(commands, plan, bounds, splats, footprints);
+  if (footprints.found_within != bounds.name) find_footprints(commands, plan, bounds, splats, footprints);
   FrameTotals* const totals = footprints.totals.data();
-  const TileCounts& found = footprints.found;
   // All that are visible, also beyond the capacity.
   const Count visible = splats.exact ? Count(0xffffffff, splats.exact) : Count(splats.count);
   Vulkan::State& state = b.state();
   const void* const report = limits.report ? static_cast<const void*>(limits.report) : state.report.device;
   commands.run(Kernel::settle, {},
-               Push(reads(found.counts, 2 * found.workgroups), writes(totals, 1),
-                    writes(static_cast<const FrameReport*>(report), 1),
-                    writes(state.groups.device, Vulkan::State::long_launch), visible, found.workgroups,
+               Push(writes(totals, 1), writes(static_cast<const FrameReport*>(report), 1),
+                    writes(state.groups.device, Vulkan::State::long_launch), visible,
                     std::uint32_t(std::min<std::size_t>(limits.capacity.splats, 0xffffffff)),
                     std::uint32_t(limits.capacity.intersections), std::uint32_t(limits.draw),
                     commands.sort_part(splats.count), commands.sort_part(limits.capacity.intersections)),
-               {.columns = 1, .threads = commands.sort_threads()});
+               {.columns = 1, .threads = commands.subgroup()});
   commands.release_to_host();
   const std::uint64_t value = commands.submit();
   if (!limits.report) state.reported_at = value;
 
-  footprints.found = {}, footprints.views = plan.views;
+  footprints.found_within = {}, footprints.views = plan.views;
   footprints.count = splats.count, splats.exact = &totals->splats;
   footprints.intersections = Count(limits.capacity.intersections, &totals->intersections);
   footprints.overflowed = &totals->report.overflowed;

@@ -8,6 +8,7 @@
 #extension GL_EXT_control_flow_attributes : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_spirv_intrinsics : require
+#extension GL_KHR_memory_scope_semantics : require
 #extension GL_KHR_shader_subgroup_basic : require
 #extension GL_KHR_shader_subgroup_ballot : require
 #extension GL_KHR_shader_subgroup_arithmetic : require
@@ -44,10 +45,23 @@ struct Count {
 };
 uint number_of(Count count) { return is_null(count.exact) ? count.most : min(Uints(count.exact).at[0], count.most); }
 
+// Adds low + 2^16 high to a number of 64 bits.
+void add_halves(Uints to, uint low, uint high) {
+  uint carry;
+  const uint sum = uaddCarry(high << 16, low, carry), before = atomicAdd(to.at[0], sum);
+  if (before + sum < before) ++carry;
+  if ((high >> 16) + carry != 0u) atomicAdd(to.at[1], (high >> 16) + carry);
+}
+
 // A grid may have more workgroups than were asked for.
 uint workgroup() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x; }
 uint thread() { return gl_SubgroupID * SUBGROUP + gl_SubgroupInvocationID; }
 uint invocation() { return workgroup() * THREADS + thread(); }
+
+// Lets the lanes of a subgroup see what they wrote to shared memory. `subgroupBarrier` would also wait for other memory.
+void share_in_subgroup() {
+  controlBarrier(gl_ScopeSubgroup, gl_ScopeSubgroup, gl_StorageSemanticsShared, gl_SemanticsAcquireRelease);
+}
 
 shared uint subgroup_sums[THREADS / 4 + 1];
 

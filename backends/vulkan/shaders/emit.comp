@@ -3,6 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 #include "frame.glsl"
+#include "places.glsl"
 
 layout(constant_id = 3) const uint BOUNDS = ellipse;
 layout(constant_id = 4) const uint KEY_WORDS = 1u;
@@ -15,7 +16,7 @@ layout(push_constant, scalar) uniform Push {
   uvec2 of_view, order;
   Grids grids;
   Footprints footprints;
-  Uints places;  // of workgroups
+  Uints sums, runs;  // numbers of tiles
   Uints keys, ids;
   Count count;
 };
@@ -31,27 +32,49 @@ void store(uint at, uint tile, uint id) {
   }
 }
 
-// Splats of this workgroup without a mask, which all its threads emit together: some have more tiles than a driver lets
-// one loop run (lavapipe ends loops after 65,535 rounds).
-shared uvec2 large[THREADS];  // ids, and places
+// Splats of this workgroup without a mask: id, place, number of tiles, and that of those before it in this list; their
+// first rows of tiles, and the numbers of rows before them.
+shared uvec4 large[THREADS];
+shared int first_rows[THREADS];
+shared uint rows_before[THREADS];
 shared uint large_count;
 
-// A thread has a row of tiles at a time.
-void emit_large(uint id, uint place) {
-  const uint tiles_in_all = footprints.at[id].z;
-  const TileGrid grid = grids.at[view_at(of_view, id)];
-  const Shape shape = shape_of(shapes.at[id]);
-  const SplatTiles tiles = tiles_of(BOUNDS, shape, grid);
-  uint before_rows = 0u;
-  for (int first = tiles.rows.begin; first < tiles.rows.end; first += int(THREADS)) {
-    const int row = first + int(thread());
+// Emits them by all threads, a row of tiles each: some have more rows than a workgroup has threads, many have few.
+void emit_large() {
+  const uint own = thread();
+  uint tiles = 0u, rows = 0u, all_tiles, all_rows;
+  if (own < large_count) {
+    const uint id = large[own].x;
+    const TileRun run = tiles_of(BOUNDS, shape_of(shapes.at[id]), grids.at[view_at(of_view, id)]).rows;
+    tiles = large[own].z;
+    rows = uint(run_size(run));
+    first_rows[own] = run.begin;
+  }
+  const uint tiles_before = sum_before(tiles, all_tiles);
+  rows_before[own] = sum_before(rows, all_rows);
+  if (own < large_count) large[own].w = tiles_before;
+  barrier();
+
+  uint before = 0u;
+  for (uint first = 0u; first < all_rows; first += THREADS) {
+    const uint nth = first + own;
+    // The last splat that begins at this row or before.
+    uint of = 0u;
+    for (uint step = THREADS / 2u; step > 0u; step /= 2u)
+      if (of + step < large_count && rows_before[of + step] <= nth) of += step;
+    const uvec4 splat = large[of];
+    const TileGrid grid = grids.at[view_at(of_view, splat.x)];
+    const int row = first_rows[of] + int(nth - rows_before[of]);
     TileRun run = tile_run(0, 0);
-    if (row < tiles.rows.end) run = tiles_of_row(BOUNDS, tiles, shape, grid, row);
-    uint of_rows;
-    uint at = before_rows + sum_before(uint(run_size(run)), of_rows);
-    for (int column = run.begin; column < run.end && at < tiles_in_all; ++column)
-      store(place + at++, tile_number(grid, column, row), id);
-    before_rows += of_rows;
+    if (nth < all_rows) {
+      const Shape shape = shape_of(shapes.at[splat.x]);
+      run = tiles_of_row(BOUNDS, tiles_of(BOUNDS, shape, grid), shape, grid, row);
+    }
+    uint found;
+    uint at = before + sum_before(uint(run_size(run)), found) - splat.w;
+    for (int column = run.begin; column < run.end && at < splat.z; ++column)
+      store(splat.y + at++, tile_number(grid, column, row), splat.x);
+    before += found;
   }
 }
 
@@ -105,9 +128,10 @@ void main() {
     footprint = footprints.at[id];
     stride = grids.at[view_at(of_view, id)].stride;
   }
-  const uint place = places.at[workgroup()] + sum_before(footprint.z, total);
-  if ((footprint.x | footprint.y) == 0u && footprint.z != 0u) large[atomicAdd(large_count, 1u)] = uvec2(id, place);
+  const uint place = numbers_before(sums, runs, workgroup()) + sum_before(footprint.z, total);
+  if ((footprint.x | footprint.y) == 0u && footprint.z != 0u)
+    large[atomicAdd(large_count, 1u)] = uvec4(id, place, footprint.z, 0u);
   emit_masks(id, footprint, stride, place);
   barrier();
-  for (uint k = 0u; k < large_count; ++k) emit_large(large[k].x, large[k].y);
+  if (large_count != 0u) emit_large();
 }

@@ -3,7 +3,7 @@
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 #include "frame.glsl"
-#include "tile_counts.glsl"
+#include "tiles.glsl"
 
 // Finds the footprints of splats that have their places.
 layout(push_constant, scalar) uniform Push {
@@ -11,7 +11,7 @@ layout(push_constant, scalar) uniform Push {
   uvec2 of_view;
   Grids grids;  // of the views
   Footprints footprints;
-  Uints tile_counts;
+  TotalsAt to;
   Count count;
 };
 
@@ -23,5 +23,5 @@ void main() {
     footprint = footprint_of(BOUNDS, shape_of(shapes.at[i]), grids.at[view_at(of_view, i)]);
     footprints.at[i] = footprint;
   }
-  add_tiles(tile_counts, footprint.z);
+  add_tiles(to, footprint.z);
 }

@@ -3,9 +3,10 @@
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 #include "frame.glsl"
+#include "places.glsl"
 
 // Projects the Gaussians of a placed scene, through any lens with THROUGH_LENS: pinholes have a kernel of their own, which
-// compiles in a fifth of the time. The visible ones of a workgroup lie side by side, and their number in `counts`.
+// compiles in a fifth of the time. The visible ones of a workgroup lie side by side.
 
 #ifdef THROUGH_LENS
 layout(constant_id = 3) const uint LENS = perspective;
@@ -14,8 +15,9 @@ layout(constant_id = 3) const uint LENS = perspective;
 layout(push_constant, scalar) uniform Push {
   Seens seen;
   Projecteds projected;  // of this scene
-  Uints counts;
-  uint gaussians;
+  Uints counts, runs;    // visible ones of all workgroups
+  TotalsAt to;
+  uint gaussians, first_workgroup;
 };
 
 // As `Clip::shows`.
@@ -37,7 +39,7 @@ void main() {
   // A workgroup has a chunk.
   const uvec2 chunks = seen.at[0].scene.chunks;
   if (!is_null(chunks) && hides(seen.at[0].eye, seen.at[0].culler, Chunks(chunks).at[workgroup()])) {
-    if (thread() == 0u) counts.at[workgroup()] = 0u;
+    if (thread() == 0u) counts.at[first_workgroup + workgroup()] = 0u;
     return;
   }
 #endif
@@ -58,5 +60,8 @@ void main() {
     projected.at[place].shape = stored_shape(shape.shape);
     projected.at[place].depth_gaussian = uvec4(floatBitsToUint(shape.depth), i, 0u, 0u);
   }
-  if (thread() == 0u) counts.at[workgroup()] = visible;
+  if (thread() == 0u) {
+    add_number(counts, runs, first_workgroup + workgroup(), visible);
+    if (visible != 0u) atomicAdd(to.totals.visible.x, visible);
+  }
 }

@@ -4,22 +4,13 @@
 #include "common.glsl"
 #include "frame.glsl"
 
-// One workgroup: adds up all tiles, decides whether the frame fits, and writes the numbers of workgroups of later kernels.
-layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Halves { uvec2 at[]; };
-
+// Decides whether the frame fits, and writes the numbers of workgroups of later kernels.
 layout(push_constant, scalar) uniform Push {
-  Halves tile_counts;
   TotalsAt to;
   Uints report, groups;  // of the splats, then of the intersections
   Count visible;
-  uint parts, splat_capacity, intersection_capacity, draws, splats_part, intersections_part;  // of sorts
+  uint splat_capacity, intersection_capacity, draws, splats_part, intersections_part;  // of sorts
 };
-
-uvec2 plus(uvec2 a, uint high, uint low) {
-  uint carry;
-  const uint sum = uaddCarry(a.x, low, carry);
-  return uvec2(sum, a.y + high + carry);
-}
 
 // `VkDispatchIndirectCommand` for workgroups of `each` elements, as `Shape::of`.
 void store_command(uint at, uint elements, uint each) {
@@ -35,27 +26,13 @@ void store_groups(uint at, uint elements, uint part) {
 }
 
 void main() {
-  uvec2 sum = uvec2(0u);
-  for (uint g = thread(); g < parts; g += THREADS) {
-    const uvec2 halves = tile_counts.at[g];
-    sum = plus(plus(sum, 0u, halves.x), halves.y >> 16, halves.y << 16);
-  }
-  // By 16 bits, so that no sum over the threads leaves 32.
-  uvec2 intersections = uvec2(0u);
-  for (uint part = 0u; part < 4u; ++part) {
-    uint total;
-    sum_before((sum[part / 2u] >> (16u * (part & 1u))) & 0xffffu, total);
-    if (part == 0u) intersections = plus(intersections, 0u, total);
-    if (part == 1u) intersections = plus(intersections, total >> 16, total << 16);
-    if (part >= 2u) intersections.y += total << (16u * (part & 1u));
-  }
   if (thread() != 0u) return;
   const uint splats = number_of(visible);
+  const uvec2 intersections = to.totals.intersections;
   const bool fits = draws != 0u && (splat_capacity == 0u || splats <= splat_capacity) &&
                     (intersection_capacity == 0u || (intersections.y == 0u && intersections.x <= intersection_capacity));
   const uint overflowed = fits ? 0u : 1u;
   to.totals.visible = uvec2(splats, 0u);
-  to.totals.intersections = intersections;
   to.totals.overflowed = uvec2(overflowed, 0u);
   to.totals.splats = fits ? splats : 0u;
   to.totals.kept_intersections = fits ? intersections.x : 0u;

@@ -3,12 +3,13 @@
 #extension GL_GOOGLE_include_directive : require
 #include "common.glsl"
 #include "frame.glsl"
+#include "places.glsl"
 
 // Adds up the tiles of each workgroup's splats in the given order; in index order where it is null.
 layout(push_constant, scalar) uniform Push {
   Footprints footprints;
   uvec2 order;
-  Uints sums;
+  Uints sums, runs;
   Count count;
 };
 
@@ -18,5 +19,5 @@ void main() {
   uint total, tiles = 0u;
   if (i < number_of(count)) tiles = footprints.at[is_null(order) ? i : Uints(order).at[i]].z;
   sum_before(tiles, total);
-  if (thread() == 0u) sums.at[workgroup()] = total;
+  if (thread() == 0u) add_number(sums, runs, workgroup(), total);
 }

@@ -34,14 +34,8 @@ namespace vulkan {
 
 /// Counts of a frame that later stages read, in device memory.
 struct FrameTotals {
-  FrameReport report;
+  FrameReport report;                           ///< projection counts in it
   std::uint32_t splats = 0, intersections = 0;  ///< 0 where the frame overflowed
-};
-
-/// Numbers of tiles by workgroup, in device memory.
-struct TileCounts {
-  const std::uint32_t* counts = nullptr;
-  std::uint32_t workgroups = 0;
 };
 
 /// A visible Gaussian before its splat has a place, as frame.glsl declares it.
@@ -89,11 +83,9 @@ struct KindOf<AxisSharedThreshold<Exponent>> {
 template <>
 struct ProjectScratch<Vulkan> {
   VulkanBuffer<vulkan::Projected> projected;
-  VulkanBuffer<std::uint32_t> counts, places, tile_counts;  ///< by workgroup
+  VulkanBuffer<std::uint32_t> counts, runs;  ///< visible Gaussians by workgroup, and by run of workgroups
 
-  static auto buffers(auto& self) {
-    return std::tie(self.projected, self.counts, self.places, self.tile_counts);
-  }
+  static auto buffers(auto& self) { return std::tie(self.projected, self.counts, self.runs); }
 };
 
 /// Splats on a device. After `bin` within limits, `count` is an upper bound and `exact` points to the number,
@@ -141,17 +133,15 @@ class SWIFTGS_API Shading<Vulkan> {
 template <>
 struct Footprints<Vulkan> {
   VulkanBuffer<Footprint> each;
-  VulkanBuffer<std::uint32_t> tile_counts;  ///< of splats that were not projected
   VulkanBuffer<vulkan::FrameTotals> totals;
-  vulkan::TileCounts found;       ///< by projection, until `bin`
-  std::string_view found_within;  ///< these bounds
+  std::string_view found_within;  ///< bounds of projection, until `bin`
   std::size_t count = 0;          ///< splats, at most
   Count intersections;
   Views views;
   const std::uint64_t* overflowed = nullptr;
 
   FootprintsView view() const { return {{each.data(), count}, intersections, views, overflowed}; }
-  static auto buffers(auto& self) { return std::tie(self.each, self.tile_counts, self.totals); }
+  static auto buffers(auto& self) { return std::tie(self.each, self.totals); }
 };
 
 namespace vulkan {
@@ -167,6 +157,9 @@ SWIFTGS_API void project(Vulkan& b, const FramePlan& plan, BoundsKind bounds, Pr
 SWIFTGS_API void bin(Vulkan& b, const FramePlan& plan, BoundsKind bounds, Splats<Vulkan>& splats,
                      Footprints<Vulkan>& footprints);
 
+/// Memory as kernels read it.
+inline std::uint32_t* words_at(void* data) { return static_cast<std::uint32_t*>(data); }
+
 /// Keys as kernels read them: of one word or two, the lower one first.
 struct Keys {
   std::uint32_t* words;
@@ -174,9 +167,6 @@ struct Keys {
 
   template <class Key>
   explicit Keys(Key* keys) : words(words_at(keys)), each(sizeof(Key) / sizeof(std::uint32_t)) {}
-
- private:
-  static std::uint32_t* words_at(void* keys) { return static_cast<std::uint32_t*>(keys); }
 };
 
 SWIFTGS_API void emit(Vulkan& b, const SortJob& job, BoundsKind bounds, const std::uint32_t* order,
@@ -227,8 +217,8 @@ Count emit_intersections(Vulkan& b, const SortJob& job, const Bounds&, const std
   check_footprints(job);
   const Count count = job.footprints.intersections;
   check_intersections(count.most);
-  // A number of each workgroup, and the sums before them.
-  scratch.offsets.reset(job.splats.size() / 64 + 3), intersections.reset(count.most);
+  // A number of each workgroup, and of runs of workgroups.
+  scratch.offsets.reset(job.splats.size() / 64 + 8), intersections.reset(count.most);
   vulkan::emit(b, job, vulkan::bounds_kind<Bounds>, order, scratch.offsets.data(),
                vulkan::Keys(intersections.keys.data()), intersections.values.data());
   return count;
