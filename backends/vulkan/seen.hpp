@@ -86,6 +86,7 @@ struct Seen {
   float tint_amount = 0;
   std::uint32_t first_gaussian = 0;
   Culler culler;
+  std::uint32_t unused[3] = {};
 
   Seen(const View& view, const StoredScene& placed) : Seen(swiftgs::eye(view.camera, placed), placed) {}
 
@@ -103,6 +104,8 @@ struct Seen {
     for (int k = 0; k < Clip::max_half_spaces; ++k) half_spaces[k] = placed.clip.half_spaces[k];
   }
 };
+
+static_assert(sizeof(Seen) % 16 == 0);
 
 /// Every scene by every view, for kernels of `commands`.
 inline const Seen* all_seen(Commands& commands, const Views& views, const StoredScenes& scenes) {

@@ -31,8 +31,9 @@ struct Seen {
   float tint_amount;
   uint first_gaussian;
   Culler culler;
+  uint unused[3];  // to 16 bytes, so that a device loads several words at once
 };
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Seens { Seen at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Seens { Seen at[]; };
 
 // The scene of a Gaussian as a view sees it, of all scenes by all views.
 uint seen_by(Seens seen, uint scenes, uint view, uint gaussian) {

@@ -32,12 +32,7 @@ float picked_depth(uint id, vec2 place) {
 // Adds to the sum of Gaussian `g` what the lanes have, in halves of 16 bits. All lanes call it.
 void contribute(uint g, uint low_bits, uint high_bits) {
   const uint low = subgroupAdd(low_bits), high = subgroupAdd(high_bits);
-  if (gl_SubgroupInvocationID != 0u || (low | high) == 0u) return;
-  uint carry;
-  const uint parts = uaddCarry(high << 16, low, carry);
-  const uint before = atomicAdd(contributions.at[2u * g], parts);
-  if (before + parts < before) ++carry;
-  if ((high >> 16) + carry != 0u) atomicAdd(contributions.at[2u * g + 1u], (high >> 16) + carry);
+  if (gl_SubgroupInvocationID == 0u && (low | high) != 0u) add_halves(Uints(element(uvec2(contributions), g, 8u)), low, high);
 }
 
 // The id that this lane has of those from `from` on.
@@ -102,7 +97,7 @@ void main() {
     }
 
     const uint count = min(waiting, SUBGROUP);
-    subgroupBarrier();
+    share_in_subgroup();
     {
       const uint slot = front + lane;
       vec4 shade = vec4(0.0);
@@ -112,7 +107,7 @@ void main() {
       // Neither a hidden splat nor what fills the last group is shown.
       if (!(shade.w > 0.0)) rests[slot] = vec4(0.0, 0.0, -1.0, 0.0);
     }
-    subgroupBarrier();
+    share_in_subgroup();
 
     for (uint of_group = front; of_group < front + count; of_group += GROUP) {
       Group group[EACH];
@@ -198,10 +193,10 @@ void main() {
         pixels[p] = pixel_of(pixels[p].limit < 0.0 ? -1.0 : limit_of(view.stop_below, all[p].transmittance));
       }
     }
-    subgroupBarrier();
+    share_in_subgroup();
   }
 
-  for (uint p = 0u; p < EACH; ++p) {
+  [[unroll]] for (uint p = 0u; p < EACH; ++p) {
     const uvec2 at = block + place_of(p);
     if (at.x >= view.width || at.y >= view.height) continue;
     const vec2 place = first_place + vec2(place_of(p));

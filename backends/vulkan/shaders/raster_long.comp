@@ -49,11 +49,11 @@ void blend(RasterView view, uint from, uint count, vec2 first_centre, inout Pixe
     if (some) shade = colours.at[id];
     Terms terms = Terms(vec4(0.0), vec4(0.0, 0.0, -1.0, 0.0));  // shows nothing
     if (shade.w > 0.0) terms = terms_of(shape_of(shapes.at[id]), first_centre);
-    subgroupBarrier();
+    share_in_subgroup();
     exponents[slot] = terms.exponent;
     rests[slot] = terms.rest;
     shades[slot] = shade;
-    subgroupBarrier();
+    share_in_subgroup();
     for (uint of_group = first; of_group < first + min(count - k, SUBGROUP); of_group += GROUP) {
       Group group[EACH];
       [[unroll]] for (uint n = 0u; n < GROUP; ++n) {

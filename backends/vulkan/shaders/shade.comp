@@ -29,7 +29,7 @@ void copy_rows(uvec2 row, uint count) {
     const uint of_row = subgroupShuffle(count, r), to = (gl_SubgroupID * SUBGROUP + r) * MOST_WORDS;
     for (uint w = gl_SubgroupInvocationID; w < of_row; w += SUBGROUP) words[to + w] = from.at[w];
   }
-  subgroupBarrier();
+  share_in_subgroup();
 }
 
 // How a row holds numbers.

@@ -59,9 +59,9 @@ void main() {
     same.zw = uvec2(0u);
     const uint before = ones(same & gl_SubgroupLtMask), at = gl_SubgroupID * DIGITS + digit, old = places_of[at];
     to[k] = old + before;
-    subgroupBarrier();
+    share_in_subgroup();
     if (some && before == 0u) places_of[at] = old + ones(same);
-    subgroupBarrier();
+    share_in_subgroup();
   }
   barrier();
 
