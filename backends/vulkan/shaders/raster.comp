@@ -196,13 +196,20 @@ void main() {
     share_in_subgroup();
   }
 
+  // Copies, because an array that a loop indexes leaves the registers, and would do so above too.
+  Pixel shown[EACH];
+  uvec3 picked[EACH];
   [[unroll]] for (uint p = 0u; p < EACH; ++p) {
+    for (uint k = 0u; k < ATTRIBUTES; ++k) sums_of_all[p * SUMS + k] += all[p].transmittance * sums[p * SUMS + k];
+    composite(all[p], pixels[p]);
+    shown[p] = all[p];
+    picked[p] = uvec3(first[p], median[p], largest[p]);
+  }
+  for (uint p = 0u; p < EACH; ++p) {
     const uvec2 at = block + place_of(p);
     if (at.x >= view.width || at.y >= view.height) continue;
     const vec2 place = first_place + vec2(place_of(p));
-    for (uint k = 0u; k < ATTRIBUTES; ++k) sums_of_all[p * SUMS + k] += all[p].transmittance * sums[p * SUMS + k];
-    composite(all[p], pixels[p]);
-    precise float alpha = 1.0 - left_by(all[p]);
+    precise float alpha = 1.0 - left_by(shown[p]);
     for (uint k = 0u; k < ATTRIBUTES; ++k) {
       const Attribute to = attributes_of.at[0].each[k];
       const uint from = p * SUMS + k;
@@ -223,15 +230,16 @@ void main() {
       if (to.of == of_feature) floats_of(view.features, at, view.feature_channels).at[to.channel] = sum;
     }
     if (!IS_BASE) continue;
-    store(view, at, all[p]);
+    store(view, at, shown[p]);
     if (PICKS) {
+      const uint first_id = picked[p].x, median_id = picked[p].y, largest_id = picked[p].z;
       if (!is_null(view.first_depth.data))
-        floats_of(view.first_depth, at, 1u).at[0] = picked_depth(first[p], place);
+        floats_of(view.first_depth, at, 1u).at[0] = picked_depth(first_id, place);
       if (!is_null(view.median_depth.data))
-        floats_of(view.median_depth, at, 1u).at[0] = picked_depth(median[p], place);
-      if (!is_null(view.id.data)) words_of(view.id, at, 1u).at[0] = largest[p] == NONE ? NONE : gaussians.at[largest[p]];
+        floats_of(view.median_depth, at, 1u).at[0] = picked_depth(median_id, place);
+      if (!is_null(view.id.data)) words_of(view.id, at, 1u).at[0] = largest_id == NONE ? NONE : gaussians.at[largest_id];
       if (!is_null(view.median_id.data))
-        words_of(view.median_id, at, 1u).at[0] = median[p] == NONE ? NONE : gaussians.at[median[p]];
+        words_of(view.median_id, at, 1u).at[0] = median_id == NONE ? NONE : gaussians.at[median_id];
     }
   }
 }
