@@ -37,7 +37,7 @@ struct SceneWords {
       features_stride;
   std::uint32_t sh_format;
   float sh_scale;
-  std::uint32_t sh_degree, any_rotations, plain_colours;
+  std::uint32_t sh_rows, sh_degree, any_rotations, plain_colours;
 
   SceneWords() = default;
   explicit SceneWords(const SceneView& scene)
@@ -59,6 +59,7 @@ struct SceneWords {
         features_stride(scene.features.stride),
         sh_format(std::uint32_t(scene.sh_rest.format)),
         sh_scale(scene.sh_rest.scale),
+        sh_rows(std::uint32_t(scene.sh_rest.size)),
         sh_degree(std::uint32_t(scene.sh_degree)),
         any_rotations(scene.any_rotations),
         plain_colours(scene.plain_colours) {}
@@ -86,7 +87,7 @@ struct Seen {
   float tint_amount = 0;
   std::uint32_t first_gaussian = 0;
   Culler culler;
-  std::uint32_t unused[3] = {};
+  std::uint32_t unused[2] = {};
 
   Seen(const View& view, const StoredScene& placed) : Seen(swiftgs::eye(view.camera, placed), placed) {}
 

@@ -27,6 +27,7 @@ layout(local_size_x_id = 1) in;
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Uints { uint at[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Floats { float at[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Fours { uvec4 at[]; };
 
 bool is_null(uvec2 address) { return address == uvec2(0u); }
 

@@ -16,7 +16,7 @@ struct SceneArrays {
   uint means_stride, scales_stride, rotations_stride, opacities_stride, sh0_stride, sh_stride, features_stride;
   uint sh_format;  // as `HarmonicFormat`
   float sh_scale;
-  uint sh_degree, any_rotations, plain_colours;
+  uint sh_rows, sh_degree, any_rotations, plain_colours;
 };
 
 // A placed scene and the eye that sees it: `Seen` of the host.
@@ -31,7 +31,7 @@ struct Seen {
   float tint_amount;
   uint first_gaussian;
   Culler culler;
-  uint unused[3];  // to 16 bytes, so that a device loads several words at once
+  uint unused[2];  // to 16 bytes, so that a device loads several words at once
 };
 layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Seens { Seen at[]; };
 

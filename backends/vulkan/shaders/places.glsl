@@ -2,8 +2,6 @@
 
 // Sums over the workgroups before one, in two levels: a number of each workgroup, and the sum of each run of workgroups,
 // which was 0. Integers: the order of workgroups changes no bit.
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer Fours { uvec4 at[]; };
-
 const uint RUN = 4u * THREADS;
 
 // Notes the number of workgroup `w`, by one thread.
