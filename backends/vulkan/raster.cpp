@@ -80,8 +80,8 @@ bool has_no_planes(const FrameView& frame) {
   return none;
 }
 
-/// Splats that touch a block before raster.comp hands it over: FIRST_SEGMENT of raster.glsl.
-constexpr std::size_t first_segment = 1024;
+/// Splats that raster.comp blends of a block before it hands it over: a multiple of SEGMENT of raster.glsl.
+constexpr std::uint32_t hands_over_after = 1024;
 
 /// Lists that a launch of raster.comp draws.
 enum class Lists : std::uint32_t { all, with_many, others };
@@ -116,7 +116,7 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
                         blocks = std::uint32_t(blocks_of(frame));
     // raster_long.comp draws colour, alpha and depths of means. Its launch has a row alone.
     const bool hands_over = is_base && job.attributes.rows == 0 && !job.picks(view) && !frame.occluder &&
-                            parts == 1 && n > first_segment && blocks < most_groups;
+                            parts == 1 && n > hands_over_after && blocks < most_groups;
     std::byte* const launch = state.groups.device + Vulkan::State::long_blocks_launch;
     const void* const words_of_launch = launch;
     if (hands_over) {
@@ -140,14 +140,13 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
           [&](std::size_t, const auto& plane) { push.touch(pixels_of(plane, frame.height, Access::shared)); },
           frame);
       push.touch(pixels_of(frame.occluder, frame.height, Access::read));
-      commands.run(
-          kernel,
-          {kind.exponent, asks(kind.threshold), asks(sums_depth), asks(job.picks(view)),
-           asks(bool(frame.occluder)), asks(frame.conversion != Conversion::as_is),
-           job.attributes.rows * AttributeRow::channels, asks(is_base), asks(view.camera.depth_along_ray),
-           asks(contributions != nullptr), asks(!contributions || job.colours.each.data), parts,
-           asks(hands_over || n <= first_segment)},
-          push, shape);
+      commands.run(kernel,
+                   {kind.exponent, asks(kind.threshold), asks(sums_depth), asks(job.picks(view)),
+                    asks(bool(frame.occluder)), asks(frame.conversion != Conversion::as_is),
+                    job.attributes.rows * AttributeRow::channels, asks(is_base),
+                    asks(view.camera.depth_along_ray), asks(contributions != nullptr),
+                    asks(!contributions || job.colours.each.data), parts, hands_over ? hands_over_after : 0},
+                   push, shape);
     };
     const Commands::Shape all{columns, blocks / std::max(columns, 1u), commands.subgroup(), parts};
     const std::size_t of_tile =

@@ -176,14 +176,12 @@ void main() {
     bool all_stopped = true;
     [[unroll]] for (uint p = 0u; p < EACH; ++p) all_stopped = all_stopped && pixels[p].limit < 0.0;
     if (subgroupAll(all_stopped)) break;
-    if (HANDS_OVER) {
-      if (blended == FIRST_SEGMENT && (waiting != 0u || from + SUBGROUP < end)) {
-        const uint columns = (view.width + SIDE - 1u) / SIDE;
-        if (lane == 0u)
-          long_blocks.at[atomicAdd(long_launch.at[0], 1u) - 1u] = block.y / SIDE * columns + block.x / SIDE;
-        return;
-      }
-    } else if (blended >= FIRST_SEGMENT && (blended - FIRST_SEGMENT) % SEGMENT == 0u) {
+    if (HANDS_OVER != 0u && blended == HANDS_OVER && (waiting != 0u || from + SUBGROUP < end)) {
+      const uint columns = (view.width + SIDE - 1u) / SIDE;
+      if (lane == 0u) long_blocks.at[atomicAdd(long_launch.at[0], 1u) - 1u] = block.y / SIDE * columns + block.x / SIDE;
+      return;
+    }
+    if (blended % SEGMENT == 0u) {
       [[unroll]] for (uint p = 0u; p < EACH; ++p) {
         for (uint k = 0u; k < ATTRIBUTES; ++k) {
           sums_of_all[p * SUMS + k] += all[p].transmittance * sums[p * SUMS + k];

@@ -24,8 +24,8 @@ layout(constant_id = 12) const bool CONTRIBUTES = false;
 layout(constant_id = 13) const bool HAS_COLOURS = true;
 
 layout(constant_id = 14) const uint PARTS = 1u;
-// Blend only the first segment: raster_long.comp blends blocks with more, or the frame has too few splats for more.
-layout(constant_id = 15) const bool HANDS_OVER = false;
+// Splats after which raster_long.comp takes a block over: a multiple of SEGMENT, or 0 for never.
+layout(constant_id = 15) const uint HANDS_OVER = 0u;
 
 layout(push_constant, scalar) uniform Push {
   RasterViews views;  // this view alone
@@ -58,7 +58,7 @@ uvec2 place_of(uint p) {
 // Splats that touch the block are blended in segments. Each is blended as if it were alone and composited behind those in
 // front of it, so that many subgroups may blend the segments of a list, with the bits of one that blends them all. All
 // conservative bounds list the same splats that touch, so they have the same segments.
-const uint FIRST_SEGMENT = 1024u, SEGMENT = 128u;
+const uint SEGMENT = 128u;
 
 // As `box_touched` of `Cuda`: whether the ellipse s <= cutoff meets the box of the block's pixel centres.
 bool box_touched(Shape s, vec2 first) {

@@ -39,16 +39,29 @@ void find(uint wanted, uint end, vec2 first_centre) {
   barrier();
 }
 
-// Blends `count` splats from the `from`-th found on, by a subgroup.
+// The k-th splat found: one that does not exist is hidden.
+struct Found {
+  ShapeWords shape;
+  vec4 shade;
+};
+Found found_at(uint k, bool exists) {
+  Found splat = Found(ShapeWords(vec4(0.0), vec4(0.0)), vec4(0.0));
+  if (exists) {
+    const uint id = ring[(front + k) % RING];
+    splat = Found(shapes.at[id], colours.at[id]);
+  }
+  return splat;
+}
+
+// Blends `count` splats from the `from`-th found on, by a subgroup, which loads them a step ahead.
 void blend(RasterView view, uint from, uint count, vec2 first_centre, inout Pixel pixels[EACH]) {
-  const uint first = gl_SubgroupID * SUBGROUP, slot = first + gl_SubgroupInvocationID;
+  const uint lane = gl_SubgroupInvocationID, first = gl_SubgroupID * SUBGROUP, slot = first + lane;
+  Found next = found_at(from + lane, lane < count);
   for (uint k = 0u; k < count; k += SUBGROUP) {
-    const bool some = k + gl_SubgroupInvocationID < count;
-    const uint id = some ? ring[(front + from + k + gl_SubgroupInvocationID) % RING] : 0u;
-    vec4 shade = vec4(0.0);
-    if (some) shade = colours.at[id];
+    const vec4 shade = next.shade;
     Terms terms = Terms(vec4(0.0), vec4(0.0, 0.0, -1.0, 0.0));  // shows nothing
-    if (shade.w > 0.0) terms = terms_of(shape_of(shapes.at[id]), first_centre);
+    if (shade.w > 0.0) terms = terms_of(shape_of(next.shape), first_centre);
+    next = found_at(from + k + SUBGROUP + lane, k + SUBGROUP + lane < count);
     share_in_subgroup();
     exponents[slot] = terms.exponent;
     rests[slot] = terms.rest;
@@ -102,24 +115,14 @@ void main() {
   const uint end = ranges.at[2u * tile + 1u];
   visited = ranges.at[2u * tile];
 
-  Pixel pixels[EACH];
-  find(FIRST_SEGMENT, end, first_centre);
-  uint count = min(found, FIRST_SEGMENT);
-  if (gl_SubgroupID == 0u) {
-    [[unroll]] for (uint p = 0u; p < EACH; ++p) {
-      const uvec2 at = block + place_of(p);
-      pixels[p] = pixel_of(at.x < view.width && at.y < view.height ? view.stop_below : -1.0);
-    }
-    blend(view, 0u, count, first_centre, pixels);
-    [[unroll]] for (uint p = 0u; p < EACH; ++p) {
-      Pixel all = pixel_of(0.0);
-      composite(all, pixels[p]);
-      composited[number_of_pixel(p)] = vec4(all.colour, pixels[p].limit < 0.0 ? -all.transmittance : all.transmittance);
-      if (DEPTH) depths[number_of_pixel(p)] = all.depth;
-    }
+  for (uint i = thread(); i < PIXELS; i += THREADS) {
+    const uvec2 at = block + uvec2(i % SIDE, i / SIDE);
+    composited[i] = vec4(vec3(0.0), at.x < view.width && at.y < view.height ? 1.0 : -1.0);
+    depths[i] = 0.0;
   }
-  barrier();
 
+  Pixel pixels[EACH];
+  uint count = 0u;
   for (;;) {
     front = (front + count) % RING;
     found -= count;
