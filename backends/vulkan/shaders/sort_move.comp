@@ -33,6 +33,14 @@ void main() {
   const uint size = min(n - part * PART, PART);
   for (uint d = thread(); d < SUBGROUPS * DIGITS; d += THREADS) places_of[d] = 0u;
 
+  // What is needed last is asked for first.
+  const uint DIGITS_EACH = DIGITS / THREADS;
+  uint of_all_parts[DIGITS_EACH], of_earlier_parts[DIGITS_EACH];
+  [[unroll]] for (uint k = 0u; k < DIGITS_EACH; ++k) {
+    const uint d = k * THREADS + thread();
+    of_all_parts[k] = totals.at[d];
+    of_earlier_parts[k] = numbers.at[d * parts + part];
+  }
   const uint first = gl_SubgroupID * SUBGROUP * EACH + gl_SubgroupInvocationID;  // in the part
   uint words[EACH], others[EACH], payload[EACH], to[EACH];
   [[unroll]] for (uint k = 0u; k < EACH; ++k) {
@@ -66,13 +74,13 @@ void main() {
   barrier();
 
   uint before_digits = 0u, before_in_part = 0u;
-  for (uint first_digit = 0u; first_digit < DIGITS; first_digit += THREADS) {
-    const uint d = first_digit + thread();
+  [[unroll]] for (uint k = 0u; k < DIGITS_EACH; ++k) {
+    const uint d = k * THREADS + thread();
     uint in_part = 0u, of_all, of_part;
     for (uint s = 0u; s < SUBGROUPS; ++s) in_part += places_of[s * DIGITS + d];
-    const uint of_digits = before_digits + sum_before(totals.at[d], of_all);
+    const uint of_digits = before_digits + sum_before(of_all_parts[k], of_all);
     uint place = before_in_part + sum_before(in_part, of_part);
-    to_global[d] = of_digits + numbers.at[d * parts + part] - place;
+    to_global[d] = of_digits + of_earlier_parts[k] - place;
     for (uint s = 0u; s < SUBGROUPS; ++s) {
       const uint number = places_of[s * DIGITS + d];
       places_of[s * DIGITS + d] = place;
