@@ -36,7 +36,7 @@ struct RasterView {
   FloatPair stored_p, stored_q, stored_r, stored_s;
   TileGrid grid;
   std::uint32_t width, height, format, conversion, over, stored_as_depth, feature_channels;
-  float alpha_min, alpha_max, stop_below, first_below;
+  float least, alpha_max, stop_below, first_below;
   vec3 background;
   vec2 middle;
 
@@ -65,7 +65,7 @@ struct RasterView {
         stored_as_depth(view.frame.stored_depth.p == 1 && view.frame.stored_depth.q == 0 &&
                         view.frame.stored_depth.r == 0 && view.frame.stored_depth.s == 1),
         feature_channels(std::uint32_t(view.frame.feature_channels)),
-        alpha_min(view.rules.alpha_min),
+        least(view.rules.alpha_min / view.rules.alpha_max),
         alpha_max(view.rules.alpha_max),
         stop_below(view.rules.stop_below),
         first_below(view.rules.first_below),

@@ -36,10 +36,10 @@ void main() {
       const uint id = ids.at[at];
       const float of_splat = colours.at[id].w;
       if (!(of_splat > 0.0)) continue;
-      const Terms terms = terms_of(shape_of(shapes.at[id]), vec2(pixel) + 0.5);
-      const float alpha = alpha_of(terms, vec2(0.0), view.alpha_min, view.alpha_max);
+      const Terms terms = terms_of(shape_of(shapes.at[id]), vec2(pixel) + 0.5, view.alpha_max);
+      const float alpha = alpha_of(terms, vec2(0.0), view.least);
       if (alpha == 0.0) continue;
-      const float weight = alpha * transmittance, next = dimmed(transmittance, alpha, weight);
+      const float weight = alpha * transmittance, next = dimmed(transmittance, alpha, weight, view.alpha_max);
       found = next < view.stop_below;
       if (found) break;
       if (weight > largest) {
@@ -58,7 +58,7 @@ void main() {
   const uvec2 row = element(to, i / width, 20u * pitch);
   Uints picked = Uints(element(row, i % width, 20u));
   picked.at[0] = gaussian;
-  picked.at[1] = floatBitsToUint(largest);
+  picked.at[1] = floatBitsToUint(view.alpha_max * largest);
   picked.at[2] = floatBitsToUint(depth);
   picked.at[3] = median;
   picked.at[4] = floatBitsToUint(median_depth);

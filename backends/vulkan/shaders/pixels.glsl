@@ -13,7 +13,7 @@ struct RasterView {
   FloatPair stored_p, stored_q, stored_r, stored_s;
   TileGrid grid;
   uint width, height, format, conversion, over, stored_as_depth, feature_channels;
-  float alpha_min, alpha_max, stop_below, first_below;
+  float least, alpha_max, stop_below, first_below;  // alpha_min / alpha_max; of transmittances
   vec3 background;
   vec2 middle;  // of the image
 };

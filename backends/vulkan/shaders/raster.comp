@@ -87,7 +87,7 @@ void main() {
       const uvec4 touching = subgroupBallot(touches);
       if (touches) {
         const uint slot = (front + waiting + subgroupBallotExclusiveBitCount(touching)) % QUEUE;
-        const Terms terms = terms_of(shape, first_centre);
+        const Terms terms = terms_of(shape, first_centre, view.alpha_max);
         exponents[slot] = terms.exponent;
         rests[slot] = terms.rest;
         queued_ids[slot] = id;
@@ -105,7 +105,10 @@ void main() {
       else shade = HAS_COLOURS ? colours.at[queued_ids[slot]] : vec4(1.0);
       shades[slot] = shade;
       // Neither a hidden splat nor what fills the last group is shown.
-      if (!(shade.w > 0.0)) rests[slot] = vec4(0.0, 0.0, -1.0, 0.0);
+      if (!(shade.w > 0.0)) {
+        exponents[slot] = no_terms().exponent;
+        rests[slot] = no_terms().rest;
+      }
     }
     share_in_subgroup();
 
@@ -114,7 +117,7 @@ void main() {
       [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
         const Terms terms = Terms(exponents[of_group + k], rests[of_group + k]);
         [[unroll]] for (uint p = 0u; p < EACH; ++p)
-          group[p].weight[k] = alpha_of(terms, vec2(place_of(p)), view.alpha_min, view.alpha_max);
+          group[p].weight[k] = alpha_of(terms, vec2(place_of(p)), view.least);
       }
 
       bool some_stop = false, occluded[EACH];
@@ -131,7 +134,7 @@ void main() {
             if (hidden || occluded[p]) group[p].weight[k] = 0.0;
           }
         }
-        some_stop = weigh(pixels[p], group[p]) || some_stop;
+        some_stop = weigh(pixels[p], group[p], view.alpha_max) || some_stop;
       }
       if (some_stop) {
         [[unroll]] for (uint p = 0u; p < EACH; ++p) undo(pixels[p], group[p]);
@@ -162,7 +165,7 @@ void main() {
             if (median[p] == NONE && behind < 0.5) median[p] = id;
           }
           if (CONTRIBUTES) {
-            const uint parts = uint(w * 2147483648.0);
+            const uint parts = uint(w * view.alpha_max * 2147483648.0);
             low_bits += parts & 0xffffu;
             high_bits += parts >> 16;
           }
@@ -184,10 +187,10 @@ void main() {
     if (blended % SEGMENT == 0u) {
       [[unroll]] for (uint p = 0u; p < EACH; ++p) {
         for (uint k = 0u; k < ATTRIBUTES; ++k) {
-          sums_of_all[p * SUMS + k] += all[p].transmittance * sums[p * SUMS + k];
+          sums_of_all[p * SUMS + k] += view.alpha_max * all[p].transmittance * sums[p * SUMS + k];
           sums[p * SUMS + k] = 0.0;
         }
-        composite(all[p], pixels[p]);
+        composite(all[p], pixels[p], view.alpha_max);
         pixels[p] = pixel_of(pixels[p].limit < 0.0 ? -1.0 : limit_of(view.stop_below, all[p].transmittance));
       }
     }
@@ -198,8 +201,8 @@ void main() {
   Pixel shown[EACH];
   uvec3 picked[EACH];
   [[unroll]] for (uint p = 0u; p < EACH; ++p) {
-    for (uint k = 0u; k < ATTRIBUTES; ++k) sums_of_all[p * SUMS + k] += all[p].transmittance * sums[p * SUMS + k];
-    composite(all[p], pixels[p]);
+    for (uint k = 0u; k < ATTRIBUTES; ++k) sums_of_all[p * SUMS + k] += view.alpha_max * all[p].transmittance * sums[p * SUMS + k];
+    composite(all[p], pixels[p], view.alpha_max);
     shown[p] = all[p];
     picked[p] = uvec3(first[p], median[p], largest[p]);
   }

@@ -60,21 +60,31 @@ uvec2 place_of(uint p) {
 // conservative bounds list the same splats that touch, so they have the same segments.
 const uint SEGMENT = 128u;
 
-// As `box_touched` of `Cuda`: whether the ellipse s <= cutoff meets the box of the block's pixel centres.
+// As `box_touched` of `Cuda`: whether the ellipse s <= cutoff meets the box of the block's pixel centres. Kernels that
+// blend the segments of one list must agree, so no compiler may fuse operations of its own choice.
 bool box_touched(Shape s, vec2 first) {
-  const float left = right_of_mean(s, first.x), right = left + float(SIDE - 1u);
-  const float top = below_mean(s, first.y), bottom = top + float(SIDE - 1u);
+  const float left = right_of_mean(s, first.x), top = below_mean(s, first.y);
+  precise float right = left + float(SIDE - 1u);
+  precise float bottom = top + float(SIDE - 1u);
   const float nearest_y = min(max(0.0, top), bottom);
-  const float u_left = s.l0 * left + s.l1 * nearest_y, u_right = s.l0 * right + s.l1 * nearest_y;
-  const float edge = u_left > 0.0 ? left : right;
-  const float along_edge = -s.l0 * s.l1 * edge / (s.l1 * s.l1 + s.l2 * s.l2);
+  precise float tilt = s.l1 * nearest_y;
+  precise float u_left = fma(s.l0, left, tilt);
+  precise float u_right = fma(s.l0, right, tilt);
+  precise float on_edge = s.l0 * (u_left > 0.0 ? left : right);
+  precise float l2_squared = s.l2 * s.l2;
+  precise float above = -s.l1 * on_edge;
+  precise float along_edge = above / fma(s.l1, s.l1, l2_squared);
   const bool across = u_left <= 0.0 && u_right >= 0.0;
   const float y = across ? nearest_y : min(max(along_edge, top), bottom);
-  const float u = across ? 0.0 : s.l0 * edge + s.l1 * y, v = s.l2 * y;
-  return u * u + v * v <= s.cutoff * 1.0001;
+  precise float u = fma(s.l1, y, on_edge);
+  precise float v = s.l2 * y;
+  precise float v_squared = v * v;
+  precise float nearest = across ? v_squared : fma(u, u, v_squared);
+  precise float most = s.cutoff * 1.0001;
+  return nearest <= most;
 }
 
-// A pixel of a segment. When it stops it loses its transmittance, so that later splats add nothing, and `limit` holds
+// A pixel of a segment, whose colour and depth are in units of alpha_max. When it stops it loses its transmittance, so that later splats add nothing, and `limit` holds
 // what was left, negated.
 struct Pixel {
   float transmittance, limit, depth;
@@ -93,12 +103,12 @@ struct Group {
 };
 
 // Finds the weights of a group from its alphas, and dims the pixel. Returns whether it stops.
-bool weigh(inout Pixel pixel, inout Group g) {
+bool weigh(inout Pixel pixel, inout Group g, float alpha_max) {
   g.left[0] = pixel.transmittance;
   [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
     const float alpha = g.weight[k];
     g.weight[k] = alpha * g.left[k];
-    g.left[k + 1u] = dimmed(g.left[k], alpha, g.weight[k]);
+    g.left[k + 1u] = dimmed(g.left[k], alpha, g.weight[k], alpha_max);
   }
   pixel.transmittance = g.left[GROUP];
   return g.left[GROUP] < pixel.limit;
@@ -122,9 +132,10 @@ void add(inout Pixel pixel, float weight, vec4 shade) {
 }
 
 // Composites `segment` behind a pixel.
-void composite(inout Pixel all, Pixel segment) {
-  all.colour = fma(vec3(all.transmittance), segment.colour, all.colour);
-  if (DEPTH) all.depth = fma(all.transmittance, segment.depth, all.depth);
+void composite(inout Pixel all, Pixel segment, float alpha_max) {
+  const float before = alpha_max * all.transmittance;
+  all.colour = fma(vec3(before), segment.colour, all.colour);
+  if (DEPTH) all.depth = fma(before, segment.depth, all.depth);
   all.transmittance *= left_by(segment);
 }
 

@@ -59,8 +59,8 @@ void blend(RasterView view, uint from, uint count, vec2 first_centre, inout Pixe
   Found next = found_at(from + lane, lane < count);
   for (uint k = 0u; k < count; k += SUBGROUP) {
     const vec4 shade = next.shade;
-    Terms terms = Terms(vec4(0.0), vec4(0.0, 0.0, -1.0, 0.0));  // shows nothing
-    if (shade.w > 0.0) terms = terms_of(shape_of(next.shape), first_centre);
+    Terms terms = no_terms();
+    if (shade.w > 0.0) terms = terms_of(shape_of(next.shape), first_centre, view.alpha_max);
     next = found_at(from + k + SUBGROUP + lane, k + SUBGROUP + lane < count);
     share_in_subgroup();
     exponents[slot] = terms.exponent;
@@ -72,10 +72,10 @@ void blend(RasterView view, uint from, uint count, vec2 first_centre, inout Pixe
       [[unroll]] for (uint n = 0u; n < GROUP; ++n) {
         const Terms queued = Terms(exponents[of_group + n], rests[of_group + n]);
         [[unroll]] for (uint p = 0u; p < EACH; ++p)
-          group[p].weight[n] = alpha_of(queued, vec2(place_of(p)), view.alpha_min, view.alpha_max);
+          group[p].weight[n] = alpha_of(queued, vec2(place_of(p)), view.least);
       }
       bool some_stop = false;
-      [[unroll]] for (uint p = 0u; p < EACH; ++p) some_stop = weigh(pixels[p], group[p]) || some_stop;
+      [[unroll]] for (uint p = 0u; p < EACH; ++p) some_stop = weigh(pixels[p], group[p], view.alpha_max) || some_stop;
       if (some_stop) {
         [[unroll]] for (uint p = 0u; p < EACH; ++p) undo(pixels[p], group[p]);
       }
@@ -166,7 +166,7 @@ void main() {
       bool live = all.transmittance > 0.0;
       for (uint s = 0u; s < SUBGROUPS && live; ++s) {
         const vec4 segment = segments[s * PIXELS + i];
-        composite(all, Pixel(abs(segment.w), 0.0, segment_depths[s * PIXELS + i], segment.rgb));
+        composite(all, Pixel(abs(segment.w), 0.0, segment_depths[s * PIXELS + i], segment.rgb), view.alpha_max);
         live = segment.w >= 0.0;
       }
       composited[i] = vec4(all.colour, live ? all.transmittance : -abs(all.transmittance));
