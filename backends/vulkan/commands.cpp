@@ -90,8 +90,9 @@ Commands::Shape Commands::Shape::of(std::size_t elements, std::size_t each, std:
 }
 
 Commands::Shape Commands::over(Count count, Groups::Of of) const {
-  Shape shape = of == Groups::usual ? Shape::of(count.most)
-                                    : Shape::of(count.most, sort_part(count.most), sort_threads());
+  Shape shape = of == Groups::usual   ? Shape::of(count.most)
+                : of == Groups::fours ? Shape::of(count.most, 4 * usual_threads)
+                                      : Shape::of(count.most, sort_part(count.most), sort_threads());
   for (std::size_t k = 0; k < b_.counted.size(); ++k)
     if (count.exact && b_.counted[k].exact == count.exact && b_.counted[k].most == count.most)
       shape.at = k * sizeof(Groups) + of * sizeof(VkDispatchIndirectCommand);

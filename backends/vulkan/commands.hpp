@@ -72,7 +72,7 @@ inline constexpr std::uint32_t sort_digits = 256;
 
 /// Workgroups of kernels that run over a number which the device counts, as settle.comp writes them.
 struct Groups {
-  enum Of : std::uint32_t { usual, sort, kinds };
+  enum Of : std::uint32_t { usual, fours, sort, kinds };  ///< `fours` has four elements a thread
   VkDispatchIndirectCommand each[kinds];
 };
 

@@ -24,7 +24,7 @@ void emit(Vulkan& b, const SortJob& job, BoundsKind bounds, const std::uint32_t*
   commands.fill(sums_of_runs, runs, 0);
   commands.run(Kernel::tile_sums, {},
                Push(footprints, reads(order, n), writes(sums, most_sums), shares(sums_of_runs, runs), count),
-               commands.over(count));
+               commands.over(count, Groups::fours));
   commands.run(Kernel::emit, {bounds.number, keys.each},
                Push(reads(splats.shapes.data, n), reads(splats.depths.data, n), reads(splats.of_view, n),
                     reads(order, n), address(grids_of(commands, job.footprints.views)), footprints,
@@ -52,7 +52,7 @@ void find_ranges(Vulkan& b, const FootprintsView& footprints, Count count, Keys 
                Push(reads(keys.words, keys.each * count.most), writes(ranges, tiles), launch,
                     writes(state.long_tiles.data(), most_long), count, std::uint32_t(tiles), long_list,
                     blocks * blocks),
-               commands.over(count));
+               commands.over(count, Groups::fours));
   commands.finish();
 }
 

@@ -20,14 +20,17 @@ uint tile_at(uint i) {
 }
 
 void main() {
-  const uint i = invocation(), n = number_of(count);
-  if (i >= n) return;
-  const uint tile = tile_at(i);
-  if (tile >= tiles) return;
-  if (i == 0u || tile_at(i - 1u) != tile) {
-    ranges.at[2u * tile] = i;
-    if (n - i >= long_list && tile_at(i + long_list - 1u) == tile)
-      long_tiles.at[atomicAdd(long_launch.at[0], tile_blocks) / tile_blocks] = tile;
+  const uint n = number_of(count);
+  [[unroll]] for (uint k = 0u; k < 4u; ++k) {
+    const uint i = (4u * workgroup() + k) * THREADS + thread();
+    if (i >= n) continue;
+    const uint tile = tile_at(i);
+    if (tile >= tiles) continue;
+    if (i == 0u || tile_at(i - 1u) != tile) {
+      ranges.at[2u * tile] = i;
+      if (n - i >= long_list && tile_at(i + long_list - 1u) == tile)
+        long_tiles.at[atomicAdd(long_launch.at[0], tile_blocks) / tile_blocks] = tile;
+    }
+    if (i + 1u == n || tile_at(i + 1u) != tile) ranges.at[2u * tile + 1u] = i + 1u;
   }
-  if (i + 1u == n || tile_at(i + 1u) != tile) ranges.at[2u * tile + 1u] = i + 1u;
 }

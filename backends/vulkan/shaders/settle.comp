@@ -22,7 +22,8 @@ void store_command(uint at, uint elements, uint each) {
 // `Groups` of the host.
 void store_groups(uint at, uint elements, uint part) {
   store_command(at, elements, 128u);
-  store_command(at + 3u, elements, part);
+  store_command(at + 3u, elements, 512u);
+  store_command(at + 6u, elements, part);
 }
 
 void main() {
@@ -37,7 +38,7 @@ void main() {
   to.totals.splats = fits ? splats : 0u;
   to.totals.kept_intersections = fits ? intersections.x : 0u;
   store_groups(0u, fits ? splats : 0u, splats_part);
-  store_groups(6u, fits ? intersections.x : 0u, intersections_part);
+  store_groups(9u, fits ? intersections.x : 0u, intersections_part);
   report.at[0] = splats;
   report.at[1] = 0u;
   report.at[2] = intersections.x;
