@@ -11,7 +11,7 @@
 
 const uint SUBGROUPS = THREADS / SUBGROUP, PIXELS = SIDE * SIDE;
 
-// Ids of splats that touch: `found` from `front` on. Holds those of a round and of one step more.
+// Ids of splats that touch: `found` from `front` on. Holds those of a round and of one step more, 1,024 each.
 const uint RING = 2048u;
 shared uint ring[RING];
 uint front = 0u, found = 0u, visited;
@@ -24,17 +24,23 @@ shared vec4 exponents[THREADS], rests[THREADS], shades[THREADS];
 shared vec4 composited[PIXELS], segments[SUBGROUPS * PIXELS];
 shared float depths[PIXELS], segment_depths[SUBGROUPS * PIXELS];
 
-// Finds splats until there are `wanted`, or the list ends. All threads call it.
+// Finds splats until there are `wanted`, or the list ends. All threads call it, and test some neighbours each.
+const uint TESTS = 4u;
 void find(uint wanted, uint end, vec2 first_centre) {
   while (found < wanted && visited < end) {
-    const uint i = visited + thread();
-    const uint id = i < end ? ids.at[i] : 0u;
-    const bool touches = i < end && box_touched(shape_of(shapes.at[id]), first_centre);
-    uint total;
-    const uint place = sum_before(touches ? 1u : 0u, total);
-    if (touches) ring[(front + found + place) % RING] = id;
+    const uint first = visited + TESTS * thread();
+    uint of[TESTS], touching = 0u, total;
+    bool touches[TESTS];
+    [[unroll]] for (uint k = 0u; k < TESTS; ++k) of[k] = first + k < end ? ids.at[first + k] : 0u;
+    [[unroll]] for (uint k = 0u; k < TESTS; ++k) {
+      touches[k] = first + k < end && box_touched(shape_of(shapes.at[of[k]]), first_centre);
+      if (touches[k]) ++touching;
+    }
+    uint place = front + found + sum_before(touching, total);
+    [[unroll]] for (uint k = 0u; k < TESTS; ++k)
+      if (touches[k]) ring[place++ % RING] = of[k];
     found += total;
-    visited += THREADS;
+    visited += TESTS * THREADS;
   }
   barrier();
 }
