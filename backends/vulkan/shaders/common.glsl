@@ -39,6 +39,9 @@ uvec2 element(uvec2 address, uint i, uint stride) {
   return uvec2(low, address.y + high + carry);
 }
 
+// Pair `i` of words. Words may be more than 2^31, where indices turn negative.
+Uints pair_at(Uints pairs, uint i) { return Uints(element(uvec2(pairs), i, 8u)); }
+
 // A number of elements, at most `most`, that the device may know: as `Count`.
 struct Count {
   uvec2 exact;

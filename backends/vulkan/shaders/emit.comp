@@ -23,10 +23,10 @@ layout(push_constant, scalar) uniform Push {
 
 void store(uint at, uint tile, uint id) {
   ids.at[at] = id;
-  Uints key = Uints(element(uvec2(keys), at, 4u * KEY_WORDS));
   if (KEY_WORDS == 1u) {
-    key.at[0] = tile;
+    keys.at[at] = tile;
   } else {
+    Uints key = pair_at(keys, at);
     key.at[0] = floatBitsToUint(depths.at[id]) | (tile << 31);
     key.at[1] = tile >> 1;
   }

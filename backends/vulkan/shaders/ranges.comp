@@ -15,8 +15,9 @@ layout(push_constant, scalar) uniform Push {
 };
 
 uint tile_at(uint i) {
-  Uints key = Uints(element(uvec2(keys), i, 4u * KEY_WORDS));
-  return KEY_WORDS == 1u ? key.at[0] : (key.at[0] >> 31) | (key.at[1] << 1);
+  if (KEY_WORDS == 1u) return keys.at[i];
+  Uints key = pair_at(keys, i);
+  return (key.at[0] >> 31) | (key.at[1] << 1);
 }
 
 void main() {

@@ -6,7 +6,8 @@
 layout(constant_id = 4) const uint EACH = 16u;  // pairs of a thread
 const uint PART = EACH * THREADS, DIGITS = 256u;
 
-// Word `w` of key `i`. Numbers of words may exceed 2^31, where indices turn negative.
-Uints key_of(Uints keys, uint words, uint i) { return Uints(element(uvec2(keys), i, 4u * words)); }
-uint word_at(Uints keys, uint words, uint i, uint w) { return key_of(keys, words, i).at[w]; }
-void set_word(Uints keys, uint words, uint i, uint w, uint value) { key_of(keys, words, i).at[w] = value; }
+uint word_at(Uints keys, uint words, uint i, uint w) { return words == 1u ? keys.at[i] : pair_at(keys, i).at[w]; }
+void set_word(Uints keys, uint words, uint i, uint w, uint value) {
+  if (words == 1u) keys.at[i] = value;
+  else pair_at(keys, i).at[w] = value;
+}
