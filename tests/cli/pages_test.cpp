@@ -17,7 +17,6 @@ TEST_CASE("cli pages: writes a page file and says what it holds") {
   run(place, "convert builtin:700 b.ply");
   CHECK(run(place, "pages b.ply b.ply b.sgp --model antialiased=yes")
             .out.starts_with("b.sgp: 1400 Gaussians in 1 pages, and 0 above them, "));
-  CHECK_FALSE(std::filesystem::exists(place / "a.sgp.building"));
 }
 
 TEST_CASE("cli pages: render draws the bits of the scene at 0 pixels and info counts its pages") {
@@ -61,7 +60,6 @@ TEST_CASE("cli pages: refuses what cannot be built in one line") {
   fails(place, "render b.sgp --pool 0", {"--pool: expected megabytes above 0"});
   fails(place, "render b.sgp --model blur=0", {"--model blur=0: expected none for pages"});
   CHECK_FALSE(std::filesystem::exists(place / "a.sgp"));
-  CHECK_FALSE(std::filesystem::exists(place / "a.sgp.building"));
 }
 
 }  // namespace swiftgs::test::pages_test

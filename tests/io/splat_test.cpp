@@ -64,7 +64,7 @@ TEST_CASE("splat: scales below 0 and numbers that are not finite are counted") {
   REQUIRE(file.scene.size() == 1);
   CHECK(file.scene.scales[0] == vec3(1, 2, 3));
   REQUIRE(file.notes.size() == 2);
-  CHECK(file.notes[0] == "Scales below 0 are taken without their sign.");
+  CHECK(file.notes[0] == "Scales below 0 are taken without their sign, of Gaussians: 1.");
   CHECK(contains(file.notes[1], "Gaussians with a NaN or an infinity are left out: "));
 }
 

@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <numeric>
+#include <set>
 #include <string>
 #include <vector>
 
 #include <doctest/doctest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <swiftgs/error.hpp>
 #include <swiftgs/io/scene_file.hpp>
@@ -150,6 +154,23 @@ TEST_CASE("pages: Gaussians that a file read in parts leaves out are counted onc
   CHECK(built.notes == std::vector<std::string>{"Gaussians with a NaN or an infinity are left out: 3."});
 }
 
+TEST_CASE("pages: signs of scales that parts of a source lose are counted once") {
+  const TemporaryFolder folder;
+  write_scene(folder / "a.splat", make_builtin_scene(9000));
+  std::string text = content_of(folder / "a.splat");
+  for (const std::size_t row : {0, 4000, 8999}) {  // a row has a mean and scales first
+    float scale = 0;
+    std::memcpy(&scale, text.data() + 32 * row + 12, sizeof scale);
+    scale = -scale;
+    std::memcpy(text.data() + 32 * row + 12, &scale, sizeof scale);
+  }
+  folder.write("a.splat", text);
+  PageBuildOptions options = small_pages();
+  options.memory = 4 << 20;
+  CHECK(build_pages({folder / "a.splat"}, folder / "a.sgp", options).notes ==
+        std::vector<std::string>{"Scales below 0 are taken without their sign, of Gaussians: 3."});
+}
+
 TEST_CASE("pages: a build that is cancelled or refused leaves nothing behind") {
   const TemporaryFolder folder;
   const Scene scene = ordered_scene(3000);
@@ -171,9 +192,36 @@ TEST_CASE("pages: a build that is cancelled or refused leaves nothing behind") {
   featured.feature_channels = 1, featured.features.resize(scene.size());
   refused(featured, small_pages());
   CHECK(files_in(folder.path()).empty());
-  std::filesystem::create_directory(folder / "a.sgp.building");
-  refused(scene, small_pages());
-  CHECK(files_in(folder.path()) == std::set<std::string>{"a.sgp.building"});
+}
+
+TEST_CASE("pages: a build that is killed anywhere leaves the old file and the same build starts again") {
+  const TemporaryFolder folder;
+  const Scene scene = make_builtin_scene(6000);
+  PageBuildOptions options = small_pages();
+  options.order = true, options.memory = 4 << 20;  // files of records are split
+  build_pages(scene, folder / "whole.sgp", options);
+  const std::string whole = content_of(folder / "whole.sgp"), old = "what was there";
+  folder.write("a.sgp", old);
+  for (const double part : {0.0, 0.2, 0.3, 0.5, 0.8, 1.0}) {
+    const pid_t child = ::fork();
+    REQUIRE(child >= 0);
+    if (child == 0) {
+      options.progress = [part](double done) { return done < part || ::raise(SIGKILL) == 0; };
+      try {
+        build_pages(scene, folder / "a.sgp", options);
+      } catch (...) {
+      }
+      ::_exit(0);  // not killed, which fails the test
+    }
+    int status = 0;
+    REQUIRE(::waitpid(child, &status, 0) == child);
+    INFO("part ", part);
+    CHECK(WIFSIGNALED(status));
+    CHECK(content_of(folder / "a.sgp") == old);
+    CHECK(files_in(folder.path()) == std::set<std::string>{"a.sgp", "whole.sgp"});
+  }
+  build_pages(scene, folder / "a.sgp", options);
+  CHECK(content_of(folder / "a.sgp") == whole);
 }
 
 }  // namespace

@@ -135,6 +135,10 @@ void OutputFile::write(const void* data, std::size_t size) {
   size_ += size;
 }
 
+void OutputFile::write_front(const void* data, std::size_t size) {
+  if (std::fseek(file_, 0, SEEK_SET) != 0 || std::fwrite(data, 1, size, file_) != size) fail();
+}
+
 void OutputFile::close() {
   if (std::fclose(std::exchange(file_, nullptr)) != 0) fail();
   try {

@@ -6,6 +6,8 @@
 #include <cstdio>
 #include <filesystem>
 
+#include <swiftgs/frame/api.hpp>
+
 namespace swiftgs::io {
 
 /// A file beside the one that it replaces when it is whole; it is removed unless `finish` is called. What is
@@ -42,9 +44,9 @@ class UnfinishedFile {
 /// Whether `path` is written to as it is.
 bool is_stream(const std::filesystem::path& path);
 
-/// Writes a file front to back. The file gets its name when it is closed, so nobody finds a part of it. Every
-/// failure throws `FileError` with the path and the reason.
-class OutputFile {
+/// Writes a file front to back, but for what its beginning tells of the rest. The file gets its name when it
+/// is closed, so nobody finds a part of it. Every failure throws `FileError` with the path and the reason.
+class SWIFTGS_API OutputFile {
  public:
   explicit OutputFile(const std::filesystem::path& path);
   ~OutputFile();
@@ -52,6 +54,8 @@ class OutputFile {
   OutputFile& operator=(const OutputFile&) = delete;
 
   void write(const void* data, std::size_t size);
+  /// Replaces the first bytes; nothing is written behind it.
+  void write_front(const void* data, std::size_t size);
 
   std::uint64_t size() const { return size_; }  ///< bytes written so far
 

@@ -71,12 +71,10 @@ Fault fault_of(const Scene& scene, std::size_t i) {
 }
 
 void drop_signs_of_scales(SceneFile& file) {
-  bool found = false;
   for (vec3& scale : file.scene.scales) {
-    found = found || scale.x < 0 || scale.y < 0 || scale.z < 0;
+    file.signs_dropped += scale.x < 0 || scale.y < 0 || scale.z < 0;
     scale = glm::abs(scale);
   }
-  if (found) file.notes.push_back("Scales below 0 are taken without their sign.");
 }
 
 LeftOut leave_out(Scene& scene, const std::vector<Fault>& faults) {
@@ -116,6 +114,12 @@ void note_left_out(const LeftOut& left_out, std::vector<std::string>& notes) {
   };
   note("with a NaN or an infinity", left_out.not_finite);
   note("whose quaternion is no rotation", left_out.no_rotation);
+}
+
+void note_dropped_signs(std::uint64_t count, const char* done, std::vector<std::string>& notes) {
+  if (count == 0) return;
+  notes.push_back(std::string("Scales below 0 are ") + done +
+                  " without their sign, of Gaussians: " + std::to_string(count) + ".");
 }
 
 }  // namespace swiftgs::io

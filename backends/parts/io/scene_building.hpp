@@ -69,7 +69,8 @@ enum class Fault : std::uint8_t { none, not_finite, no_rotation };
 /// The first fault of Gaussian `i`.
 Fault fault_of(const Scene& scene, std::size_t i);
 
-/// Takes scales below 0, which linear formats can hold, without their sign, and notes it.
+/// Takes scales below 0, which linear formats can hold, without their sign, and counts their
+/// Gaussians.
 void drop_signs_of_scales(SceneFile& file);
 
 /// Removes the Gaussians with a fault and keeps the order of the others. `faults` has one entry for each
@@ -84,5 +85,8 @@ std::string text_of(const dvec3& origin);
 
 /// Adds a note for each reason for which Gaussians were left out.
 SWIFTGS_API void note_left_out(const LeftOut& left_out, std::vector<std::string>& notes);
+
+/// Adds a note if scales of some Gaussians are `done`, such as "taken", without their sign.
+SWIFTGS_API void note_dropped_signs(std::uint64_t count, const char* done, std::vector<std::string>& notes);
 
 }  // namespace swiftgs::io

@@ -125,9 +125,7 @@ std::optional<Scene> encodable(const Scene& scene, std::vector<std::string>& not
   Scene result = scene;
   note_left_out(leave_out(result, faults), notes);
   note_clamped(opacities, "Opacities", "0 to 1", notes);
-  if (negative != 0)
-    notes.push_back(
-        "Scales below 0 are written without their sign, of Gaussians: " + std::to_string(negative) + ".");
+  note_dropped_signs(negative, "written", notes);
   for (float& opacity : result.opacities) opacity = std::clamp(opacity, 0.0f, 1.0f);
   for (vec3& scale : result.scales) scale = glm::abs(scale);
   return result;

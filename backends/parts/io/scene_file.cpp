@@ -46,7 +46,9 @@ SceneFile read(const Source& source, const SceneReadOptions& options) {
         text_of(origin) + ".");
   if (file.scene.model.kernel == RenderingModel::Kernel::disk)
     file.notes.push_back("The Gaussians were trained as 2D ones; they are kept as flat 3D ones.");
-  if (options.part.is_whole()) note_left_out(file.left_out, file.notes);
+  if (!options.part.is_whole()) return file;
+  note_dropped_signs(file.signs_dropped, "taken", file.notes);
+  note_left_out(file.left_out, file.notes);
   return file;
 }
 

@@ -23,7 +23,7 @@
 namespace swiftgs {
 namespace {
 
-using pages::BuildFolder, pages::Nodes, pages::PageWriter, pages::Records;
+using pages::Nodes, pages::PageWriter, pages::Records;
 
 /// Memory of a Gaussian while a subtree is made of it: as read, in another order, and its indices.
 /// @units{bytes}
@@ -47,7 +47,8 @@ void validate(const PageBuildOptions& options) {
 /// Gaussians of all sources in a temporary file, and what they have in common.
 class Gathered {
  public:
-  Gathered(BuildFolder& folder, std::string model) : records_(folder.next_file()), model_(std::move(model)) {}
+  Gathered(const std::filesystem::path& beside, std::string model)
+      : records_(beside), model_(std::move(model)) {}
 
   void add(const Scene& scene, const std::string& name) {
     if (scene.size() == 0) return;
@@ -76,14 +77,13 @@ class Gathered {
 /// Makes pages of Gaussians from the leaves up.
 class Builder {
  public:
-  Builder(const PageBuildOptions& options, const Scene& like, std::uint64_t gaussians, BuildFolder& folder,
-          PageWriter& writer, Progress progress)
+  Builder(const PageBuildOptions& options, const Scene& like, std::uint64_t gaussians, PageWriter& writer,
+          Progress progress)
       : options_(options),
         like_(like),
         gaussians_(gaussians),
         threads_(thread_count(options.threads)),
         in_memory_((options.memory - bytes_of_waiting(options)) / bytes_of_gaussian),
-        folder_(folder),
         writer_(writer),
         progress_(std::move(progress)) {}
 
@@ -107,7 +107,7 @@ class Builder {
   }
 
   std::pair<Records, Records> split(Records records) {
-    return records.split(half(records.size()), folder_);  // the file of both is gone when it returns
+    return records.split(half(records.size()));  // the file of both is gone when it returns
   }
 
   Subtree build(Records& records, std::size_t first, std::size_t count) {
@@ -162,7 +162,6 @@ class Builder {
   std::uint64_t gaussians_, written_ = 0;
   int threads_;
   std::size_t in_memory_;  ///< Gaussians whose subtree is made without a file
-  BuildFolder& folder_;
   PageWriter& writer_;
   Progress progress_;
 };
@@ -185,22 +184,18 @@ BuiltPages build(const std::filesystem::path& out, const PageBuildOptions& optio
     };
   };
   constexpr double read = 0.3;  // part of the time that reading takes, roughly
-  std::filesystem::path beside = out;
-  BuildFolder folder(beside += ".building");
-  Gathered gathered(folder, options.model);
+  Gathered gathered(out, options.model);
   BuiltPages built;
   gather(gathered, part_of_progress(0, read), built.notes);
   built.gaussians = gathered.records().size();
   if (built.gaussians == 0) detail::refuse(out.string(), ": no Gaussians, expected one or more");
   const Scene like = gathered.like();
-  replace_file(out, [&](const std::filesystem::path& path) {
-    PageWriter writer(path);
-    Builder builder(options, like, built.gaussians, folder, writer, part_of_progress(read, 1));
-    builder.build(std::move(gathered.records()));
-    built.pages = writer.pages();
-    for (std::uint32_t i = 0; i < writer.pages(); ++i) built.leaves += writer.page(i).is_leaf();
-    built.bytes = writer.finish(built.gaussians, options.page_size, like);
-  });
+  PageWriter writer(out);
+  Builder builder(options, like, built.gaussians, writer, part_of_progress(read, 1));
+  builder.build(std::move(gathered.records()));
+  built.pages = writer.pages();
+  for (std::uint32_t i = 0; i < writer.pages(); ++i) built.leaves += writer.page(i).is_leaf();
+  built.bytes = writer.finish(built.gaussians, options.page_size, like);
   return built;
 }
 
@@ -235,6 +230,7 @@ BuiltPages build_pages(const std::vector<std::filesystem::path>& sources, const 
       }
       const std::size_t parts = parts_of(find_capture(sources[k]).scene, options.memory);
       LeftOut left_out;
+      std::uint64_t signs_dropped = 0;
       std::vector<std::string> said;  // of this source
       for (std::size_t part = 0; part < parts; ++part) {
         SceneReadOptions read = options.read;
@@ -243,10 +239,13 @@ BuiltPages build_pages(const std::vector<std::filesystem::path>& sources, const 
         SceneFile file = read_scene(sources[k], read);
         for (std::string& note : file.notes)
           if (std::find(said.begin(), said.end(), note) == said.end()) said.push_back(std::move(note));
-        left_out += file.left_out;
+        left_out += file.left_out, signs_dropped += file.signs_dropped;
         to.add(file.scene, sources[k].string());
       }
-      if (parts > 1) io::note_left_out(left_out, said);
+      if (parts > 1) {
+        io::note_dropped_signs(signs_dropped, "taken", said);
+        io::note_left_out(left_out, said);
+      }
       notes.insert(notes.end(), said.begin(), said.end());
     }
   });

@@ -2,10 +2,8 @@
 #include "page_writer.hpp"
 
 #include <algorithm>
-#include <cerrno>
 #include <cstring>
 #include <string>
-#include <system_error>
 
 #include <swiftgs/error.hpp>
 #include <swiftgs/io/scene_file.hpp>
@@ -17,10 +15,6 @@
 
 namespace swiftgs::pages {
 namespace {
-
-[[noreturn]] void fail(const std::filesystem::path& path) {
-  throw FileError({errno != 0 ? errno : EIO, std::generic_category()}, path.string());
-}
 
 /// The bytes of a page. Sets all members of `page` but its checksum and offset.
 std::vector<std::byte> content_of(Page& page, const Scene& scene, std::span<const std::uint32_t> ids) {
@@ -55,41 +49,18 @@ std::vector<std::byte> content_of(Page& page, const Scene& scene, std::span<cons
 
 }  // namespace
 
-File open_file(const std::filesystem::path& path, const char* mode) {
-  errno = 0;
-  File file(std::fopen(path.c_str(), mode), &std::fclose);
-  if (!file) fail(path);
-  return file;
-}
-
-void write_bytes(std::FILE* file, std::span<const std::byte> bytes, const std::filesystem::path& path) {
-  if (bytes.empty()) return;  // their address may be null, which `fwrite` does not take
-  errno = 0;
-  if (std::fwrite(bytes.data(), 1, bytes.size(), file) != bytes.size()) fail(path);
-}
-
-void read_bytes(std::FILE* file, std::span<std::byte> bytes, const std::filesystem::path& path) {
-  errno = 0;
-  if (std::fread(bytes.data(), 1, bytes.size(), file) != bytes.size()) fail(path);
-}
-
-PageWriter::PageWriter(const std::filesystem::path& path) : path_(path), file_(open_file(path, "wb")) {
+PageWriter::PageWriter(const std::filesystem::path& path) : file_(path) {
   const FileHeader room;
   write(std::as_bytes(std::span(&room, 1)));
-}
-
-void PageWriter::write(std::span<const std::byte> bytes) {
-  write_bytes(file_.get(), bytes, path_);
-  size_ += bytes.size();
 }
 
 std::uint32_t PageWriter::add(Page page, const Scene& scene, std::span<const std::uint32_t> ids) {
   const SceneView all = view(scene);
   for (std::size_t i = 0; i < scene.size(); ++i) detail::add_gaussian(page.bounds, all, i);
   const std::vector<std::byte> content = content_of(page, scene, ids);
-  const std::vector<std::byte> gap((alignment - size_ % alignment) % alignment);
+  const std::vector<std::byte> gap((alignment - file_.size() % alignment) % alignment);
   write(gap);
-  page.offset = size_, page.checksum = checksum_of(content);
+  page.offset = file_.size(), page.checksum = checksum_of(content);
   write(content);
   table_.push_back(page);
   return std::uint32_t(table_.size() - 1);
@@ -104,18 +75,16 @@ std::uint64_t PageWriter::finish(std::uint64_t gaussians, std::uint32_t page_siz
   if (model.size() > header.model.size())
     throw InvalidArgument("pages: the rendering model is '" + model + "', expected fewer letters");
   std::copy(model.begin(), model.end(), header.model.begin());
-  header.table = size_;
+  header.table = file_.size();
   const auto table = std::as_bytes(std::span(table_));
   header.table_checksum = checksum_of(table);
   write(table);
-  header.file_size = size_;
+  header.file_size = file_.size();
   const auto bytes = std::as_bytes(std::span(&header, 1));
   header.checksum = checksum_of(bytes.first(checksum_offset));
-  errno = 0;
-  if (std::fseek(file_.get(), 0, SEEK_SET) != 0) fail(path_);
-  write_bytes(file_.get(), bytes, path_);
-  if (std::fclose(file_.release()) != 0) fail(path_);
-  return size_;
+  file_.write_front(bytes.data(), bytes.size());
+  file_.close();
+  return header.file_size;
 }
 
 }  // namespace swiftgs::pages

@@ -3,27 +3,18 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <span>
 #include <vector>
 
 #include <swiftgs/pages/paged_scene.hpp>
 #include <swiftgs/scene.hpp>
 
+#include "output_file.hpp"
+
 namespace swiftgs::pages {
 
-using File = std::unique_ptr<std::FILE, int (*)(std::FILE*)>;
-
-/// Opens a file as `std::fopen` does. Throws `FileError` with its name.
-File open_file(const std::filesystem::path& path, const char* mode);
-/// Throws `FileError` unless all `bytes` could be written.
-void write_bytes(std::FILE* file, std::span<const std::byte> bytes, const std::filesystem::path& path);
-/// Throws `FileError` unless all `bytes` could be read.
-void read_bytes(std::FILE* file, std::span<std::byte> bytes, const std::filesystem::path& path);
-
-/// Writes a page file front to back, its header last.
+/// Writes a page file, which gets its name when it is whole. Throws `FileError`.
 class PageWriter {
  public:
   explicit PageWriter(const std::filesystem::path& path);
@@ -35,15 +26,15 @@ class PageWriter {
   const Page& page(std::uint32_t number) const { return table_[number]; }
   std::size_t pages() const { return table_.size(); }
 
-  /// Writes table and header. `like` has model and origin. Returns the size of the file.
+  /// Writes table and header, and closes the file. `like` has model and origin. Returns the size of the file.
   std::uint64_t finish(std::uint64_t gaussians, std::uint32_t page_size, const Scene& like);
 
  private:
-  void write(std::span<const std::byte> bytes);
+  void write(std::span<const std::byte> bytes) {
+    if (!bytes.empty()) file_.write(bytes.data(), bytes.size());
+  }
 
-  std::filesystem::path path_;
-  File file_;
-  std::uint64_t size_ = 0;
+  io::OutputFile file_;
   std::vector<Page> table_;
 };
 

@@ -8,6 +8,8 @@
 #include <utility>
 
 #include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
 
 #include <swiftgs/error.hpp>
 
@@ -15,47 +17,39 @@
 
 namespace swiftgs::pages {
 namespace {
+
 constexpr std::size_t block_records = 4096;
+
+[[noreturn]] void fail(const std::filesystem::path& path) {
+  throw FileError({errno != 0 ? errno : EIO, std::generic_category()}, path.string());
 }
 
-BuildFolder::BuildFolder(std::filesystem::path path) : path_(std::move(path)) {
-  std::error_code error;
-  if (!std::filesystem::create_directory(path_, error)) {
-    if (error) throw FileError(error, path_.string());
-    throw InvalidArgument(
-        path_.string() +
-        ": there already, expected no such folder: another build uses it, or left it behind");
-  }
-}
+}  // namespace
 
-BuildFolder::~BuildFolder() {
-  std::error_code ignored;  // a destructor must not throw; what stays is a folder that the next build names
-  std::filesystem::remove(path_, ignored);
-}
-
-std::filesystem::path BuildFolder::next_file() { return path_ / std::to_string(files_++); }
-
-Records::~Records() {
-  if (!file_) return;  // moved from
-  file_.reset();
-  std::error_code ignored;
-  std::filesystem::remove(path_, ignored);
+Records::Records(std::filesystem::path path) : path_(std::move(path)), file_(nullptr, &std::fclose) {
+  std::string name = path_.string() + ".XXXXXX";
+  const int descriptor = ::mkstemp(name.data());
+  if (descriptor < 0) fail(path_);
+  ::unlink(name.c_str());
+  file_.reset(::fdopen(descriptor, "w+b"));
+  if (!file_) ::close(descriptor), fail(path_);
 }
 
 template <class F>
 void Records::for_each(std::size_t first, std::size_t count, const F& f) {
   std::vector<Record> block(std::min(block_records, count));
-  if (::fseeko(file_.get(), off_t(first * sizeof(Record)), SEEK_SET) != 0)
-    throw FileError({errno, std::generic_category()}, path_.string());
+  if (::fseeko(file_.get(), off_t(first * sizeof(Record)), SEEK_SET) != 0) fail(path_);
   for (std::size_t done = 0; done < count; done += block.size()) {
     block.resize(std::min(block_records, count - done));
-    read_bytes(file_.get(), std::as_writable_bytes(std::span(block)), path_);
+    errno = 0;
+    if (std::fread(block.data(), sizeof(Record), block.size(), file_.get()) != block.size()) fail(path_);
     for (const Record& record : block) f(record);
   }
 }
 
 void Records::flush(std::vector<Record>& block) {
-  write_bytes(file_.get(), std::as_bytes(std::span(block)), path_);
+  errno = 0;
+  if (std::fwrite(block.data(), sizeof(Record), block.size(), file_.get()) != block.size()) fail(path_);
   size_ += block.size();
   block.clear();
 }
@@ -98,7 +92,7 @@ PageContent Records::read(std::size_t first, std::size_t count, const Scene& lik
   return content;
 }
 
-std::pair<Records, Records> Records::split(std::size_t left, BuildFolder& folder) {
+std::pair<Records, Records> Records::split(std::size_t left) {
   const std::size_t step = size_ / block_records + 1;
   std::vector<vec3> sample;
   std::size_t number = 0;
@@ -114,7 +108,7 @@ std::pair<Records, Records> Records::split(std::size_t left, BuildFolder& folder
   std::nth_element(values.begin(), border, values.end());
   const float first_right = *border;
   auto equal_left = std::size_t(std::count(values.begin(), border, first_right));
-  std::pair<Records, Records> halves{Records(folder.next_file()), Records(folder.next_file())};
+  std::pair<Records, Records> halves{Records(path_), Records(path_)};
   std::vector<Record> blocks[2];
   for (auto& block : blocks) block.reserve(block_records);
   for_each(0, size_, [&](const Record& r) {

@@ -3,39 +3,23 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <utility>
 #include <vector>
 
 #include <swiftgs/pages/paged_scene.hpp>
 #include <swiftgs/scene.hpp>
 
-#include "page_writer.hpp"
-
 namespace swiftgs::pages {
 
-/// A folder for temporary files, which is gone with this object. Only its own files are removed.
-class BuildFolder {
- public:
-  /// Throws `InvalidArgument` if it is there already.
-  explicit BuildFolder(std::filesystem::path path);
-  ~BuildFolder();
-  BuildFolder(const BuildFolder&) = delete;
-  BuildFolder& operator=(const BuildFolder&) = delete;
-
-  std::filesystem::path next_file();
-
- private:
-  std::filesystem::path path_;
-  std::size_t files_ = 0;
-};
-
-/// Gaussians in a temporary file, each a row of floats and its number in the source.
+/// Gaussians in a temporary file without a name, each a row of floats and its number in the source. A program
+/// that is killed leaves nothing of it. Throws `FileError`.
 class Records {
  public:
-  explicit Records(std::filesystem::path path) : path_(std::move(path)), file_(open_file(path_, "w+b")) {}
-  ~Records();
-  Records(Records&& other) = default;
+  /// The file takes its room beside `path`.
+  explicit Records(std::filesystem::path path);
 
   std::size_t size() const { return size_; }
 
@@ -47,7 +31,7 @@ class Records {
 
   /// Moves the `left` Gaussians that are first along the axis on which they spread farthest to one file, and
   /// the others to another. Both keep their order. Takes four bytes a Gaussian.
-  std::pair<Records, Records> split(std::size_t left, BuildFolder& folder);
+  std::pair<Records, Records> split(std::size_t left);
 
  private:
   struct Record {
@@ -67,7 +51,7 @@ class Records {
   void flush(std::vector<Record>& block);
 
   std::filesystem::path path_;
-  File file_;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
   std::size_t size_ = 0;
 };
 

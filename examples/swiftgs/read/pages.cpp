@@ -79,7 +79,7 @@ constexpr const char* pages_help =
 stand for them. Pages are ranges of the scene, so its neighbours in the file should be neighbours in
 space. --order makes them so; the order of Gaussians at equal depths then is another.
 
-Beside OUT it needs a folder OUT.building for 240 bytes a Gaussian, twice that with --order.
+Beside OUT it takes 240 bytes a Gaussian, twice that with --order. A build that is killed leaves nothing.
 
 Examples:
   swiftgs pages garden.spz garden.sgp --order

@@ -82,12 +82,13 @@ struct LeftOut {
 /// A scene and what reading it brought up.
 struct SceneFile {
   Scene scene;
-  std::string format;        ///< such as "INRIA PLY (binary_little_endian)" or "SPZ version 2"
-  std::uint64_t bytes = 0;   ///< of the file, and of those that it names and were read
-  std::uint64_t stored = 0;  ///< Gaussians in the file, or in the part of it that was asked for
-  LeftOut left_out{};        ///< those of them that the scene lacks
-  /// Parts of the file that the scene lacks, a sentence each. If only a part of the file was read, see
-  /// `left_out` for Gaussians.
+  std::string format;               ///< such as "INRIA PLY (binary_little_endian)" or "SPZ version 2"
+  std::uint64_t bytes = 0;          ///< of the file, and of those that it names and were read
+  std::uint64_t stored = 0;         ///< Gaussians in the file, or in the part of it that was asked for
+  LeftOut left_out{};               ///< those of them that the scene lacks
+  std::uint64_t signs_dropped = 0;  ///< Gaussians of scales below 0, which are taken without their sign
+  /// Parts of the file that the scene lacks or has otherwise, a sentence each. If only a part of the file was
+  /// read, see `left_out` and `signs_dropped` for Gaussians.
   std::vector<std::string> notes;
   /// Of the photograph that the scene was made of, where the file has it: @units{pixels}, and world units of
   /// the scene.

@@ -36,12 +36,12 @@ struct BuiltPages {
 };
 
 /// Writes the page file `out` of all Gaussians of `sources`, one behind the other, with the origin of the
-/// first. Each is what `read_scene` takes, or what `is_page_file` tells. Beside `out` it needs a folder for
-/// 240 bytes a Gaussian, twice that with `order`: `out` with `.building` behind it, which is gone afterwards.
+/// first. Each is what `read_scene` takes, or what `is_page_file` tells. Beside `out` it takes 240 bytes a
+/// Gaussian, twice that with `order`, in files without a name: a build that is killed leaves nothing.
 /// The new file takes the place of an old one when it is whole.
 ///
 /// Throws `InvalidArgument` for an option that is not valid, sources without Gaussians, with features or of
-/// several rendering models, and for a folder that is there already, `CapacityError` beyond 2^32 - 1
+/// several rendering models, `CapacityError` beyond 2^32 - 1
 /// Gaussians, what `read_scene` throws, `Cancelled`, and `FileError` if something cannot be written.
 SWIFTGS_API BuiltPages build_pages(const std::vector<std::filesystem::path>& sources,
                                    const std::filesystem::path& out, const PageBuildOptions& options = {});
