@@ -42,7 +42,7 @@ struct Options {
   std::string file, renderer, disk, images;
   std::vector<double> pools{2000, 512};
   int side = 10, views = 3000, width = 1920, height = 1080, compared = 10, threads = 8, ahead = 10;
-  double spacing = 0, speed = 14, hertz = 60, pixels = 4, millions = 4, upload = 16;
+  double spacing = 0, speed = 14, hertz = 60, pixels = 4, millions = 4, upload = 16, estimate = 0;
   bool wait = false;
 };
 
@@ -139,6 +139,7 @@ struct Measured {
   double decibels = 0;
   double saved = 0;  ///< visible splats of the whole scene over those of the cut
   double least_decibels = std::numeric_limits<double>::infinity();
+  double off = 0;  ///< estimates, root mean square @units{dB}
   std::uint64_t uploads = 0;
   std::uint64_t bytes = 0;  ///< that were uploaded
   std::size_t most_bytes = 0;
@@ -188,7 +189,8 @@ std::unique_ptr<AnyRenderer> renderer_of(const std::string& name, [[maybe_unused
 /// A frame that is compared with another.
 struct Compared {
   Frame frame;
-  double visible = 0;  ///< splats
+  double visible = 0;    ///< splats
+  double estimated = 0;  ///< of a cut @units{dB}
 };
 Compared drawn(AnyRenderer& renderer, const Camera& camera, const RenderSettings& settings) {
   Compared compared;
@@ -224,6 +226,7 @@ Measured walk(const Options& options, const Walk& path, const std::vector<Placed
                               .upload_per_frame = std::size_t(1e6 * options.upload),
                               .waiting = std::size_t(1e6 * std::clamp(megabytes / 16, 16.0, 64.0)),
                               .ahead = options.ahead,
+                              .estimate = std::size_t(1e6 * options.estimate),
                               .threads = options.threads},
                              uploader.get());
   RenderSettings settings;
@@ -267,6 +270,7 @@ Measured walk(const Options& options, const Walk& path, const std::vector<Placed
     measured.most_bytes = std::max(measured.most_bytes, pool.bytes());
     if (options.compared > 0 && (i + 1) % std::size_t(std::max(options.views / options.compared, 1)) == 0) {
       kept.emplace_back(i, drawn(*renderer, camera, settings));
+      kept.back().second.estimated = cut.estimated_db();
       paused += Clock::now() - end;
     }
   }
@@ -280,9 +284,11 @@ Measured walk(const Options& options, const Walk& path, const std::vector<Placed
     const Compared all = whole.draw(path.camera(i), settings);
     const double db = psnr(cut.frame.colour, all.frame.colour);
     measured.decibels += db / double(kept.size());
+    measured.off += (cut.estimated - db) * (cut.estimated - db) / double(kept.size());
     measured.saved += all.visible / cut.visible / double(kept.size());
     measured.least_decibels = std::min(measured.least_decibels, db);
   }
+  measured.off = std::sqrt(measured.off);
   return measured;
 }
 
@@ -291,12 +297,12 @@ void print(double megabytes, const char* cache, const Options& options, const Me
   const auto quick = std::count_if(m.frame.begin(), m.frame.end(), [](double ms) { return ms <= 2; });
   std::printf(
       "| %.0f | %s | %.2f | %.2f | %.2f | %.2f | %.2f | %.1f | %.1f | %.1f | %.1f | %zu | %.2f | %.2f | %.0f "
-      "| %.2f | %.1f | %.1f |\n",
+      "| %.2f | %.1f | %.1f | %.2f |\n",
       megabytes, cache, mean_of(m.frame), part_of(m.frame, 0.5), part_of(m.frame, 0.99), part_of(m.frame, 1),
       mean_of(m.cut), 100 * double(quick) / all, 100 * double(m.complete) / all,
       100 * (1 - double(m.late) / all), 1e-6 * double(m.bytes) / m.seconds, std::size_t(m.uploads),
       m.worst_pixels, 1e-6 * m.mean_splats, 1e-6 * double(m.most_bytes), m.saved, m.decibels,
-      m.least_decibels);
+      m.least_decibels, m.off);
   std::fflush(stdout);
 }
 
@@ -314,8 +320,9 @@ void run(const Options& options) {
       options.hertz, options.pixels, options.millions, options.upload, options.threads);
   std::printf(
       "| pool, MB | cache | frame, ms | median | 99 %% | worst | of these cut | %% in 2 ms | %% complete | "
-      "%% within one frame | MB/s | faults | pixels | M splats | most MB | saved | dB | least dB |\n"
-      "|---:|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
+      "%% within one frame | MB/s | faults | pixels | M splats | most MB | saved | dB | least dB | estimates "
+      "off |\n"
+      "|---:|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|---:|\n");
   for (const double megabytes : options.pools)
     for (const char* cache : {"warm", "cold"}) {
       const bool cold = std::string(cache) == "cold";
@@ -353,6 +360,7 @@ int main(int argc, char** argv) try {
   app.add_option("--threads", options.threads, "That read pages")->capture_default_str();
   app.add_option("--ahead", options.ahead, "Frames that the pool expects cameras to go on for")
       ->capture_default_str();
+  app.add_option("--estimate", options.estimate, "Of the host, for estimates of dB, with --wait, in MB");
   app.add_flag("--wait", options.wait, "Wait for the pages of each frame: for images");
   app.add_option("--compared", options.compared, "Frames to compare with the whole scene")
       ->capture_default_str();

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 
 /* Page files. What cuts draw is tested in page_pool_test. */
+#include <math.h>
 #include <stdint.h>
 #include <string.h>
 
@@ -18,7 +19,7 @@ void test_pages(void) {
   struct drawing d;
   set_up(&d, small_renderer);
   const swiftgs_pages* const files[2] = {pages, pages};
-  swiftgs_pool_options options = {.size = sizeof(options), .bytes = 10000000};
+  swiftgs_pool_options options = {.size = sizeof(options), .bytes = 10000000, .estimate = 10000000};
   swiftgs_pool* pool = NULL;
   CHECK_OK(swiftgs_pool_create(d.renderer, files, 1, &options, &pool));
   swiftgs_pages_free(pages);
@@ -27,7 +28,7 @@ void test_pages(void) {
   CHECK_OK(swiftgs_pool_cut(pool, &d.frame, &d.frame, &all, &cut));
   CHECK(cut.splats == 65 && !cut.is_settled && cut.missing > 0 && cut.failure == NULL);
   CHECK_OK(swiftgs_pool_wait(pool, &cut));
-  CHECK(cut.splats == cut.wanted && cut.is_settled && cut.pixels == 0);
+  CHECK(cut.splats == cut.wanted && cut.is_settled && cut.pixels == 0 && isinf(cut.estimated_db));
   uint64_t visible[64] = {0};
   CHECK(cut.scenes > 1 && cut.scenes < 64);
   CHECK(cut.resident > 1 && cut.bytes > 0 && cut.bytes <= options.bytes);
@@ -107,11 +108,13 @@ void test_pages_errors(void) {
   options.bytes = 0, options.reserved = 1;
   CHECK_INVALID(swiftgs_pool_create(d.renderer, files, 1, &options, &pool), "reserved is 1");
   CHECK_OK(swiftgs_pool_create(d.renderer, files, 1, NULL, &pool));
-  swiftgs_cut cut = {.size = 4};
+  swiftgs_cut cut = {.size = 4}, told = {.size = sizeof(told)};
   CHECK_INVALID(swiftgs_pool_cut(NULL, &d.frame, NULL, NULL, NULL), "pool is NULL");
   CHECK_INVALID(swiftgs_pool_cut(pool, NULL, NULL, NULL, NULL), "swiftgs_frame is NULL");
   CHECK_INVALID(swiftgs_pool_cut(pool, &d.frame, NULL, NULL, &cut), "swiftgs_cut: size is 4");
-  const swiftgs_cut_goal goal = {.size = sizeof(goal), .reserved = 1};
+  swiftgs_cut_goal goal = {.size = sizeof(goal), .blend = -1};
+  CHECK_INVALID(swiftgs_pool_cut(pool, &d.frame, NULL, &goal, NULL), "a blend of -1");
+  goal.blend = 0, goal.reserved = 1;
   CHECK_INVALID(swiftgs_pool_cut(pool, &d.frame, NULL, &goal, NULL), "reserved is 1");
   CHECK_INVALID(swiftgs_pool_wait(NULL, NULL), "pool is NULL");
   CHECK_INVALID(swiftgs_pool_place(NULL, NULL, 0), "pool is NULL");
@@ -119,6 +122,8 @@ void test_pages_errors(void) {
   CHECK_INVALID(swiftgs_pool_named(NULL, 0, &named), "pool is NULL");
   CHECK_ERROR(swiftgs_pool_named(pool, 0, &named), SWIFTGS_LOGIC_ERROR, "expected swiftgs_pool_cut before");
   CHECK_ERROR(swiftgs_pool_wait(pool, NULL), SWIFTGS_LOGIC_ERROR, "expected swiftgs_pool_cut before");
+  CHECK_OK(swiftgs_pool_cut(pool, &d.frame, NULL, NULL, &told));
+  CHECK(isnan(told.estimated_db));
   swiftgs_pool_free(NULL), swiftgs_pool_free(pool);
   swiftgs_renderer_free(d.renderer), swiftgs_pages_free(pages);
 }

@@ -20,11 +20,15 @@ def test_a_cut_is_drawn_and_named(pages, camera):
     assert repr(pages) == f"<swiftgs.Pages 130 Gaussians in {pages.pages} pages>"
     assert np.less(pages.lower, pages.upper).all() and len(pages.origin) == 3
     renderer = swiftgs.Renderer("cpu")
-    pool = swiftgs.PagePool(renderer, pages, bytes=10_000_000)
+    pool = swiftgs.PagePool(renderer, pages, bytes=10_000_000, estimate=10_000_000)
     cut = pool.cut(camera, pixels=0, ahead=camera)
     assert cut.splats == 65 and cut.missing > 0 and not cut.is_settled and cut.failure is None
     cut = pool.cut([camera, camera], pixels=0, wait=True)
-    assert cut.is_settled and cut.splats == cut.wanted and cut.bytes <= 10_000_000
+    assert cut.is_settled and cut.splats == cut.wanted and cut.bytes <= 10_000_000 and cut.estimated_db == np.inf
+    assert 0 < pool.cut(camera, pixels=1e9, wait=True).estimated_db < np.inf
+    assert pool.cut(camera, pixels=0.01, wait=True).splats == 130
+    assert pool.cut(camera, pixels=0.01, blend=1e300, wait=True).splats == 65  # children hardly show yet
+    pool.cut(camera, pixels=0, wait=True)
     frame = renderer.render(camera, id=True)
     number = int(frame.id[frame.id != swiftgs.NOTHING][0])
     assert len(renderer.visible_by_scene) == cut.scenes > 1 and sum(renderer.visible_by_scene) > 0
@@ -56,6 +60,9 @@ def test_what_cannot_be_pages_is_refused(pages, camera, tmp_path):
     pool = swiftgs.PagePool(renderer, [pages])
     with pytest.raises(swiftgs.InvalidArgument, match="pixels is -1, expected 0 or more"):
         pool.cut(camera, pixels=-1)
+    with pytest.raises(swiftgs.InvalidArgument, match="blend is -1, expected 0 or more"):
+        pool.cut(camera, blend=-1)
+    assert np.isnan(pool.cut(camera).estimated_db)
     with pytest.raises(swiftgs.InvalidArgument, match="number 1, expected less than 1"):
         pool.place([swiftgs.Placement(1)])
 

@@ -37,6 +37,7 @@ PagePoolOptions to_options(const swiftgs_pool_options& from) {
   if (from.bytes != 0) to.bytes = std::size_t(from.bytes);
   if (from.upload_per_frame != 0) to.upload_per_frame = std::size_t(from.upload_per_frame);
   if (from.waiting != 0) to.waiting = std::size_t(from.waiting);
+  to.estimate = std::size_t(from.estimate);
   return to;
 }
 
@@ -45,6 +46,7 @@ CutGoal to_goal(const swiftgs_cut_goal& from) {
   CutGoal to;
   if (from.pixels != 0) to.pixels = from.pixels < 0 ? 0 : from.pixels;
   if (from.splats != 0) to.splats = from.splats;
+  to.blend = from.blend;
   return to;
 }
 
@@ -77,7 +79,8 @@ void show(swiftgs_pool& pool, AnyRenderer& renderer, swiftgs_cut* told) {
                 .resident = pool.pool->resident(),
                 .bytes = pool.pool->bytes(),
                 .failure = cut.failed().empty() ? nullptr : cut.failed()[0].reason.c_str(),
-                .scenes = cut.scenes().size()},
+                .scenes = cut.scenes().size(),
+                .estimated_db = cut.estimated_db()},
                "swiftgs_cut");
 }
 

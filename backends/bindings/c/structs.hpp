@@ -8,6 +8,7 @@
 #include <type_traits>
 
 #include <swiftgs/c/camera.h>
+#include <swiftgs/c/pages.h>
 #include <swiftgs/c/renderer.h>
 #include <swiftgs/c/scene.h>
 #include <swiftgs/c/view.h>
@@ -46,6 +47,12 @@ inline constexpr std::uint32_t first_size<swiftgs_renderer_options> = offsetof(s
 template <>
 inline constexpr std::uint32_t first_size<swiftgs_renderer_entry> = offsetof(swiftgs_renderer_entry,
                                                                              on_device);
+template <>
+inline constexpr std::uint32_t first_size<swiftgs_pool_options> = offsetof(swiftgs_pool_options, estimate);
+template <>
+inline constexpr std::uint32_t first_size<swiftgs_cut_goal> = offsetof(swiftgs_cut_goal, blend);
+template <>
+inline constexpr std::uint32_t first_size<swiftgs_cut> = offsetof(swiftgs_cut, estimated_db);
 
 namespace detail {
 template <class T>

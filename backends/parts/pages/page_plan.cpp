@@ -147,7 +147,10 @@ PagePlan::Wanted PagePlan::grow(Span<const View> views, const CutGoal& goal, boo
     const Page& page = row({file, next.page});
     if (page.is_leaf()) continue;
     // As are all others. But for goal 0: nodes of Gaussians in one place err by 0.
-    if (goal.pixels > 0 && next.error <= goal.pixels) break;
+    if (goal.pixels > 0 && next.error <= goal.pixels) {
+      wanted.error = next.error;
+      break;
+    }
     // How much of a fading page still shows, 0 to 1.
     const double left = goal.blend > 0 && goal.pixels > 0
                             ? std::max(0.0, 1 - (next.error / goal.pixels - 1) / goal.blend)
@@ -164,7 +167,7 @@ PagePlan::Wanted PagePlan::grow(Span<const View> views, const CutGoal& goal, boo
       if (!is_wanted(child)) more += resident_bytes(row(child));
     }
     if (splats > goal.splats || bytes + more > most_bytes_) {
-      wanted.pixels = next.error;
+      wanted.pixels = wanted.error = next.error;
       break;
     }
     if (draws) seen_[next.scene][next.page].refined = frame_, seen_[next.scene][next.page].left = float(left);

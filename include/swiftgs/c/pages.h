@@ -48,6 +48,8 @@ typedef struct swiftgs_pool_options {
   uint64_t bytes;             ///< of all pages in the backend's memory; 0: 2,000,000,000
   uint64_t upload_per_frame;  ///< 0: 16 MiB @units{bytes}
   uint64_t waiting;           ///< of pages that were read and not uploaded; 0: 64 MiB @units{bytes}
+  uint64_t estimate;  ///< of the host, in which a thread measures `swiftgs_cut.estimated_db`; 0: none does
+                      ///< @units{bytes}
 } swiftgs_pool_options;
 
 /// Makes a pool of `count` files, each placed where it stands, and uploads their coarsest pages. `options`
@@ -70,6 +72,7 @@ typedef struct swiftgs_cut_goal {
   uint32_t reserved;  ///< 0
   double pixels;    ///< largest error of a page that is drawn; 0: 1; negative: none, all Gaussians are drawn
   uint64_t splats;  ///< most Gaussians and nodes; 0: any
+  double blend;     ///< part of `pixels` over which a page fades into its children; 0: none
 } swiftgs_cut_goal;
 
 /// What a cut is like.
@@ -84,6 +87,8 @@ typedef struct swiftgs_cut {
   uint64_t bytes;       ///< that pages take
   const char* failure;  ///< why a page could not be read, until the next cut; NULL: none failed
   uint64_t scenes;  ///< placed scenes of a frame that shows it, as `swiftgs_renderer_visible_by_scene` counts
+  double estimated_db;  ///< PSNR beside the scene of the last complete cut that was measured, after
+                        ///< `swiftgs_pool_wait` of this one; NaN: none yet
 } swiftgs_cut;
 
 /// Chooses the pages for all views of `frame`, and has the renderer show them in place of its own scenes,

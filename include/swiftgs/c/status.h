@@ -17,7 +17,7 @@
 /// that breaks programs raises the first number, which is part of the library's file name; an addition raises
 /// the second.
 #define SWIFTGS_ABI_MAJOR 2
-#define SWIFTGS_ABI_MINOR 1
+#define SWIFTGS_ABI_MINOR 2
 
 #ifdef __cplusplus
 extern "C" {

@@ -40,6 +40,7 @@ class SWIFTGS_API PagePlan {
   struct Wanted {
     std::uint64_t splats = 0;
     double pixels = 0;
+    double error = 0;              ///< largest of a page to draw that has children @units{pixels}
     std::vector<PageKey> missing;  ///< coarse before fine; those of views ahead last
     std::size_t now = 0;           ///< of `missing`, those of the frame
   };

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <set>
@@ -17,6 +18,7 @@
 
 #include <swiftgs/frame/span.hpp>
 #include <swiftgs/pages/cut.hpp>
+#include <swiftgs/pages/cut_meter.hpp>
 #include <swiftgs/pages/motion.hpp>
 #include <swiftgs/pages/page_loader.hpp>
 #include <swiftgs/pages/page_plan.hpp>
@@ -32,6 +34,9 @@ struct PagePoolOptions {
   /// Frames for which the pool expects cameras to go on as they do, and brings pages. Reserves an eighth of
   /// the memory that roots leave; 0: reserves none.
   int ahead = 10;
+  /// Memory of the host in which a thread of the pool measures `Cut::estimated_db`, by one processor; 0: none
+  /// does. More memory measures sooner. @units{bytes}
+  std::size_t estimate = 0;
   int threads = 1;          ///< of the pool, which read pages; 1 or more
   PageExecutor executor{};  ///< reads pages in their place
 };
@@ -64,13 +69,17 @@ class PagePool {
       const detail::PageKey root{file, plan_.files()[file].root()};
       upload({root, plan_.files()[file].read(root.page)});
     }
+    if (options.estimate != 0) meter_ = std::make_unique<detail::CutMeter>(plan_.placed(), options.estimate);
   }
   PagePool(B& backend, const PagedScene& pages, const PagePoolOptions& options = {}, B* uploader = nullptr)
       : PagePool(backend, std::vector<PlacedPages>{{pages}}, options, uploader) {}
 
   /// Places scenes of the pool anew, in place of all placings before; pages stay in memory. Throws
   /// `InvalidArgument`, and changes nothing, for placings that are not valid and for other scenes.
-  void place(std::vector<PlacedPages> placed) { plan_.place(std::move(placed)); }
+  void place(std::vector<PlacedPages> placed) {
+    plan_.place(std::move(placed));
+    if (meter_) meter_->place(plan_.placed());
+  }
 
   /// What to draw for all views of a frame, which show all placed scenes. Uploads pages that were read, at
   /// most `upload_per_frame`, and asks for others. Then it brings those of views `ahead`, so that they are
@@ -86,8 +95,8 @@ class PagePool {
   }
 
   /// Makes `cut` complete: returns when no page is missing but those that fail again, or memory that other
-  /// cuts keep has no room for the rest. Gives back what `cut` keeps: nothing may draw its scenes of before.
-  /// Throws as `cut`; waiting again then goes on.
+  /// cuts keep has no room for the rest, and `estimated_db` is that of its views. Gives back what `cut`
+  /// keeps: nothing may draw its scenes of before. Throws as `cut`; waiting again then goes on.
   void wait(Cut& cut) {
     Cut asked;
     asked.views_ = cut.views_, asked.goal_ = cut.goal_;
@@ -96,9 +105,10 @@ class PagePool {
       bool stuck = false;
       cut = asked;  // gives back memory
       cut = this->cut({asked.views_.data(), asked.views_.size()}, asked.goal_, {}, options_.bytes, stuck);
-      if (stuck || cut.is_settled()) return;
+      if (stuck || cut.is_settled()) break;
       loader_.wait();
     }
+    if (meter_) cut.estimated_db_ = meter_->wait();
   }
 
   /// Of pages that are uploaded, those included that only cuts still have. @units{bytes}
@@ -107,6 +117,10 @@ class PagePool {
   /// Pages that were uploaded so far, and their bytes, as often as they were.
   std::uint64_t uploads() const { return uploads_; }
   std::uint64_t uploaded_bytes() const { return uploaded_bytes_; }
+  /// As `Cut::estimated_db`, by now. @units{dB}
+  double estimated_db() const {
+    return meter_ ? meter_->decibels() : std::numeric_limits<double>::quiet_NaN();
+  }
 
  private:
   using SceneOn = decltype(std::declval<B&>().upload(std::declval<Scene>()));
@@ -130,6 +144,8 @@ class PagePool {
     cut.views_.assign(views.begin(), views.end()), cut.goal_ = goal;
     loader_.request(bring(wanted, most_uploaded, cut, stuck));
     draw(cut);
+    if (meter_) meter_->request(views, {.pixels = wanted.pixels, .blend = goal.blend}, wanted.error);
+    cut.estimated_db_ = estimated_db();
     return cut;
   }
 
@@ -262,6 +278,7 @@ class PagePool {
   detail::PagePlan plan_;
   detail::Motion motion_;
   detail::PageLoader loader_;
+  std::unique_ptr<detail::CutMeter> meter_;  ///< null: nobody asks
   std::map<detail::PageKey, detail::LoadedPage> waiting_;
   std::map<detail::PageKey, std::shared_ptr<const Resident>> resident_;
   std::map<detail::PageKey, Failure> failures_;

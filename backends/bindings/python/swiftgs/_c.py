@@ -13,7 +13,7 @@ from typing import Any, NamedTuple, Optional
 
 from ._errors import InvalidArgument, InvalidType, exception_of
 
-ABI_MAJOR, ABI_MINOR = 2, 1
+ABI_MAJOR, ABI_MINOR = 2, 2
 
 MEASURE_COUNTS, MEASURE_TIMES = 1, 2
 HOST, DEVICE = 0, 1
@@ -229,17 +229,18 @@ class PagesInfo(_Sized):
 
 class PoolOptions(_Sized):
     _fields_ = [("size", c_uint32), ("reserved", c_uint32), ("bytes", c_uint64), ("upload_per_frame", c_uint64),
-                ("waiting", c_uint64)]
+                ("waiting", c_uint64), ("estimate", c_uint64)]
 
 
 class CutGoal(_Sized):
-    _fields_ = [("size", c_uint32), ("reserved", c_uint32), ("pixels", c_double), ("splats", c_uint64)]
+    _fields_ = [("size", c_uint32), ("reserved", c_uint32), ("pixels", c_double), ("splats", c_uint64),
+                ("blend", c_double)]
 
 
 class Cut(_Sized):
     _fields_ = [("size", c_uint32), ("is_settled", c_int32), ("splats", c_uint64), ("wanted", c_uint64),
                 ("missing", c_uint64), ("pixels", c_double), ("resident", c_uint64), ("bytes", c_uint64),
-                ("failure", c_char_p), ("scenes", c_uint64)]
+                ("failure", c_char_p), ("scenes", c_uint64), ("estimated_db", c_double)]
 
 
 class NamedNode(_Sized):

@@ -52,6 +52,7 @@ class Cut(NamedTuple):
     bytes: int  #: that pages take
     failure: Optional[str]  #: why a page could not be read
     scenes: int  #: placed scenes of a frame that shows it, as `Renderer.visible_by_scene` counts
+    estimated_db: float  #: PSNR beside the scene of the last complete cut that was measured; NaN: none yet
 
 
 def _cut_of(told: _c.Cut) -> Cut:
@@ -81,15 +82,16 @@ class PagePool:
 
     def __init__(self, renderer: Renderer, pages: Union[Pages, Sequence[Pages]], *,
                  bytes: int = 0,  # pylint: disable=redefined-builtin
-                 upload_per_frame: int = 0, waiting: int = 0) -> None:
+                 upload_per_frame: int = 0, waiting: int = 0, estimate: int = 0) -> None:
         """`bytes` bounds all pages in memory, 0 for 2 GB; `upload_per_frame` what a cut uploads, 0 for 16 MiB; and
-        `waiting` pages that were read and not uploaded, 0 for 64 MiB. Each file is placed where it stands."""
+        `waiting` pages that were read and not uploaded, 0 for 64 MiB. A thread measures `Cut.estimated_db` in
+        `estimate` bytes of the host, 0 for not at all. Each file is placed where it stands."""
         self._renderer = _checks.of_type(renderer, Renderer, "renderer")
         files = [pages] if isinstance(pages, Pages) else _checks.listed(pages, "pages")
         handles = [_checks.of_type(each, Pages, "pages", "; swiftgs.open_pages opens one")._handle for each in files]
         pointers = (ctypes.c_void_p * len(handles))(*(each.pointer for each in handles))
         options = _c.PoolOptions(**{name: _checks.whole(value, name, 0, 2**64) for name, value in (
-            ("bytes", bytes), ("upload_per_frame", upload_per_frame), ("waiting", waiting))})
+            ("bytes", bytes), ("upload_per_frame", upload_per_frame), ("waiting", waiting), ("estimate", estimate))})
         handle = renderer._open()
         self._handle: Optional[Handle] = Handle(lib.pool_free, lib.pool_create, handle, pointers, len(handles),
                                                 ctypes.byref(options), outlived_by=handle)
@@ -102,9 +104,11 @@ class PagePool:
             structs[index] = _checks.of_type(placement, Placement, f"placement {index}")._struct()
         lib.pool_place(self._open(), structs, len(structs))
 
-    def cut(self, cameras: Union[Camera, Sequence[Camera]], *, pixels: float = 1, splats: int = 0, wait: bool = False,
-            out: Optional[Frame] = None, ahead: Union[Camera, Sequence[Camera], None] = None) -> Cut:
+    def cut(self, cameras: Union[Camera, Sequence[Camera]], *, pixels: float = 1, splats: int = 0, blend: float = 0,
+            wait: bool = False, out: Optional[Frame] = None,
+            ahead: Union[Camera, Sequence[Camera], None] = None) -> Cut:
         """Chooses pages with errors of at most `pixels`, 0 for all Gaussians, and at most so many `splats`, 0 for any.
+        A page fades into its children while its error rises from `pixels` to `pixels` (1 + `blend`).
         The renderer shows them until another scene is set. Without `wait` it does not wait for files: frames draw what
         is there, and later cuts more. `out` is a frame that will be drawn, where its conventions or sizes matter.
         Pages that the cameras `ahead` need come next; without them, the cameras' in ten frames if they go on as they
@@ -114,10 +118,12 @@ class PagePool:
         later = None if ahead is None else Renderer._new_frame(ahead, "rgb", {})
         if later is not None and ahead is not None:
             later._aim(ahead)
-        limit = _checks.real(pixels, "pixels")
-        goal = _c.CutGoal(pixels=limit if limit != 0 else -1, splats=_checks.whole(splats, "splats", 0, 2**64))
-        if limit < 0:
-            raise InvalidArgument(f"pixels is {limit:g}, expected 0 or more")
+        limit, fading = _checks.real(pixels, "pixels"), _checks.real(blend, "blend")
+        goal = _c.CutGoal(pixels=limit if limit != 0 else -1, splats=_checks.whole(splats, "splats", 0, 2**64),
+                          blend=fading)
+        for name, value in (("pixels", limit), ("blend", fading)):
+            if value < 0:
+                raise InvalidArgument(f"{name} is {value:g}, expected 0 or more")
         told = _c.Cut()
         with self._renderer._scene_lock:
             lib.pool_cut(self._open(), frame._argument, None if later is None else later._argument, ctypes.byref(goal),
