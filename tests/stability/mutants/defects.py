@@ -12,6 +12,7 @@ CPU = "backends/cpu/"
 CHOLESKY = ("raster_float_cholesky.cpp",)
 SPLIT = ("raster_float_split.cpp",)
 PER_PIXEL = ("raster_per_pixel.cpp",)
+PROJECT = ("project.cpp",)
 RASTERS = CHOLESKY + SPLIT + PER_PIXEL + ("raster_half_split.cpp",)  # share functions, of which the linker takes one
 
 
@@ -143,20 +144,22 @@ DEFECTS = [
         ("background times alpha", "[-pixel.transmittance-]{+alpha+} * below"),
         ("depth is not divided by alpha", "[-alpha > 0 ? pixel.depth / alpha : 0.0f-]{+pixel.depth+}")),
     # The cpu backend's own arithmetic.
-    *defects("cpu project", CPU + "project.cpp",
+    *defects("cpu project", (CPU + "factors-inl.hpp", PROJECT),
         ("camera space rounded to float",
          "const Wide dx = [-Minus(Promote(mean.x), v.centre[0]), dy = Minus(Promote(mean.y), "
          "v.centre[1])-]{+Promote(Demote(Minus(Promote(mean.x), v.centre[0]))), dy = "
          "Promote(Demote(Minus(Promote(mean.y), v.centre[1])))+};"),
+        ("blur times 1.0001", "Doubles(double(v.blur{+ * 1.0001f+}))"),
+        ("blur times 1.001", "Doubles(double(v.blur{+ * 1.001f+}))"),
+        ("to_base_2 off by 1e-6", "l0 = Doubles(to_base_2{+ + 1e-6+})"),
+        ("largest_variance 1e34", "largest{double([-largest_variance-]{+1e34f+})}")),
+    *defects("cpu project", (CPU + "project_group-inl.hpp", PROJECT),
         ("z in float", "const Wide inverse_z = Inverse([-wide_z-]{+Promote(z)+});"),
         ("x/z and y/z in float", "out.place_mean(ScaleAdd([-x_over_z-]{+Promote(Demote(x_over_z))+}, v.fx, v.cx)"),
         ("means without their remainder",
          "low = [-hn::BitCast(d, hn::Or(of_x, hn::ShiftLeft<16>(of_y)))-]{+hn::Zero(d)+};"),
         ("remainders exchanged", "hn::Or([-of_x, hn::ShiftLeft<16>(of_y)-]{+of_y, hn::ShiftLeft<16>(of_x)+})"),
-        ("blur times 1.0001", "Doubles(double(v.blur{+ * 1.0001f+}))"),
-        ("blur times 1.001", "Doubles(double(v.blur{+ * 1.001f+}))"),
         cpu_means(4096), cpu_means(1024),
-        ("to_base_2 off by 1e-6", "l0 = Doubles(to_base_2{+ + 1e-6+})"),
         ("min_compensation ignored",
          "[-hn::Max(factors(&Factor::sharpness), hn::Set(d, v.min_compensation))-]{+factors(&Factor::sharpness)+}"),
         ("cutoff by natural logarithm", "hn::[-CallLog2-]{+CallLog+}(d,"),
@@ -164,8 +167,7 @@ DEFECTS = [
          "Mask visible = hn::[-And(hn::Ge(opacity, alpha_min), hn::Le(opacity, most))-]{+Ge(opacity, alpha_min)+};"),
         ("an opacity of alpha_min is left out", "hn::[-Ge-]{+Gt+}(opacity, alpha_min), hn::Le(opacity, most)"),
         ("z on the near plane left out", "hn::Gt(z, hn::Set(d, v.near_plane{+ * 1.0000003f+}))"),
-        ("z on the far plane left out", "hn::[-Le-]{+Lt+}(z, hn::Set(d, v.far_plane))"),
-        ("largest_variance 1e34", "largest{double([-largest_variance-]{+1e34f+})}")),
+        ("z on the far plane left out", "hn::[-Le-]{+Lt+}(z, hn::Set(d, v.far_plane))")),
     *defects("cpu exp2", (CPU + "exp2-inl.hpp", CHOLESKY),
         ("off by 2e-4", "[-6.9314700e-1f-]{+(6.9314700e-1f + 2e-4f)+}"),
         ("off by 1e-5", "[-6.9314700e-1f-]{+(6.9314700e-1f + 1e-5f)+}"),
