@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <swiftgs/drivers/renderer_table.hpp>
+#include <swiftgs/edit/pruning.hpp>
 #include <swiftgs/error.hpp>
-#include <swiftgs/pruning.hpp>
 #include <swiftgs/serial.hpp>
 #include <swiftgs/swiftgs.hpp>
 #include <swiftgs/tools/processor.hpp>

@@ -18,7 +18,7 @@
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/check.hpp>
-#include <swiftgs/half.hpp>
+#include <swiftgs/frame/half.hpp>
 #include <swiftgs/io/image.hpp>
 #include <swiftgs/swiftgs.hpp>
 

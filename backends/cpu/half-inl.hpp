@@ -12,7 +12,7 @@
 
 #include <hwy/highway.h>
 
-#include <swiftgs/half.hpp>
+#include <swiftgs/frame/half.hpp>
 
 #include "raster_block-inl.hpp"
 

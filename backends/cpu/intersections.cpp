@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <swiftgs/cpu/stages.hpp>
+#include <swiftgs/frame/learnt.hpp>
 
 #include "parts.hpp"
 

@@ -9,8 +9,9 @@
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/error.hpp>
+#include <swiftgs/memory/copy_arrays.hpp>
+#include <swiftgs/memory/scene_arrays.hpp>
 #include <swiftgs/project/chunks.hpp>
-#include <swiftgs/scene_arrays.hpp>
 
 #include "device_scene.hpp"
 

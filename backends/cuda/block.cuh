@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <swiftgs/raster/store.hpp>
+#include <swiftgs/plane/attributes.hpp>
+#include <swiftgs/plane/picks.hpp>
 
 #include "pixel.cuh"
 

@@ -9,7 +9,7 @@
 #include <swiftgs/raster/store.hpp>
 
 #include "planes.hpp"
-#include "raster_memory.hpp"
+#include "state.hpp"
 
 namespace swiftgs::kernels {
 namespace {

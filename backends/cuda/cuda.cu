@@ -13,7 +13,6 @@
 #include <cuda/atomic>
 #include <cuda_runtime_api.h>
 
-#include <swiftgs/cuda/for_each.cuh>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/error.hpp>

@@ -6,6 +6,7 @@
 #include <tuple>
 
 #include <swiftgs/cuda/stages.hpp>
+#include <swiftgs/scene.hpp>
 
 namespace swiftgs {
 

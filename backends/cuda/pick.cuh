@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include <swiftgs/raster/store.hpp>
+#include <swiftgs/plane/picks.hpp>
 
 #include "accumulators.cuh"
 #include "segment_picks.hpp"

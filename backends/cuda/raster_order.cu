@@ -5,7 +5,7 @@
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/raster_block.cuh>
 
-#include "raster_memory.hpp"
+#include "state.hpp"
 
 namespace swiftgs::kernels {
 namespace {

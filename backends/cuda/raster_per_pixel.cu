@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/stages.hpp>
+#include <swiftgs/raster/per_pixel.hpp>
 
 #include "block.cuh"
 #include "exponents.hpp"

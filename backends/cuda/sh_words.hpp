@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <swiftgs/scene.hpp>
+#include <swiftgs/frame/scene_view.hpp>
 
 namespace swiftgs::kernels {
 

@@ -11,7 +11,7 @@
 #include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/cuda/warp.cuh>
-#include <swiftgs/functor/shade_stage.hpp>
+#include <swiftgs/project/colour.hpp>
 #include <swiftgs/project/project.hpp>
 
 #include "sh_words.hpp"

@@ -16,7 +16,7 @@
 
 #include "blending.hpp"
 #include "exponents.hpp"
-#include "raster_memory.hpp"
+#include "state.hpp"
 
 /// @file
 /// Work queues: a warp with a long tile list pushes the rest of its warp block, and the helper kernel blends

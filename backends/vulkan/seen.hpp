@@ -8,10 +8,10 @@
 #include <cstdint>
 #include <vector>
 
+#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/placing.hpp>
 #include <swiftgs/frame/tiles.hpp>
 #include <swiftgs/frame/views.hpp>
-#include <swiftgs/placed_scene.hpp>
 #include <swiftgs/plane/attributes.hpp>
 #include <swiftgs/project/chunks.hpp>
 

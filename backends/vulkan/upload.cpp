@@ -10,8 +10,8 @@
 
 #include <swiftgs/error.hpp>
 #include <swiftgs/memory/harmonic_packing.hpp>
+#include <swiftgs/memory/scene_arrays.hpp>
 #include <swiftgs/project/chunks.hpp>
-#include <swiftgs/scene_arrays.hpp>
 #include <swiftgs/tools/parallel.hpp>
 #include <swiftgs/vulkan/backend.hpp>
 

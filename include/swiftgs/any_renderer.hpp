@@ -11,19 +11,19 @@
 #include <vector>
 
 #include <swiftgs/camera.hpp>
+#include <swiftgs/drivers/render_settings.hpp>
 #include <swiftgs/drivers/statistics.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/frame/api.hpp>
 #include <swiftgs/frame/backend.hpp>
 #include <swiftgs/frame/harmonics.hpp>
+#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/placing.hpp>
 #include <swiftgs/frame/span.hpp>
 #include <swiftgs/frame/views.hpp>
+#include <swiftgs/memory/scene_arrays.hpp>
 #include <swiftgs/pick.hpp>
-#include <swiftgs/placed_scene.hpp>
-#include <swiftgs/render_settings.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/scene_arrays.hpp>
 
 namespace swiftgs {
 

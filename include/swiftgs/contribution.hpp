@@ -25,12 +25,13 @@
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame/api.hpp>
 #include <swiftgs/frame/backend.hpp>
+#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/stages.hpp>
 #include <swiftgs/functor/blend.hpp>
 #include <swiftgs/functor/stage_table.hpp>
 #include <swiftgs/lens/view.hpp>
-#include <swiftgs/placed_scene.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
+#include <swiftgs/scene.hpp>
 #include <swiftgs/sort/early.hpp>
 
 namespace swiftgs {

@@ -6,38 +6,9 @@
 #include <string_view>
 
 #include <swiftgs/error.hpp>
+#include <swiftgs/frame/rendering_model.hpp>
 
 namespace swiftgs {
-
-/// What orders the splats of a frame.
-enum class SplatOrder {
-  depth,     ///< as `Conventions::depth` measures it
-  distance,  ///< from the camera's centre
-};
-
-/// The values in which splats are blended. Frames have the same kind of values whichever it is.
-enum class ColourSpace {
-  srgb,    ///< encoded for a display, as photographs are
-  linear,  ///< linear light; each pixel is encoded when it is finished
-};
-
-/// How a scene was trained to be drawn. Readers take it from the file; frames follow it wherever
-/// `Conventions` leave it to the scene.
-struct RenderingModel {
-  /// What was trained.
-  enum class Kernel {
-    ellipsoid,  ///< 3D Gaussians
-    disk,       ///< 2D Gaussians in space, drawn as 3D ones that are flat: not as they were trained
-  };
-
-  float blur = 0.3f;         ///< as `Conventions::blur` @units{pixels^2}
-  bool antialiased = false;  ///< as `Conventions::antialiased`
-  SplatOrder order = SplatOrder::depth;
-  ColourSpace colours = ColourSpace::srgb;
-  Kernel kernel = Kernel::ellipsoid;
-
-  bool operator==(const RenderingModel&) const = default;
-};
 
 /// The numbers that define "the same image". `Conventions::gsplat()`, `Conventions::inria()` and
 /// `Conventions::khronos()` are exact presets. What is optional is as the scene was trained unless it is set.
@@ -125,10 +96,6 @@ struct Conventions {
 /// more than a float holds.
 inline constexpr float least_depth = 1e-26f;
 
-namespace detail {
-inline bool is_blur(float blur) { return blur >= 0 && blur < std::numeric_limits<float>::infinity(); }
-}  // namespace detail
-
 /// `conventions` with nothing left to the scene, which was trained for `model`.
 inline Conventions as_trained(Conventions conventions, const RenderingModel& model) {
   if (!conventions.blur) conventions.blur = model.blur;
@@ -136,12 +103,6 @@ inline Conventions as_trained(Conventions conventions, const RenderingModel& mod
   if (!conventions.order) conventions.order = model.order;
   if (!conventions.colours) conventions.colours = model.colours;
   return conventions;
-}
-
-/// Throws `InvalidArgument` if no frame can follow `model`.
-inline void validate(const RenderingModel& model) {
-  if (!detail::is_blur(model.blur))
-    detail::refuse("scene: the blur of its model is ", model.blur, ", expected 0 or more");
 }
 
 /// Throws `InvalidArgument` that names the first invalid number.

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <swiftgs/any_renderer.hpp>
-#include <swiftgs/pruning.hpp>
+#include <swiftgs/edit/pruning.hpp>
 
 #include "cuda/graph.hpp"
 #include "policies/contribution_sums.hpp"

@@ -15,7 +15,7 @@
 #include "policies/double_drawing.hpp"
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
-#include "raster_memory.hpp"
+#include "state.hpp"
 
 using namespace swiftgs;
 using namespace swiftgs::test;

@@ -10,7 +10,7 @@
 
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/cuda.hpp>
-#include <swiftgs/pruning.hpp>
+#include <swiftgs/edit/pruning.hpp>
 #include <swiftgs/swiftgs.hpp>
 
 #include "policies/random_splats.hpp"

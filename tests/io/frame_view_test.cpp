@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <swiftgs/half.hpp>
+#include <swiftgs/frame/half.hpp>
 #include <swiftgs/io/image.hpp>
 #include <swiftgs/raster/store.hpp>
 

@@ -8,9 +8,9 @@
 
 #include <doctest/doctest.h>
 
+#include <swiftgs/drivers/render_settings.hpp>
 #include <swiftgs/drivers/resident_frames.hpp>
 #include <swiftgs/frame/frame_renderer.hpp>
-#include <swiftgs/render_settings.hpp>
 #include <swiftgs/swiftgs.hpp>
 
 #include "policies/all_planes.hpp"

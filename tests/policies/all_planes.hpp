@@ -5,8 +5,8 @@
 #include <type_traits>
 #include <vector>
 
+#include <swiftgs/drivers/render_settings.hpp>
 #include <swiftgs/frame.hpp>
-#include <swiftgs/render_settings.hpp>
 
 namespace swiftgs::test {
 

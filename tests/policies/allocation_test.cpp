@@ -13,7 +13,7 @@
 
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/edit.hpp>
-#include <swiftgs/scene_arrays.hpp>
+#include <swiftgs/memory/scene_arrays.hpp>
 
 #include "policies/arrays_on.hpp"
 #include "policies/counted_memory.hpp"

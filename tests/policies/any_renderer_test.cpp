@@ -12,7 +12,7 @@
 
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/scene_arrays.hpp>
+#include <swiftgs/memory/scene_arrays.hpp>
 #include <swiftgs/swiftgs.hpp>
 
 #include "policies/hooked.hpp"

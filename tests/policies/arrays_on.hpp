@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include <swiftgs/scene_arrays.hpp>
+#include <swiftgs/memory/scene_arrays.hpp>
 
 #include "policies/tile_lists.hpp"
 

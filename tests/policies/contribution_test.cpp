@@ -16,8 +16,8 @@
 
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/edit.hpp>
+#include <swiftgs/edit/pruning.hpp>
 #include <swiftgs/metrics.hpp>
-#include <swiftgs/pruning.hpp>
 #include <swiftgs/reference.hpp>
 
 #include "policies/contribution_sums.hpp"

@@ -10,7 +10,7 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/half.hpp>
+#include <swiftgs/frame/half.hpp>
 
 #include "policies/only_targets.hpp"
 

@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/half.hpp>
+#include <swiftgs/frame/half.hpp>
 
 #include "policies/random_splats.hpp"
 

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include <swiftgs/edit/transform.hpp>
+#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/placing.hpp>
-#include <swiftgs/placed_scene.hpp>
 #include <swiftgs/reference.hpp>
 #include <swiftgs/scene.hpp>
 

@@ -10,8 +10,8 @@
 
 #include <doctest/doctest.h>
 
+#include <swiftgs/frame/half.hpp>
 #include <swiftgs/frame/srgb.hpp>
-#include <swiftgs/half.hpp>
 #include <swiftgs/raster/store.hpp>
 
 namespace swiftgs::test::srgb_test {

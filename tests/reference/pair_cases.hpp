@@ -10,8 +10,8 @@
 #include <vector>
 
 #include <swiftgs/builtin_scene.hpp>
+#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/lens/view.hpp>
-#include <swiftgs/placed_scene.hpp>
 #include <swiftgs/scene.hpp>
 
 #include "hard_frames/families.hpp"

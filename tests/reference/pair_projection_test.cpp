@@ -7,6 +7,7 @@
 
 #include <doctest/doctest.h>
 
+#include <swiftgs/project/colour.hpp>
 #include <swiftgs/project/project.hpp>
 
 #include "reference/pair_cases.hpp"

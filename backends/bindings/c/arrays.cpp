@@ -7,7 +7,8 @@
 #include <string>
 #include <vector>
 
-#include <swiftgs/scene_arrays.hpp>
+#include <swiftgs/memory/copy_arrays.hpp>
+#include <swiftgs/memory/scene_arrays.hpp>
 #include <swiftgs/serial.hpp>
 
 #include "device.hpp"

@@ -5,7 +5,7 @@
 #include <memory>
 
 #include <swiftgs/any_renderer.hpp>
-#include <swiftgs/scene_arrays.hpp>
+#include <swiftgs/memory/scene_arrays.hpp>
 
 /// @file
 /// What needs a device: one of CUDA, but for frames and updates of `vulkan`. A build without CUDA has no

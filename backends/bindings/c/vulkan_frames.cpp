@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <vector>
 
-#include <swiftgs/scene_arrays.hpp>
+#include <swiftgs/memory/scene_arrays.hpp>
 #include <swiftgs/vulkan.hpp>
 
 #include "device_frames.hpp"

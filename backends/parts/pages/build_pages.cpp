@@ -7,7 +7,7 @@
 #include <swiftgs/edit/origin.hpp>
 #include <swiftgs/edit/select.hpp>
 #include <swiftgs/error.hpp>
-#include <swiftgs/half.hpp>
+#include <swiftgs/frame/half.hpp>
 #include <swiftgs/io/capture.hpp>
 #include <swiftgs/io/replace_file.hpp>
 #include <swiftgs/pages/build_pages.hpp>

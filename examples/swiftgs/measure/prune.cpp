@@ -9,8 +9,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <swiftgs/edit/pruning.hpp>
 #include <swiftgs/io/replace_file.hpp>
-#include <swiftgs/pruning.hpp>
 
 #include "commands.hpp"
 #include "draw/choice.hpp"

@@ -13,9 +13,9 @@
 #include <unistd.h>
 
 #include <swiftgs/edit.hpp>
+#include <swiftgs/edit/pruning.hpp>
 #include <swiftgs/io/replace_file.hpp>
 #include <swiftgs/io/scene_file.hpp>
-#include <swiftgs/pruning.hpp>
 
 #include "commands.hpp"
 #include "interruptible.hpp"

@@ -16,6 +16,7 @@
 #include <swiftgs/drivers/measure.hpp>
 #include <swiftgs/drivers/picker.hpp>
 #include <swiftgs/drivers/recorded_frames.hpp>
+#include <swiftgs/drivers/render_settings.hpp>
 #include <swiftgs/drivers/resident_frames.hpp>
 #include <swiftgs/drivers/statistics.hpp>
 #include <swiftgs/error.hpp>
@@ -24,14 +25,13 @@
 #include <swiftgs/frame/backend.hpp>
 #include <swiftgs/frame/frame_renderer.hpp>
 #include <swiftgs/frame/harmonics.hpp>
+#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/span.hpp>
 #include <swiftgs/frame/stages.hpp>
 #include <swiftgs/lens/view.hpp>
+#include <swiftgs/memory/scene_arrays.hpp>
 #include <swiftgs/pick.hpp>
-#include <swiftgs/placed_scene.hpp>
-#include <swiftgs/render_settings.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/scene_arrays.hpp>
 
 namespace swiftgs {
 

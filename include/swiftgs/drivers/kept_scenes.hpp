@@ -12,11 +12,11 @@
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame/harmonics.hpp>
+#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/render_input.hpp>
 #include <swiftgs/frame/span.hpp>
-#include <swiftgs/placed_scene.hpp>
+#include <swiftgs/memory/scene_arrays.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/scene_arrays.hpp>
 
 namespace swiftgs {
 

@@ -9,14 +9,14 @@
 #include <tuple>
 #include <vector>
 
+#include <swiftgs/drivers/render_settings.hpp>
 #include <swiftgs/drivers/statistics.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame/frame_renderer.hpp>
+#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/raster.hpp>
 #include <swiftgs/frame/span.hpp>
 #include <swiftgs/frame/views.hpp>
-#include <swiftgs/placed_scene.hpp>
-#include <swiftgs/render_settings.hpp>
 
 namespace swiftgs {
 

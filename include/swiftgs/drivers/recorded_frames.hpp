@@ -15,10 +15,10 @@
 #include <swiftgs/frame/frame_renderer.hpp>
 #include <swiftgs/frame/learnt.hpp>
 #include <swiftgs/frame/passes.hpp>
+#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/stages.hpp>
 #include <swiftgs/frame/tiles.hpp>
 #include <swiftgs/frame/views.hpp>
-#include <swiftgs/placed_scene.hpp>
 
 namespace swiftgs {
 

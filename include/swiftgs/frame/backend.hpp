@@ -12,8 +12,8 @@
 #include <utility>
 
 #include <swiftgs/error.hpp>
+#include <swiftgs/frame/scene_view.hpp>
 #include <swiftgs/frame/span.hpp>
-#include <swiftgs/scene.hpp>
 
 namespace swiftgs {
 
@@ -178,7 +178,7 @@ struct AnyIndexed {
 /// number of threads.
 /// - `device_name()`: model of the processor or device, with the number of threads if that is a choice.
 /// - `Buffer<T>`: memory that grows and that the backend's loops can reach (`GrowingBuffer`).
-/// - `SceneOn`: an uploaded scene, with `view()`.
+/// - `SceneOn`: an uploaded scene, with `view()`. Renderers that keep scenes ask for `upload` by themselves.
 /// - `reaches_host_memory`: whether its loops can write to the host's own arrays.
 /// - `download(from, to)`: copies to the host, after all work submitted so far; complete when it returns.
 /// - `memory_use()`: of the backend's own memory; only for a backend that does not reach the host's memory.
@@ -189,13 +189,13 @@ struct AnyIndexed {
 /// - `now()`, `milliseconds(from, to)`: points on the backend's own clock; no value before the backend has
 /// reached `to`.
 template <class B>
-concept BackendPolicy = requires(B b, const Scene& scene, typename B::TimePoint time,
+concept BackendPolicy = requires(B b, const typename B::SceneOn& scene, typename B::TimePoint time,
                                  Span<const std::uint32_t> from) {
   { B::name } -> std::convertible_to<std::string_view>;
   { B::usable() } -> std::same_as<bool>;
   { b.device_name() } -> std::same_as<std::string>;
   { B::reaches_host_memory } -> std::convertible_to<bool>;
-  { b.upload(scene).view() } -> std::same_as<SceneView>;
+  { scene.view() } -> std::same_as<SceneView>;
   b.download(from, static_cast<std::uint32_t*>(nullptr));
   b.wait();
   { b.now() } -> std::same_as<typename B::TimePoint>;

@@ -7,15 +7,15 @@
 #include <string>
 #include <vector>
 
-#include <swiftgs/conventions.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame/backend.hpp>
 #include <swiftgs/frame/passes.hpp>
+#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/render_input.hpp>
+#include <swiftgs/frame/rendering_model.hpp>
 #include <swiftgs/frame/span.hpp>
 #include <swiftgs/frame/srgb.hpp>
 #include <swiftgs/frame/views.hpp>
-#include <swiftgs/placed_scene.hpp>
 
 namespace swiftgs {
 

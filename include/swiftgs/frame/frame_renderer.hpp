@@ -9,10 +9,10 @@
 #include <swiftgs/frame/backend.hpp>
 #include <swiftgs/frame/frame_plan.hpp>
 #include <swiftgs/frame/learnt.hpp>
+#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/span.hpp>
 #include <swiftgs/frame/stages.hpp>
 #include <swiftgs/frame/views.hpp>
-#include <swiftgs/placed_scene.hpp>
 
 namespace swiftgs {
 

@@ -4,9 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <swiftgs/frame/half.hpp>
 #include <swiftgs/frame/math.hpp>
 #include <swiftgs/frame/span.hpp>
-#include <swiftgs/half.hpp>
 
 namespace swiftgs {
 

@@ -9,13 +9,13 @@
 #include <limits>
 #include <type_traits>
 
-#include <swiftgs/conventions.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/frame/math.hpp>
+#include <swiftgs/frame/rendering_model.hpp>
+#include <swiftgs/frame/scene_view.hpp>
 #include <swiftgs/frame/span.hpp>
 #include <swiftgs/frame/views.hpp>
-#include <swiftgs/scene.hpp>
 
 namespace swiftgs {
 

@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
-#include <tuple>
 #include <utility>
 
 #include <swiftgs/error.hpp>
@@ -13,7 +12,6 @@
 #include <swiftgs/frame/backend.hpp>
 #include <swiftgs/frame/bounds.hpp>
 #include <swiftgs/frame/frame_plan.hpp>
-#include <swiftgs/frame/learnt.hpp>
 #include <swiftgs/frame/splats.hpp>
 #include <swiftgs/frame/tiles.hpp>
 
@@ -52,39 +50,6 @@ concept SortsOn = BackendPolicy<B> && BoundsPolicy<Bounds> && HasBytes<typename 
              TileLists<B>& lists) {
   { S::name } -> std::convertible_to<std::string_view>;
   sort.build(b, job, bounds, scratch, lists);
-};
-
-/// Numbers of tiles in a given order of the splats, index order when `order` is null.
-struct SWIFTGS_API CountTiles {
-  Span<const Footprint> footprints;
-  const std::uint32_t* order;
-  std::uint32_t* counts;
-
-  SWIFTGS_HD void operator()(std::size_t i) const { counts[i] = footprints[order ? order[i] : i].count; }
-};
-
-/// Writes one (key, id) pair for each tile of splat `order[i]`, from `offsets[i]` on.
-template <class Bounds, class Key>
-struct EmitIntersections {
-  SortJob job;
-  Bounds bounds;
-  const std::uint32_t* order;
-  const std::uint32_t* offsets;
-  Key* keys;
-  std::uint32_t* ids;
-
-  SWIFTGS_HD void operator()(std::size_t i) const {
-    const std::uint32_t id = order ? order[i] : std::uint32_t(i);
-    std::size_t at = offsets[i];
-    for_each_tile(job.footprints.each[id], bounds, job.splats.shapes[id], job.grid(id),
-                  [&](std::uint32_t tile) {
-                    if constexpr (sizeof(Key) == 8)
-                      keys[at] = Key(tile) << depth_key_bits | depth_key(job.splats.depths[id]);
-                    else
-                      keys[at] = tile;
-                    ids[at++] = id;
-                  });
-  }
 };
 
 /// Marks where each tile's intersections begin and end in keys sorted by tile, from the keys [i, i + 1) times
@@ -127,39 +92,16 @@ struct SWIFTGS_API ClearRanges {
   }
 };
 
+/// Memory that emission and grouping by tile work in.
+template <class B>
+struct IntersectionScratch;
+template <class B>
+struct GroupScratch;
+
 /// Throws `InvalidArgument` if footprints do not have as many intersections as they say.
 inline void check_sum(std::uint64_t said, std::uint64_t sum) {
   if (said != sum)
     detail::refuse("sort: the footprints hold ", sum, " intersections, expected those that they say, ", said);
-}
-
-/// Memory that emission works in.
-template <class B>
-struct IntersectionScratch {
-  typename B::template Buffer<std::uint32_t> offsets;
-
-  void reserve(B&, const Reservation& reserved) { offsets.reset_exactly(reserved.capacity.splats); }
-  static auto buffers(auto& self) { return std::tie(self.offsets); }
-};
-
-/// Emits the intersections of all splats in the given order (index order when `order` is null) and returns
-/// how many there are. Keys of 64 bits hold tile above depth, narrower ones the tile alone. Throws
-/// `CapacityError` beyond `max_intersections`. Backends overload this.
-template <FunctorBackend B, class Bounds, class Key>
-Count emit_intersections(B& b, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
-                         IntersectionScratch<B>& scratch, Pairs<B, Key>& intersections) {
-  check_footprints(job);
-  const std::size_t splats = job.splats.size();
-  check_intersections(job.footprints.intersections.most);
-  scratch.offsets.reset(splats);
-  std::uint32_t* const offsets = scratch.offsets.data();
-  b.for_each(splats, CountTiles{job.footprints.each, order, offsets});
-  const std::uint64_t total = b.exclusive_scan(Span{offsets, splats});
-  check_sum(job.footprints.intersections.most, total);
-  intersections.reset(std::size_t(total));
-  b.for_each(splats, EmitIntersections<Bounds, Key>{job, bounds, order, offsets, intersections.keys.data(),
-                                                    intersections.values.data()});
-  return std::size_t(total);
 }
 
 /// Moves the sorted intersections to `lists`. The next frame reuses the old ids, and allocates nothing if it
@@ -177,30 +119,6 @@ void finish_lists(B& b, const FootprintsView& footprints, Count count, int tile_
   std::swap(lists.ids, intersections.values);
   lists.tiles = tiles, lists.intersections = count.most;
   intersections.values.reset(count.most);
-}
-
-/// Memory that grouping works in.
-template <class B>
-struct GroupScratch {
-  IntersectionScratch<B> emission;
-  Pairs<B, std::uint32_t> intersections;
-
-  void reserve(B& b, const Reservation& reserved) {
-    reserve_parts(b, reserved, emission);
-    intersections.reset_exactly(reserved.capacity.intersections);
-    reserve_sort(b, reserved.capacity.intersections);
-  }
-  static auto buffers(auto& self) { return std::tie(self.emission, self.intersections); }
-};
-
-/// Lists for every tile the splats that may touch it, in the given order: emits the intersections in that
-/// order and sorts them by tile alone, stably and by as few bits as the tiles need. Backends overload this.
-template <FunctorBackend B, class Bounds>
-void group_by_tile(B& b, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
-                   GroupScratch<B>& scratch, TileLists<B>& lists) {
-  const Count count = emit_intersections(b, job, bounds, order, scratch.emission, scratch.intersections);
-  b.sort_pairs(scratch.intersections, count, job.footprints.views.tiles.key_bits());
-  finish_lists(b, job.footprints, count, 0, scratch.intersections, lists);
 }
 
 }  // namespace swiftgs

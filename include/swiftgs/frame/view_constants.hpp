@@ -4,10 +4,10 @@
 #include <cmath>
 #include <type_traits>
 
-#include <swiftgs/conventions.hpp>
 #include <swiftgs/frame/float_pair.hpp>
 #include <swiftgs/frame/lens.hpp>
 #include <swiftgs/frame/math.hpp>
+#include <swiftgs/frame/rendering_model.hpp>
 
 namespace swiftgs {
 

@@ -10,10 +10,10 @@
 #include <tuple>
 #include <vector>
 
-#include <swiftgs/conventions.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame.hpp>
 #include <swiftgs/frame/math.hpp>
+#include <swiftgs/frame/rendering_model.hpp>
 #include <swiftgs/frame/span.hpp>
 #include <swiftgs/frame/tiles.hpp>
 #include <swiftgs/frame/view_constants.hpp>

@@ -8,24 +8,12 @@
 #include <swiftgs/frame/api.hpp>
 #include <swiftgs/frame/backend.hpp>
 #include <swiftgs/frame/frame_plan.hpp>
-#include <swiftgs/frame/placing.hpp>
+#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/splats.hpp>
-#include <swiftgs/placed_scene.hpp>
+#include <swiftgs/project/colour.hpp>
 #include <swiftgs/project/project.hpp>
 
 namespace swiftgs {
-
-/// The colour of a splat that a usual sum of floats would hide: hidden only if the colour is not finite.
-SWIFTGS_HD inline SplatColour large_splat_colour(const ViewConstants& camera, const SceneView& scene,
-                                                 std::size_t i, float depth) {
-  const vec3 direction = view_direction(camera, scene.means[i]);
-  return splat_colour(large_sh_colour(scene.sh_degree, sh0_of(scene, i), scene.sh_rest[i], direction), depth);
-}
-
-/// The colour of a splat under a tint. A splat that is hidden stays so.
-SWIFTGS_HD inline SplatColour tinted(const SplatColour& colour, const Tint& tint) {
-  return tint.is_none() ? colour : SplatColour{tint.mixed_into(colour.rgb), colour.depth};
-}
 
 /// Evaluates the colour of splat i: the only place that reads spherical harmonics.
 template <class Scenes>

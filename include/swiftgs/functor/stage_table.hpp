@@ -15,6 +15,7 @@
 #include <swiftgs/functor/blend.hpp>
 #include <swiftgs/functor/bounds_stages.hpp>
 #include <swiftgs/functor/shade_stage.hpp>
+#include <swiftgs/functor/sort_stages.hpp>
 #include <swiftgs/plane/attribute_stage.hpp>
 
 namespace swiftgs {

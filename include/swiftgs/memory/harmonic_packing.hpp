@@ -16,9 +16,9 @@
 #include <vector>
 
 #include <swiftgs/error.hpp>
+#include <swiftgs/frame/half.hpp>
 #include <swiftgs/frame/harmonics.hpp>
 #include <swiftgs/frame/span.hpp>
-#include <swiftgs/half.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs {

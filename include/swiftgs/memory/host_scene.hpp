@@ -12,10 +12,11 @@
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame/harmonics.hpp>
 #include <swiftgs/frame/span.hpp>
+#include <swiftgs/memory/copy_arrays.hpp>
 #include <swiftgs/memory/harmonic_packing.hpp>
+#include <swiftgs/memory/scene_arrays.hpp>
 #include <swiftgs/project/chunks.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/scene_arrays.hpp>
 
 namespace swiftgs {
 

@@ -9,10 +9,10 @@
 #include <vector>
 
 #include <swiftgs/frame/math.hpp>
+#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/placing.hpp>
 #include <swiftgs/frame/views.hpp>
 #include <swiftgs/pages/paged_scene.hpp>
-#include <swiftgs/placed_scene.hpp>
 
 namespace swiftgs {
 

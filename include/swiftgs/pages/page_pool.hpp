@@ -16,6 +16,7 @@
 #include <utility>
 #include <vector>
 
+#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/span.hpp>
 #include <swiftgs/pages/cut.hpp>
 #include <swiftgs/pages/cut_meter.hpp>
@@ -23,7 +24,6 @@
 #include <swiftgs/pages/page_loader.hpp>
 #include <swiftgs/pages/page_plan.hpp>
 #include <swiftgs/pages/paged_scene.hpp>
-#include <swiftgs/placed_scene.hpp>
 
 namespace swiftgs {
 

@@ -7,15 +7,15 @@
 #include <swiftgs/frame/backend.hpp>
 #include <swiftgs/frame/lens.hpp>
 #include <swiftgs/frame/math.hpp>
+#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/raster.hpp>
+#include <swiftgs/frame/scene_view.hpp>
 #include <swiftgs/frame/splats.hpp>
 #include <swiftgs/frame/tiles.hpp>
 #include <swiftgs/frame/view_constants.hpp>
 #include <swiftgs/frame/views.hpp>
-#include <swiftgs/placed_scene.hpp>
 #include <swiftgs/plane/attributes.hpp>
 #include <swiftgs/project/project.hpp>
-#include <swiftgs/scene.hpp>
 
 namespace swiftgs {
 

@@ -16,10 +16,12 @@
 #include <swiftgs/frame.hpp>
 #include <swiftgs/frame/math.hpp>
 #include <swiftgs/frame/passes.hpp>
+#include <swiftgs/frame/raster.hpp>
 #include <swiftgs/frame/view_constants.hpp>
 #include <swiftgs/frame/views.hpp>
 #include <swiftgs/lens/point.hpp>
 #include <swiftgs/project/project.hpp>
+#include <swiftgs/raster/store.hpp>
 
 namespace swiftgs {
 
@@ -149,6 +151,14 @@ SWIFTGS_HD inline void store_attributes(const View& view, const AttributesView& 
       }
     }
   }
+}
+
+/// Writes the planes that `job` draws at column x of row y, but those of picked splats. `sums` are those of
+/// its attributes.
+SWIFTGS_HD inline void store_pixel(const RasterJob& job, const View& view, std::size_t x, std::size_t y,
+                                   const BlendedPixel& pixel, const float* sums) {
+  if (!job.only_attributes) store_pixel(view.frame, x, y, pixel, view.background);
+  if (job.attributes.rows != 0) store_attributes(view, job.attributes, x, y, pixel.transmittance, sums);
 }
 
 }  // namespace swiftgs

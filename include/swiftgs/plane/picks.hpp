@@ -10,6 +10,8 @@
 
 #include <swiftgs/frame.hpp>
 #include <swiftgs/frame/math.hpp>
+#include <swiftgs/frame/passes.hpp>
+#include <swiftgs/frame/raster.hpp>
 #include <swiftgs/frame/splats.hpp>
 #include <swiftgs/frame/views.hpp>
 
@@ -47,6 +49,18 @@ SWIFTGS_HD inline void store_picks(const FrameView& frame, const SplatsView& spl
   if (frame.median_depth.data) frame.median_depth.row(y)[x] = depth(picks.median);
   if (frame.id.data) frame.id.row(y)[x] = id(picks.largest);
   if (frame.median_id.data) frame.median_id.row(y)[x] = id(picks.median);
+}
+
+/// Writes the planes of picked splats at column x of row y.
+SWIFTGS_HD inline void store_picks(const RasterJob& job, const View& view, std::size_t x, std::size_t y,
+                                   const SplatPicks& picks) {
+  store_picks(view.frame, job.splats, job.colours.each, x, y, picks);
+  if (!view.camera.depth_along_ray) return;
+  const auto depth = [&](std::uint32_t splat) {
+    return splat == SplatPicks::none ? 0.0f : job.attributes.ray_depth(splat).at(place_of(view, x, y));
+  };
+  if (view.frame.first_depth.data) view.frame.first_depth.row(y)[x] = depth(picks.first);
+  if (view.frame.median_depth.data) view.frame.median_depth.row(y)[x] = depth(picks.median);
 }
 
 }  // namespace swiftgs

@@ -12,9 +12,9 @@
 #include <vector>
 
 #include <swiftgs/frame/math.hpp>
+#include <swiftgs/frame/scene_view.hpp>
 #include <swiftgs/frame/view_constants.hpp>
 #include <swiftgs/lens/box.hpp>
-#include <swiftgs/scene.hpp>
 
 namespace swiftgs {
 

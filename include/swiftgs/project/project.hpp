@@ -8,11 +8,11 @@
 #include <swiftgs/frame/bounds.hpp>
 #include <swiftgs/frame/float_pair.hpp>
 #include <swiftgs/frame/math.hpp>
+#include <swiftgs/frame/scene_view.hpp>
 #include <swiftgs/frame/splats.hpp>
 #include <swiftgs/frame/view_constants.hpp>
 #include <swiftgs/lens/point.hpp>
 #include <swiftgs/project/sh.hpp>
-#include <swiftgs/scene.hpp>
 
 namespace swiftgs {
 
@@ -310,22 +310,6 @@ SWIFTGS_HD ProjectedShape project_through_pinhole(const ViewConstants& v, const 
 /// faint, or the box of its ellipse s <= cutoff holds no pixel centre. Spherical harmonics are not looked at.
 SWIFTGS_HD inline ProjectedShape project_shape(const ViewConstants& v, const Gaussian& g) {
   return v.through_lens ? project_through_lens(v, g) : project_through_pinhole(v, g);
-}
-
-/// Unit direction from the camera towards `mean`. The largest component is scaled to 1 first, so that no
-/// square leaves the range of float.
-template <class Real = PlacingReal>
-SWIFTGS_HD vec3 view_direction(const ViewConstants& view, vec3 mean) {
-  const PlacingConstants<Real> v(view);
-  vec3 d(float(mean.x - v.centre(0)), float(mean.y - v.centre(1)), float(mean.z - v.centre(2)));
-  const float largest = std::fmax(std::fmax(std::fabs(d.x), std::fabs(d.y)), std::fabs(d.z));
-  for (int k = 0; k < 3; ++k) d[k] /= largest;
-  return d * (1 / std::sqrt(d.x * d.x + d.y * d.y + d.z * d.z));
-}
-
-/// Colour of Gaussian `i` in this view, before it is cut below at 0.
-SWIFTGS_HD inline vec3 project_colour(const ViewConstants& v, const SceneView& scene, std::size_t i) {
-  return sh_colour(scene, i, view_direction(v, scene.means[i]));
 }
 
 }  // namespace swiftgs

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include <swiftgs/frame/math.hpp>
-#include <swiftgs/scene.hpp>
+#include <swiftgs/frame/scene_view.hpp>
 
 namespace swiftgs {
 

@@ -5,8 +5,8 @@
 #include <string_view>
 
 #include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/half.hpp>
 #include <swiftgs/frame/splats.hpp>
-#include <swiftgs/half.hpp>
 
 namespace swiftgs {
 

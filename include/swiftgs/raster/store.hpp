@@ -2,18 +2,15 @@
 #pragma once
 
 /// @file
-/// Stores all planes of a blended pixel.
+/// Stores colour, alpha and depth of a blended pixel.
 
 #include <cstddef>
 #include <cstdint>
 
 #include <swiftgs/frame.hpp>
+#include <swiftgs/frame/half.hpp>
 #include <swiftgs/frame/math.hpp>
-#include <swiftgs/frame/raster.hpp>
 #include <swiftgs/frame/srgb.hpp>
-#include <swiftgs/half.hpp>
-#include <swiftgs/plane/attributes.hpp>
-#include <swiftgs/plane/picks.hpp>
 
 namespace swiftgs {
 
@@ -135,26 +132,6 @@ SWIFTGS_HD inline void store_pixel(const FrameView& frame, std::size_t x, std::s
   }
   if (frame.alpha.data) frame.alpha.row(y)[x] = alpha;
   if (frame.depth.data) frame.depth.row(y)[x] = alpha > 0 ? pixel.depth / alpha : 0.0f;
-}
-
-/// Writes the planes that `job` draws at column x of row y, but those of picked splats. `sums` are those of
-/// its attributes.
-SWIFTGS_HD inline void store_pixel(const RasterJob& job, const View& view, std::size_t x, std::size_t y,
-                                   const BlendedPixel& pixel, const float* sums) {
-  if (!job.only_attributes) store_pixel(view.frame, x, y, pixel, view.background);
-  if (job.attributes.rows != 0) store_attributes(view, job.attributes, x, y, pixel.transmittance, sums);
-}
-
-/// Writes the planes of picked splats at column x of row y.
-SWIFTGS_HD inline void store_picks(const RasterJob& job, const View& view, std::size_t x, std::size_t y,
-                                   const SplatPicks& picks) {
-  store_picks(view.frame, job.splats, job.colours.each, x, y, picks);
-  if (!view.camera.depth_along_ray) return;
-  const auto depth = [&](std::uint32_t splat) {
-    return splat == SplatPicks::none ? 0.0f : job.attributes.ray_depth(splat).at(place_of(view, x, y));
-  };
-  if (view.frame.first_depth.data) view.frame.first_depth.row(y)[x] = depth(picks.first);
-  if (view.frame.median_depth.data) view.frame.median_depth.row(y)[x] = depth(picks.median);
 }
 
 }  // namespace swiftgs

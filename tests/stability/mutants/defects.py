@@ -103,12 +103,13 @@ DEFECTS = [
          "half the width is not a number then, and the splat not visible"),
         ("an opacity of alpha_min is left out", "opacity >[-=-] v.alpha_min && opacity < INFINITY"),
         ("visible by its mean alone", "to_first.x <= [-half_width-]{+0+} &&"),
-        ("view_direction without scaling", "[-for (int k = 0; k < 3; ++k) d[k] /= largest;-]"),
         ("far plane left out", "z > v.near_plane[- && z <= v.far_plane-]"),
         ("z on the far plane left out", "z <[-=-] v.far_plane"),
         ("planes compare in double",
          "if (!([-z > v.near_plane && z <= v.far_plane-]{+p[2] > double(v.near_plane) && p[2] <= "
          "double(v.far_plane)+})) return {};")),
+    *defects("project", I + "project/colour.hpp",
+        ("view_direction without scaling", "[-for (int k = 0; k < 3; ++k) d[k] /= largest;-]")),
     # Blending.
     *defects("raster", I + "frame/raster.hpp",
         ("row_touched compares with <", "nearest * nearest + v * v <[-=-] shape.cutoff"),

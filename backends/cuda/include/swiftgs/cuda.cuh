@@ -9,8 +9,8 @@
 
 #include <swiftgs/bounds/all.hpp>
 #include <swiftgs/cuda.hpp>
-#include <swiftgs/cuda/for_each.cuh>
 #include <swiftgs/cuda/intersections.cuh>
+#include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/project.cuh>
 #include <swiftgs/cuda/raster_pixels.cuh>
 #include <swiftgs/raster/all.hpp>

@@ -19,6 +19,7 @@ using cudaStream_t = struct CUstream_st*;
 
 namespace swiftgs {
 
+struct Scene;
 struct SceneArrays;
 
 /// Counts of a frame that projection adds up.

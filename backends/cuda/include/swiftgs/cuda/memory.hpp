@@ -7,8 +7,8 @@
 #include <utility>
 
 #include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/scene_view.hpp>
 #include <swiftgs/memory/growing_buffer.hpp>
-#include <swiftgs/scene.hpp>
 
 namespace swiftgs {
 

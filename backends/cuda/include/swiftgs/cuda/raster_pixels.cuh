@@ -8,7 +8,8 @@
 #include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/frame/raster.hpp>
-#include <swiftgs/raster/store.hpp>
+#include <swiftgs/plane/attributes.hpp>
+#include <swiftgs/plane/picks.hpp>
 #include <swiftgs/tools/policy_lists.hpp>
 
 namespace swiftgs::kernels {

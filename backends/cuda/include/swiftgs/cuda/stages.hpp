@@ -9,16 +9,15 @@
 #include <utility>
 
 #include <swiftgs/cuda/stage_memory.hpp>
-#include <swiftgs/drivers/statistics.hpp>
 #include <swiftgs/frame/api.hpp>
 #include <swiftgs/frame/bounds.hpp>
 #include <swiftgs/frame/frame_plan.hpp>
+#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/raster.hpp>
 #include <swiftgs/frame/sort.hpp>
 #include <swiftgs/frame/splats.hpp>
 #include <swiftgs/frame/views.hpp>
-#include <swiftgs/placed_scene.hpp>
-#include <swiftgs/raster/all.hpp>
+#include <swiftgs/raster/axis_shared.hpp>
 #include <swiftgs/sort/early.hpp>
 
 namespace swiftgs {
@@ -108,6 +107,7 @@ void group_by_tile(Cuda& cuda, const SortJob& job, const Bounds& bounds, const s
   job.footprints.views.tiles.key_bits() <= 16 ? group(scratch.narrow) : group(scratch.wide);
 }
 
+struct PerPixel;
 /// One thread per pixel, splats in shared memory.
 SWIFTGS_API void rasterize(Cuda& cuda, PerPixel, const RasterJob& job);
 /// Terms in shared memory, eight splats at a time (SwiftGS, section 5.1).
@@ -137,7 +137,8 @@ SWIFTGS_API void gather_attributes(Cuda& cuda, const SplatAttributes& from, cons
                                    const Views& views, AttributeRow* to);
 
 /// Downloads what `job` was rasterized from, and counts on all cores of the host. Waits.
-SWIFTGS_API FrameCounted count_frame(const Cuda& cuda, const RasterJob& job, CountRasterBlock count);
+SWIFTGS_API FrameCounted count_frame(const Cuda& cuda, const RasterJob& job,
+                                     void (*count)(const RasterJob&, const RasterBlocks&, std::size_t));
 
 struct PickJob;
 /// One warp per pixel, eight pixels of a row in a thread block.

@@ -3,9 +3,9 @@
 
 #include <cstdint>
 
+#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/raster.hpp>
 #include <swiftgs/frame/views.hpp>
-#include <swiftgs/placed_scene.hpp>
 
 namespace swiftgs::kernels {
 

@@ -16,8 +16,8 @@
 #include <swiftgs/frame/api.hpp>
 #include <swiftgs/frame/backend.hpp>
 #include <swiftgs/memory/growing_buffer.hpp>
+#include <swiftgs/memory/scene_arrays.hpp>
 #include <swiftgs/scene.hpp>
-#include <swiftgs/scene_arrays.hpp>
 #include <swiftgs/vulkan/device.hpp>
 
 namespace swiftgs {

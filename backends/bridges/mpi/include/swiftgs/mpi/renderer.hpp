@@ -14,8 +14,10 @@
 #include <utility>
 #include <vector>
 
+#include <swiftgs/drivers/render_settings.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame/learnt.hpp>
+#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/mpi/counters.hpp>
 #include <swiftgs/mpi/direct_link.hpp>
 #include <swiftgs/mpi/identity.hpp>
@@ -25,8 +27,6 @@
 #include <swiftgs/mpi/splat_exchange.hpp>
 #include <swiftgs/mpi/strip_frames.hpp>
 #include <swiftgs/mpi/strips.hpp>
-#include <swiftgs/placed_scene.hpp>
-#include <swiftgs/render_settings.hpp>
 #include <swiftgs/renderer.hpp>
 
 namespace swiftgs {

@@ -17,10 +17,10 @@
 #include <swiftgs/frame/math.hpp>
 #include <swiftgs/frame/placing.hpp>
 #include <swiftgs/frame/render_input.hpp>
+#include <swiftgs/frame/scene_view.hpp>
 #include <swiftgs/frame/span.hpp>
 #include <swiftgs/frame/view_constants.hpp>
 #include <swiftgs/frame/views.hpp>
-#include <swiftgs/scene.hpp>
 
 namespace swiftgs {
 
