@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <swiftgs/cuda/raster_block.cuh>
+#include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/plane/attributes.hpp>
 #include <swiftgs/plane/picks.hpp>
 
-#include "pixel.cuh"
+#include "blending.hpp"
 
 namespace swiftgs {
 

@@ -6,7 +6,6 @@
 #include <swiftgs/cuda/warp.cuh>
 
 #include "exponents.hpp"
-#include "pixel.cuh"
 #include "work_queue.cuh"
 
 namespace swiftgs::kernels {

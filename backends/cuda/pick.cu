@@ -3,12 +3,12 @@
 #include <cstdint>
 
 #include <swiftgs/cuda/launch.cuh>
+#include <swiftgs/cuda/raster_block.cuh>
 #include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/pick.hpp>
 
 #include "exponents.hpp"
-#include "pixel.cuh"
 
 namespace swiftgs {
 

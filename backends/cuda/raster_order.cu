@@ -4,6 +4,7 @@
 
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/raster_block.cuh>
+#include <swiftgs/cuda/warp.cuh>
 
 #include "state.hpp"
 

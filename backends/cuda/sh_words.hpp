@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <swiftgs/frame/scene_view.hpp>
+#include <swiftgs/frame/harmonics.hpp>
+#include <swiftgs/frame/math.hpp>
 
 namespace swiftgs::kernels {
 

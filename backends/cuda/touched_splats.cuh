@@ -9,7 +9,6 @@
 #include <swiftgs/frame/raster.hpp>
 
 #include "exponents.hpp"
-#include "pixel.cuh"
 #include "work_queue.cuh"
 
 namespace swiftgs::kernels {

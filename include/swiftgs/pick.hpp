@@ -10,7 +10,6 @@
 
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame.hpp>
-#include <swiftgs/frame/api.hpp>
 #include <swiftgs/frame/backend.hpp>
 #include <swiftgs/frame/raster.hpp>
 #include <swiftgs/frame/splats.hpp>

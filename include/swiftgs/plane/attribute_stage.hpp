@@ -7,8 +7,8 @@
 #include <swiftgs/frame/backend.hpp>
 #include <swiftgs/frame/lens.hpp>
 #include <swiftgs/frame/math.hpp>
+#include <swiftgs/frame/passes.hpp>
 #include <swiftgs/frame/placed_scene.hpp>
-#include <swiftgs/frame/raster.hpp>
 #include <swiftgs/frame/scene_view.hpp>
 #include <swiftgs/frame/splats.hpp>
 #include <swiftgs/frame/tiles.hpp>

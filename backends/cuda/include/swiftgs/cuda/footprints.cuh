@@ -4,7 +4,6 @@
 #include <cstdint>
 
 #include <swiftgs/cuda/stages.hpp>
-#include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/frame/bounds.hpp>
 

@@ -8,6 +8,7 @@
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/running_sum.cuh>
 #include <swiftgs/cuda/stages.hpp>
+#include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/frame/learnt.hpp>
 
 namespace swiftgs::kernels {

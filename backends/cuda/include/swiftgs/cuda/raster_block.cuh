@@ -2,14 +2,14 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
+#include <cstddef>
 #include <cstdint>
 
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/cuda/view_source.cuh>
-#include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/frame/raster.hpp>
-#include <swiftgs/raster/store.hpp>
 
 namespace swiftgs::kernels {
 
@@ -88,6 +88,36 @@ struct OwnRasterBlock {
     return input.job.lists.ranges[of.grid.tile_at(of.left() + x, of.top() + y)];
   }
 };
+
+/// Place of a pixel in a frame, and the depth at which the frame's occluder hides splats.
+struct PixelPlace {
+  int x, y;
+  bool inside;
+  float occluder;  ///< depth of what hides the splats behind it
+
+  __device__ PixelPlace(const FrameView& frame, int x_, int y_, bool extras)
+      : x(x_), y(y_), inside(x_ < frame.width && y_ < frame.height), occluder(INFINITY) {
+    if (extras && inside && frame.occluder.data) occluder = frame.occluder_at(std::size_t(x), std::size_t(y));
+  }
+};
+
+/// 32 bytes in two loads.
+__device__ inline SplatShape load_shape(const SplatsView& splats, std::uint32_t id) {
+  const float4* words = reinterpret_cast<const float4*>(splats.shapes.data + id);
+  const float4 a = words[0], b = words[1];
+  SplatShape shape;
+  shape.mean = vec2(a.x, a.y), shape.l0 = a.z, shape.l1 = a.w;
+  shape.l2 = b.x, shape.opacity = b.y, shape.cutoff = b.z, shape.low = __float_as_uint(b.w);
+  return shape;
+}
+
+/// RGB and depth in one load.
+__device__ inline float4 load_colour(const RasterJob& job, std::uint32_t id) {
+  return *reinterpret_cast<const float4*>(job.colours.each.data + id);
+}
+
+/// Whether no pixel shows the splat of a loaded colour.
+__device__ inline bool is_hidden(const float4& colour) { return !(colour.w > 0); }
 
 /// Whether some view of `job` has to remember splats.
 inline bool some_view_picks(const RasterJob& job) {
