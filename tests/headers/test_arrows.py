@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Features include the frame, and the frame includes no feature. Reads the include graph of the headers."""
+"""Features include the frame; the frame includes no feature, and a policy only policies. Reads the include graph of the
+headers."""
 import fnmatch
 import pathlib
 import re
@@ -60,14 +61,22 @@ def headers_of(feature):
     return [path for path in paths if any(fnmatch.fnmatch(path, pattern) for pattern in FEATURES[feature])]
 
 
+def included_features(who, headers, but=()):
+    """What is wrong with headers of `who`, which may include no feature but those of `but`."""
+    by = closure(headers)
+    return [f"{who} include one of the {feature}: {way(by, header)}" for header in by
+            for feature, patterns in FEATURES.items()
+            if feature not in but and any(fnmatch.fnmatch(header, pattern) for pattern in patterns)]
+
+
 def main():
     core, wrong = closure(CORE), []
     for feature, patterns in FEATURES.items():
         for pattern in patterns:
             if not [path for path in ROOT.glob("**/*") if fnmatch.fnmatch(str(path.relative_to(ROOT)), pattern)]:
                 wrong.append(f"{feature}: no header is called {pattern}")
-        wrong += [f"the frame includes one of its {feature}: {way(core, header)}" for header in core
-                  if any(fnmatch.fnmatch(header, pattern) for pattern in patterns)]
+    wrong += included_features("headers of the frame", CORE)
+    wrong += included_features("policies", headers_of("policies"), but=("policies", "tools"))
     for feature, expected in OF_FRAME.items():
         found = {name for header in headers_of(feature) for name in included(header) if name.startswith("frame/")}
         found = {name.removeprefix("frame/").removesuffix(".hpp") for name in found}
