@@ -5,7 +5,6 @@
 #include <optional>
 #include <utility>
 
-#include <swiftgs/cuda.cuh>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/error.hpp>

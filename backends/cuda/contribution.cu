@@ -2,7 +2,7 @@
 #include <cstdint>
 
 #include <swiftgs/contribution.hpp>
-#include <swiftgs/cuda.cuh>
+#include <swiftgs/cuda/launch.cuh>
 
 #include "lane_blender.cuh"
 #include "weigh.hpp"

@@ -5,7 +5,7 @@
 # A launcher of compilers: copies the object that BUILT has of the same source and library, and compiles what it has
 # none of. Of each library a file is compiled anyway, which tells whether its flags suffice.
 cmake_minimum_required(VERSION 3.25)
-set(compiled_anyway cuda_vulkan.cpp gl.cpp identity.cpp memory.cpp raster_order.cu scene.cpp unity_reference_cxx.cxx)
+set(compiled_anyway cuda_vulkan.cpp gl.cpp identity.cpp memory.cpp raster_per_pixel.cu scene.cpp unity_reference_cxx.cxx)
 
 set(command)
 foreach(i RANGE 0 ${CMAKE_ARGC})
