@@ -7,7 +7,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstdio>
-#include <cstdlib>
 #include <exception>
 #include <iostream>
 #include <random>
@@ -15,14 +14,12 @@
 #include <vector>
 
 #include <cub/device/device_radix_sort.cuh>
-#include <nlohmann/json.hpp>
 
 #include <swiftgs/cuda.hpp>
 #include <swiftgs/cuda/check.hpp>
 
 namespace {
 
-using nlohmann::ordered_json;
 using swiftgs::check_cuda;
 using swiftgs::DeviceBuffer;
 
@@ -118,13 +115,6 @@ double operations_per_second(Operation operation) {
          });
 }
 
-/// To the four digits that a measurement has.
-double rounded(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", value);
-  return std::strtod(text, nullptr);
-}
-
 /// Of random keys with values of 32 bits, by the lowest `bits` of the keys.
 template <class Key>
 void print_sorts(int bits) {
@@ -146,23 +136,19 @@ void print_sorts(int bits) {
     };
     sort(nullptr);  // asks for `bytes`
     DeviceBuffer<std::byte> room = on_device<std::byte>(bytes);
-    const double ms = rounded(1e3 * median_seconds([&] { sort(room.data()); }));
-    std::cout << ordered_json{{"ceiling", "sort"},
-                              {"key_bits", 8 * sizeof(Key)},
-                              {"sorted_bits", bits},
-                              {"pairs", number},
-                              {"ms", {{"total", {{"median", ms}}}}}}
-              << '\n';
+    std::printf("{\"ceiling\":\"sort\",\"key_bits\":%d,\"sorted_bits\":%d,\"pairs\":%d,",
+                int(8 * sizeof(Key)), bits, number);
+    std::printf("\"ms\":{\"total\":{\"median\":%.4g}}}\n", 1e3 * median_seconds([&] { sort(room.data()); }));
   }
 }
 
 void print_rate(const char* ceiling, double per_second) {
-  std::cout << ordered_json{{"ceiling", ceiling}, {"per_s", rounded(per_second)}} << '\n';
+  std::printf("{\"ceiling\":\"%s\",\"per_s\":%.4g}\n", ceiling, per_second);
 }
 
 }  // namespace
 
-/// Rows as JSON, for benchmarks/result_file.sh.
+/// Rows as JSON to the four digits that a measurement has, for benchmarks/result_file.sh.
 int main() try {
   if (!swiftgs::Cuda::usable())
     throw std::runtime_error("expected a device that the kernels of this build run on");
