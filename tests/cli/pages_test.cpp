@@ -32,7 +32,8 @@ TEST_CASE("cli pages: render draws the bits of the scene at 0 pixels and info co
   CHECK(contains(run(place, "render a.sgp --pixels 0" + views + "paged").out,
                  "with errors of 0 pixels at most"));
   CHECK(content_of(place / "paged/v.pfm") == content_of(place / "plain/v.pfm"));
-  run(place, "render a.sgp --pixels 20" + views + "coarse");
+  CHECK(contains(run(place, "render a.sgp --pixels 20 --estimate" + views + "coarse").out,
+                 "pages: frames are estimated to be "));
   CHECK(content_of(place / "coarse/v.pfm") != content_of(place / "plain/v.pfm"));
   run(place, "render a.sgp a.ply --place" + views + "both");
 }

@@ -12,10 +12,10 @@
 
 namespace swiftgs::cli {
 
-std::size_t PageOptions::bytes() const {
+PagePoolOptions PageOptions::pool() const {
   if (!(megabytes > 0 && megabytes < 1e9))
     throw std::invalid_argument("--pool: expected megabytes above 0 and below 1e9");
-  return std::size_t(1e6 * megabytes);
+  return {.bytes = std::size_t(1e6 * megabytes), .estimate = std::size_t(estimate ? 512 << 20 : 0)};
 }
 
 void add_page_options(CLI::App& command, PageOptions& options, SceneOptions& scene) {
@@ -31,6 +31,8 @@ void add_page_options(CLI::App& command, PageOptions& options, SceneOptions& sce
       .add_option("--pool", options.megabytes,
                   "Of pages: most memory that they take where they are drawn, in MB")
       ->capture_default_str();
+  command.add_flag("--estimate", options.estimate,
+                   "Of pages: measure how far frames are from the scene, by a processor and 512 MB");
   command.add_flag("--paged", scene.paged, "Draw all levels of a streamed SOG as pages");
 }
 

@@ -22,12 +22,14 @@ struct PageOptions {
   double pixels = 1;        ///< as `CutGoal::pixels`
   double blend = 0;         ///< as `CutGoal::blend`
   double megabytes = 2000;  ///< that pages take of the backend's memory
+  bool estimate = false;    ///< measure how far frames are from the scene
 
   CutGoal goal() const { return {.pixels = pixels, .blend = blend}; }
-  std::size_t bytes() const;  ///< throws `std::invalid_argument` unless it is above 0 and below 1e15
+  /// Throws `std::invalid_argument` unless `megabytes` are above 0 and below 1e9.
+  PagePoolOptions pool() const;
 };
 
-/// Adds `--pixels`, `--blend`, `--pool` and `--paged`.
+/// Adds `--pixels`, `--blend`, `--pool`, `--estimate` and `--paged`.
 void add_page_options(CLI::App& command, PageOptions& options, SceneOptions& scene);
 
 /// Draws plain and paged scenes together. Chooses the pages that cameras need, and has a renderer show them.

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <stdexcept>
@@ -161,8 +163,9 @@ void render(RenderOptions options) {
   if (!video) std::filesystem::create_directories(options.out);
   std::optional<PageFrames> pages;
   if (drawn.has_pages()) {
-    // Every frame waits for its pages.
-    pages.emplace(*renderer, drawn, harmonics, PagePoolOptions{.bytes = options.pages.bytes(), .ahead = 0});
+    PagePoolOptions pool = options.pages.pool();
+    pool.ahead = 0;  // every frame waits for its pages
+    pages.emplace(*renderer, drawn, harmonics, pool);
   } else {
     for (const auto& each : drawn.gaussians) renderer->add_scene(each, harmonics);
     renderer->place({drawn.placements.data(), drawn.placements.size()});
@@ -179,13 +182,15 @@ void render(RenderOptions options) {
   for (const View& view : views) cameras.push_back(view.camera);
   std::vector<Frame> frames;
   std::uint64_t most_splats = 0;
-  double most_pixels = 0;
+  double most_pixels = 0, least_db = std::numeric_limits<double>::infinity();
   const auto draw = [&](std::size_t first, const RenderSettings& with) {
     frames.resize(std::min(batch, views.size() - first));
     if (pages) {
       const Cut& cut =
           pages->show_complete({cameras.data() + first, frames.size()}, with, options.pages.goal());
       most_splats = std::max(most_splats, cut.splats()), most_pixels = std::max(most_pixels, cut.pixels());
+      const double db = cut.estimated_db();
+      least_db = std::isnan(least_db + db) ? std::nan("") : std::min(least_db, db);
     }
     renderer->render({cameras.data() + first, frames.size()}, with, {frames.data(), frames.size()});
   };
@@ -253,6 +258,10 @@ void render(RenderOptions options) {
   if (pages)
     std::printf("pages: %.3g million splats in a frame at most, with errors of %.3g pixels at most\n",
                 1e-6 * double(most_splats), most_pixels);
+  if (pages && options.pages.estimate && std::isnan(least_db))
+    std::printf("pages: no estimate, as of panoramas and where pages of a few pixels exceed its memory\n");
+  else if (pages && options.pages.estimate)
+    std::printf("pages: frames are estimated to be %.1f dB from the scene at least\n", least_db);
   if (json.is_wanted()) json.write(to_json(head, results));
   json.finish();
 }

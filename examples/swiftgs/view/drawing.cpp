@@ -71,7 +71,7 @@ Drawing::Drawing(const std::string& renderer, const RenderSettings& settings, co
                  std::vector<ShownScene> shown)
     : renderer_(make_renderer(renderer)),
       settings_(settings),
-      page_bytes_(pages.bytes()),
+      pool_options_(pages.pool()),
       goal_(pages.goal()) {
   settings_.time = true;
   add(std::move(shown));
@@ -132,8 +132,7 @@ void Drawing::place(std::vector<ShownScene> all) {
 std::unique_ptr<PageFrames> Drawing::page_frames(AnyRenderer& renderer, DrawnScenes drawn,
                                                  std::vector<Placement> placements) const {
   drawn.placements = std::move(placements);
-  return std::make_unique<PageFrames>(renderer, drawn, HarmonicsKept::smallest,
-                                      PagePoolOptions{.bytes = page_bytes_});
+  return std::make_unique<PageFrames>(renderer, drawn, HarmonicsKept::smallest, pool_options_);
 }
 
 dvec3 Drawing::in_world(std::size_t scene, const dvec3& position) const {

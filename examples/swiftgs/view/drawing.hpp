@@ -100,7 +100,7 @@ class Drawing {
 
   std::unique_ptr<AnyRenderer> renderer_, apart_;
   RenderSettings settings_;
-  std::size_t page_bytes_;
+  PagePoolOptions pool_options_;
   CutGoal goal_;
   DrawnScenes known_;                  ///< without placements: each scene once, by `Placement::scene`
   std::unique_ptr<PageFrames> pages_;  ///< of all of `known_` if one has pages

@@ -2,6 +2,7 @@
 #include "view/panels.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -107,6 +108,7 @@ void pages_panel(Viewer& viewer, bool& changed) {
   ImGui::Text("%zu pages in memory, %.0f MB", pages.pool().resident(), 1e-6 * double(pages.pool().bytes()));
   ImGui::Text("%zu pages missing", cut.missing());
   ImGui::Text("errors of %.2f pixels", cut.pixels());
+  if (const double db = pages.pool().estimated_db(); !std::isnan(db)) ImGui::Text("estimated %.1f dB", db);
   if (!cut.failed().empty()) ImGui::TextWrapped("%s", cut.failed()[0].reason.c_str());
 }
 
