@@ -75,7 +75,7 @@ const void* Commands::copy(const void* from, std::size_t bytes) {
   while (slot.block < slot.blocks.size() && slot.blocks[slot.block].bytes - slot.used < bytes)
     ++slot.block, slot.used = 0;
   if (slot.block == slot.blocks.size())
-    slot.blocks.push_back(device_.allocate_host_block(std::max(bytes, least)));
+    slot.blocks.push_back(device_.allocate_host_block(std::max(bytes, least), HostMemory::of_device));
   const Block& block = slot.blocks[slot.block];
   std::memcpy(block.host + slot.used, from, bytes);
   const void* const to = block.device + slot.used;

@@ -99,9 +99,9 @@ vulkan::Block VulkanDevice::State::allocate_block(std::size_t bytes) {
   return {allocation, nullptr, static_cast<std::byte*>(address), bytes};
 }
 
-vulkan::Block VulkanDevice::State::allocate_host_block(std::size_t bytes) {
+vulkan::Block VulkanDevice::State::allocate_host_block(std::size_t bytes, vulkan::HostMemory kind) {
   const std::lock_guard lock(mutex_);
-  const auto [allocation, address] = allocate_buffer(bytes, host_type_);
+  const auto [allocation, address] = allocate_buffer(bytes, host_types_[std::size_t(kind)]);
   void* host = nullptr;
   if (const VkResult r = vk.vkMapMemory(device, allocation.memory, 0, VK_WHOLE_SIZE, 0, &host);
       r != VK_SUCCESS) {

@@ -100,8 +100,12 @@ void VulkanDevice::State::create() {
   most_allocations_ = properties.properties.limits.maxMemoryAllocationCount;
   most_groups = properties.properties.limits.maxComputeWorkGroupCount[0];
   device_type_ = memory_type(0, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
-  host_type_ = memory_type(VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT,
-                           VK_MEMORY_PROPERTY_HOST_CACHED_BIT);
+  const VkMemoryPropertyFlags of_host =
+      VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT | VK_MEMORY_PROPERTY_HOST_COHERENT_BIT;
+  host_types_[std::size_t(vulkan::HostMemory::cached)] =
+      memory_type(of_host, VK_MEMORY_PROPERTY_HOST_CACHED_BIT);
+  host_types_[std::size_t(vulkan::HostMemory::of_device)] =
+      memory_type(of_host, VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT);
 
   VkSemaphoreTypeCreateInfo of_type{};
   of_type.sType = VK_STRUCTURE_TYPE_SEMAPHORE_TYPE_CREATE_INFO;

@@ -22,6 +22,9 @@ namespace vulkan {
 /// Throws `DeviceError` unless `result` is VK_SUCCESS.
 void check(VkResult result, const char* call);
 
+/// Memory that the host reaches: cached there, or where the device reads it as fast as its own.
+enum class HostMemory { cached, of_device };
+
 /// The functions of an instance. Throws `Unavailable` by name for one that is missing.
 Functions functions_of(PFN_vkGetInstanceProcAddr get, VkInstance instance);
 
@@ -60,7 +63,7 @@ struct VulkanDevice::State {
   void release(void* memory);
   vulkan::Block allocate_block(std::size_t bytes);
   /// A block that the host can map.
-  vulkan::Block allocate_host_block(std::size_t bytes);
+  vulkan::Block allocate_host_block(std::size_t bytes, vulkan::HostMemory kind);
   void release(vulkan::Block& block);
 
   /// Counts command buffers that are begun and neither submitted nor dropped. What is released while there
@@ -126,7 +129,8 @@ struct VulkanDevice::State {
   VkPipelineCacheHeaderVersionOne cache_header_{};  ///< what its bytes begin with
   VkPhysicalDeviceMemoryProperties memory_{};
   std::uint32_t memory_types_ = 0;  ///< bits of those that buffers may have
-  std::uint32_t device_type_ = 0, host_type_ = 0, most_allocations_ = 0;
+  std::uint32_t device_type_ = 0, most_allocations_ = 0;
+  std::uint32_t host_types_[2] = {};  ///< by `HostMemory`
 };
 
 }  // namespace swiftgs

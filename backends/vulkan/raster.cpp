@@ -140,13 +140,14 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
           [&](std::size_t, const auto& plane) { push.touch(pixels_of(plane, frame.height, Access::shared)); },
           frame);
       push.touch(pixels_of(frame.occluder, frame.height, Access::read));
-      commands.run(kernel,
-                   {kind.exponent, asks(kind.threshold), asks(sums_depth), asks(job.picks(view)),
-                    asks(bool(frame.occluder)), asks(frame.conversion != Conversion::as_is),
-                    job.attributes.rows * AttributeRow::channels, asks(is_base),
-                    asks(view.camera.depth_along_ray), asks(contributions != nullptr),
-                    asks(!contributions || job.colours.each.data), parts, hands_over ? hands_over_after : 0},
-                   push, shape);
+      commands.run(
+          kernel,
+          {kind.exponent, asks(kind.threshold), asks(sums_depth), asks(job.picks(view)),
+           asks(bool(frame.occluder)), asks(frame.conversion != Conversion::as_is),
+           job.attributes.rows * AttributeRow::channels, asks(is_base), asks(view.camera.depth_along_ray),
+           asks(contributions != nullptr), asks(!contributions || job.colours.each.data), parts,
+           hands_over && lists != Lists::others ? hands_over_after : 0},
+          push, shape);
     };
     const Commands::Shape all{columns, blocks / std::max(columns, 1u), commands.subgroup(), parts};
     const std::size_t of_tile =

@@ -165,7 +165,7 @@ Shading<Vulkan> shade(Vulkan& b, const FramePlan& plan, const Splats<Vulkan>& sp
   std::uint32_t* const hidden = colours.hidden.data();
   vulkan::Commands(b).fill(hidden, 1, 0);
   // A launch beside each pass of the sort, which leaves most of the memory's rate idle.
-  constexpr std::size_t least = 1 << 15, most_launches = 5;
+  constexpr std::size_t least = 1 << 18, most_launches = 5;
   const std::size_t launches = std::clamp<std::size_t>(n / least, 1, most_launches);
   const std::size_t each = ((n + launches - 1) / launches + vulkan::usual_threads - 1) /
                            vulkan::usual_threads * vulkan::usual_threads;

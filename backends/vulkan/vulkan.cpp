@@ -55,7 +55,7 @@ void Vulkan::State::create() {
     vulkan::check(of.vk.vkAllocateCommandBuffers(of.device, &info, &slot.commands),
                   "vkAllocateCommandBuffers");
   if (of.nanoseconds != 0) times = of.make_queries(vulkan::time_points);
-  report = of.allocate_host_block(sizeof(FrameReport));
+  report = of.allocate_host_block(sizeof(FrameReport), vulkan::HostMemory::cached);
   groups = of.allocate_block(groups_bytes);
 }
 
@@ -125,7 +125,8 @@ void Vulkan::write(const void* from, void* to, std::size_t bytes) const {
   State& b = *state_;
   vulkan::refuse_while_recording(b, "write");
   if (bytes == 0) return;
-  if (!b.staging.host) b.staging = b.device.state().allocate_host_block(staging_bytes);
+  if (!b.staging.host)
+    b.staging = b.device.state().allocate_host_block(staging_bytes, vulkan::HostMemory::cached);
   for (std::size_t at = 0; at < bytes; at += staging_bytes) {
     const std::size_t part = std::min(staging_bytes, bytes - at), words = (part + 3) / 4;
     std::byte* const to_part = static_cast<std::byte*>(to) + at;
@@ -145,7 +146,8 @@ void Vulkan::read(const void* from, void* to, std::size_t bytes) const {
   State& b = *state_;
   vulkan::refuse_while_recording(b, "read");
   if (bytes == 0) return wait();
-  if (!b.staging.host) b.staging = b.device.state().allocate_host_block(staging_bytes);
+  if (!b.staging.host)
+    b.staging = b.device.state().allocate_host_block(staging_bytes, vulkan::HostMemory::cached);
   for (std::size_t at = 0; at < bytes; at += staging_bytes) {
     const std::size_t part = std::min(staging_bytes, bytes - at), words = (part + 3) / 4;
     const std::byte* const from_part = static_cast<const std::byte*>(from) + at;

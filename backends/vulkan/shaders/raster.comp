@@ -39,18 +39,20 @@ void contribute(uint g, uint low_bits, uint high_bits) {
 uint id_at(uint from, uint end) { return from + gl_SubgroupInvocationID < end ? ids.at[from + gl_SubgroupInvocationID] : 0u; }
 
 void main() {
-  const RasterView view = views.at[0];
-  const TileGrid grid = view.grid;
+  // Only what blending needs: the rest of the view would take registers until it is needed at the end.
+  const TileGrid grid = views.at[0].grid;
+  const uvec2 size = uvec2(views.at[0].width, views.at[0].height);
+  const float least = views.at[0].least, alpha_max = views.at[0].alpha_max, stop_below = views.at[0].stop_below;
   uvec2 block = gl_WorkGroupID.xy * SIDE;
   if (lists == long_lists) {
     const uint side = uint(grid.side), blocks = side / SIDE, of_tile = gl_WorkGroupID.x % (blocks * blocks);
     const uint tile = long_tiles.at[gl_WorkGroupID.x / (blocks * blocks)], of_view = tile - grid.first;
     block = uvec2(of_view % grid.stride, of_view / grid.stride) * side + uvec2(of_tile % blocks, of_tile / blocks) * SIDE;
-    if (tile < grid.first || block.x >= view.width || block.y >= view.height) return;  // of another view, or outside
+    if (tile < grid.first || block.x >= size.x || block.y >= size.y) return;  // of another view, or outside
   }
   const ivec2 first_pixel = ivec2(grid.first_column, grid.first_row) * grid.side + ivec2(block);
   const vec2 first_centre = vec2(first_pixel) + 0.5;
-  const vec2 first_place = first_centre - view.middle;
+  const vec2 first_place = first_centre - views.at[0].middle;
   const uint tile = tile_number(grid, first_pixel.x / grid.side, first_pixel.y / grid.side);
   const uint begin = ranges.at[2u * tile], end = ranges.at[2u * tile + 1u];
   if (begin > end) return;  // as of `TileRange::undrawn`
@@ -61,13 +63,13 @@ void main() {
   uint first[EACH], median[EACH], largest[EACH];
   [[unroll]] for (uint p = 0u; p < EACH; ++p) {
     const uvec2 at = block + place_of(p);
-    const bool inside = at.x < view.width && at.y < view.height;
+    const bool inside = at.x < size.x && at.y < size.y;
     all[p] = pixel_of(0.0);
-    pixels[p] = pixel_of(inside ? view.stop_below : -1.0);
+    pixels[p] = pixel_of(inside ? stop_below : -1.0);
     for (uint k = 0u; k < SUMS; ++k) sums_of_all[p * SUMS + k] = sums[p * SUMS + k] = 0.0;
     first[p] = median[p] = largest[p] = NONE;
     weight_of_largest[p] = 0.0;
-    occluded_from[p] = OCCLUDER && inside ? occluder_at(view, at) : 0.0;
+    occluded_from[p] = OCCLUDER && inside ? occluder_at(views.at[0], at) : 0.0;
   }
 
   // Shapes are loaded a step ahead, and their ids two.
@@ -87,7 +89,7 @@ void main() {
       const uvec4 touching = subgroupBallot(touches);
       if (touches) {
         const uint slot = (front + waiting + subgroupBallotExclusiveBitCount(touching)) % QUEUE;
-        const Terms terms = terms_of(shape, first_centre, view.alpha_max);
+        const Terms terms = terms_of(shape, first_centre, alpha_max);
         exponents[slot] = terms.exponent;
         rests[slot] = terms.rest;
         queued_ids[slot] = id;
@@ -117,7 +119,7 @@ void main() {
       [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
         const Terms terms = Terms(exponents[of_group + k], rests[of_group + k]);
         [[unroll]] for (uint p = 0u; p < EACH; ++p)
-          group[p].weight[k] = alpha_of(terms, vec2(place_of(p)), view.least);
+          group[p].weight[k] = alpha_of(terms, vec2(place_of(p)), least);
       }
 
       bool some_stop = false, occluded[EACH];
@@ -134,7 +136,7 @@ void main() {
             if (hidden || occluded[p]) group[p].weight[k] = 0.0;
           }
         }
-        some_stop = weigh(pixels[p], group[p], view.alpha_max) || some_stop;
+        some_stop = weigh(pixels[p], group[p], alpha_max) || some_stop;
       }
       if (some_stop) {
         [[unroll]] for (uint p = 0u; p < EACH; ++p) undo(pixels[p], group[p]);
@@ -161,11 +163,11 @@ void main() {
               largest[p] = id;
               weight_of_largest[p] = w;
             }
-            if (first[p] == NONE && behind < view.first_below) first[p] = id;
+            if (first[p] == NONE && behind < views.at[0].first_below) first[p] = id;
             if (median[p] == NONE && behind < 0.5) median[p] = id;
           }
           if (CONTRIBUTES) {
-            const uint parts = uint(w * view.alpha_max * 2147483648.0);
+            const uint parts = uint(w * alpha_max * 2147483648.0);
             low_bits += parts & 0xffffu;
             high_bits += parts >> 16;
           }
@@ -180,18 +182,18 @@ void main() {
     [[unroll]] for (uint p = 0u; p < EACH; ++p) all_stopped = all_stopped && pixels[p].limit < 0.0;
     if (subgroupAll(all_stopped)) break;
     if (HANDS_OVER != 0u && blended == HANDS_OVER && (waiting != 0u || from + SUBGROUP < end)) {
-      const uint columns = (view.width + SIDE - 1u) / SIDE;
+      const uint columns = (size.x + SIDE - 1u) / SIDE;
       if (lane == 0u) long_blocks.at[atomicAdd(long_launch.at[0], 1u) - 1u] = block.y / SIDE * columns + block.x / SIDE;
       return;
     }
     if (blended % SEGMENT == 0u) {
       [[unroll]] for (uint p = 0u; p < EACH; ++p) {
         for (uint k = 0u; k < ATTRIBUTES; ++k) {
-          sums_of_all[p * SUMS + k] += view.alpha_max * all[p].transmittance * sums[p * SUMS + k];
+          sums_of_all[p * SUMS + k] += alpha_max * all[p].transmittance * sums[p * SUMS + k];
           sums[p * SUMS + k] = 0.0;
         }
-        composite(all[p], pixels[p], view.alpha_max);
-        pixels[p] = pixel_of(pixels[p].limit < 0.0 ? -1.0 : limit_of(view.stop_below, all[p].transmittance));
+        composite(all[p], pixels[p], alpha_max);
+        pixels[p] = pixel_of(pixels[p].limit < 0.0 ? -1.0 : limit_of(stop_below, all[p].transmittance));
       }
     }
     share_in_subgroup();
@@ -201,14 +203,15 @@ void main() {
   Pixel shown[EACH];
   uvec3 picked[EACH];
   [[unroll]] for (uint p = 0u; p < EACH; ++p) {
-    for (uint k = 0u; k < ATTRIBUTES; ++k) sums_of_all[p * SUMS + k] += view.alpha_max * all[p].transmittance * sums[p * SUMS + k];
-    composite(all[p], pixels[p], view.alpha_max);
+    for (uint k = 0u; k < ATTRIBUTES; ++k) sums_of_all[p * SUMS + k] += alpha_max * all[p].transmittance * sums[p * SUMS + k];
+    composite(all[p], pixels[p], alpha_max);
     shown[p] = all[p];
     picked[p] = uvec3(first[p], median[p], largest[p]);
   }
+  const RasterView view = views.at[0];
   for (uint p = 0u; p < EACH; ++p) {
     const uvec2 at = block + place_of(p);
-    if (at.x >= view.width || at.y >= view.height) continue;
+    if (at.x >= size.x || at.y >= size.y) continue;
     const vec2 place = first_place + vec2(place_of(p));
     precise float alpha = 1.0 - left_by(shown[p]);
     for (uint k = 0u; k < ATTRIBUTES; ++k) {

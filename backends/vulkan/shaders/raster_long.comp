@@ -45,6 +45,9 @@ void find(uint wanted, uint end, vec2 first_centre) {
   barrier();
 }
 
+// Of the view. The rest of it would take registers until it is needed at the end.
+float least, alpha_max, stop_below;
+
 // The k-th splat found: one that does not exist is hidden.
 struct Found {
   ShapeWords shape;
@@ -60,13 +63,13 @@ Found found_at(uint k, bool exists) {
 }
 
 // Blends `count` splats from the `from`-th found on, by a subgroup, which loads them a step ahead.
-void blend(RasterView view, uint from, uint count, vec2 first_centre, inout Pixel pixels[EACH]) {
+void blend(uint from, uint count, vec2 first_centre, inout Pixel pixels[EACH]) {
   const uint lane = gl_SubgroupInvocationID, first = gl_SubgroupID * SUBGROUP, slot = first + lane;
   Found next = found_at(from + lane, lane < count);
   for (uint k = 0u; k < count; k += SUBGROUP) {
     const vec4 shade = next.shade;
     Terms terms = no_terms();
-    if (shade.w > 0.0) terms = terms_of(shape_of(next.shape), first_centre, view.alpha_max);
+    if (shade.w > 0.0) terms = terms_of(shape_of(next.shape), first_centre, alpha_max);
     next = found_at(from + k + SUBGROUP + lane, k + SUBGROUP + lane < count);
     share_in_subgroup();
     exponents[slot] = terms.exponent;
@@ -78,10 +81,10 @@ void blend(RasterView view, uint from, uint count, vec2 first_centre, inout Pixe
       [[unroll]] for (uint n = 0u; n < GROUP; ++n) {
         const Terms queued = Terms(exponents[of_group + n], rests[of_group + n]);
         [[unroll]] for (uint p = 0u; p < EACH; ++p)
-          group[p].weight[n] = alpha_of(queued, vec2(place_of(p)), view.least);
+          group[p].weight[n] = alpha_of(queued, vec2(place_of(p)), least);
       }
       bool some_stop = false;
-      [[unroll]] for (uint p = 0u; p < EACH; ++p) some_stop = weigh(pixels[p], group[p], view.alpha_max) || some_stop;
+      [[unroll]] for (uint p = 0u; p < EACH; ++p) some_stop = weigh(pixels[p], group[p], alpha_max) || some_stop;
       if (some_stop) {
         [[unroll]] for (uint p = 0u; p < EACH; ++p) undo(pixels[p], group[p]);
       }
@@ -111,9 +114,12 @@ bool stops_in(float left, float stop_below, float before) { return left < 0.0 ||
 
 void main() {
   if (gl_WorkGroupID.x + 1u >= gl_NumWorkGroups.x) return;
-  const RasterView view = views.at[0];
-  const TileGrid grid = view.grid;
-  const uint columns = (view.width + SIDE - 1u) / SIDE, number = long_blocks.at[gl_WorkGroupID.x];
+  const TileGrid grid = views.at[0].grid;
+  const uvec2 size = uvec2(views.at[0].width, views.at[0].height);
+  least = views.at[0].least;
+  alpha_max = views.at[0].alpha_max;
+  stop_below = views.at[0].stop_below;
+  const uint columns = (size.x + SIDE - 1u) / SIDE, number = long_blocks.at[gl_WorkGroupID.x];
   const uvec2 block = uvec2(number % columns, number / columns) * SIDE;
   const ivec2 first_pixel = ivec2(grid.first_column, grid.first_row) * grid.side + ivec2(block);
   const vec2 first_centre = vec2(first_pixel) + 0.5;
@@ -123,7 +129,7 @@ void main() {
 
   for (uint i = thread(); i < PIXELS; i += THREADS) {
     const uvec2 at = block + uvec2(i % SIDE, i / SIDE);
-    composited[i] = vec4(vec3(0.0), at.x < view.width && at.y < view.height ? 1.0 : -1.0);
+    composited[i] = vec4(vec3(0.0), at.x < size.x && at.y < size.y ? 1.0 : -1.0);
     depths[i] = 0.0;
   }
 
@@ -141,9 +147,9 @@ void main() {
     const uint from = gl_SubgroupID * SEGMENT, own = count - min(from, count) < SEGMENT ? count - min(from, count) : SEGMENT;
     [[unroll]] for (uint p = 0u; p < EACH; ++p) {
       const float before = composited[number_of_pixel(p)].w;
-      pixels[p] = pixel_of(before > 0.0 ? limit_of(view.stop_below, before) : -1.0);
+      pixels[p] = pixel_of(before > 0.0 ? limit_of(stop_below, before) : -1.0);
     }
-    blend(view, from, own, first_centre, pixels);
+    blend(from, own, first_centre, pixels);
     store_segment(pixels);
     barrier();
 
@@ -153,16 +159,16 @@ void main() {
       bool live = before > 0.0;
       for (uint s = 0u; s < gl_SubgroupID; ++s) {
         const float left = segments[s * PIXELS + number_of_pixel(p)].w;
-        live = live && !stops_in(left, view.stop_below, before);
+        live = live && !stops_in(left, stop_below, before);
         before *= abs(left);
       }
       const float left = segments[gl_SubgroupID * PIXELS + number_of_pixel(p)].w;
-      again = again || (live && gl_SubgroupID != 0u && stops_in(left, view.stop_below, before));
-      pixels[p] = pixel_of(live ? limit_of(view.stop_below, before) : -1.0);
+      again = again || (live && gl_SubgroupID != 0u && stops_in(left, stop_below, before));
+      pixels[p] = pixel_of(live ? limit_of(stop_below, before) : -1.0);
     }
     barrier();
     if (subgroupAny(again)) {
-      blend(view, from, own, first_centre, pixels);
+      blend(from, own, first_centre, pixels);
       store_segment(pixels);
     }
     barrier();
@@ -172,7 +178,7 @@ void main() {
       bool live = all.transmittance > 0.0;
       for (uint s = 0u; s < SUBGROUPS && live; ++s) {
         const vec4 segment = segments[s * PIXELS + i];
-        composite(all, Pixel(abs(segment.w), 0.0, segment_depths[s * PIXELS + i], segment.rgb), view.alpha_max);
+        composite(all, Pixel(abs(segment.w), 0.0, segment_depths[s * PIXELS + i], segment.rgb), alpha_max);
         live = segment.w >= 0.0;
       }
       composited[i] = vec4(all.colour, live ? all.transmittance : -abs(all.transmittance));
@@ -183,7 +189,7 @@ void main() {
 
   for (uint i = thread(); i < PIXELS; i += THREADS) {
     const uvec2 at = block + uvec2(i % SIDE, i / SIDE);
-    if (at.x < view.width && at.y < view.height)
-      store(view, at, Pixel(abs(composited[i].w), 0.0, depths[i], composited[i].rgb));
+    if (at.x < size.x && at.y < size.y)
+      store(views.at[0], at, Pixel(abs(composited[i].w), 0.0, depths[i], composited[i].rgb));
   }
 }
