@@ -42,14 +42,13 @@ void main() {
     of_earlier_parts[k] = numbers.at[d * parts + part];
   }
   const uint first = gl_SubgroupID * SUBGROUP * EACH + gl_SubgroupInvocationID;  // in the part
-  uint words[EACH], others[EACH], payload[EACH], to[EACH];
+  uint words[EACH], others[EACH], to[EACH];
   [[unroll]] for (uint k = 0u; k < EACH; ++k) {
     const uint i = part * PART + first + k * SUBGROUP;
-    words[k] = others[k] = payload[k] = 0u;
+    words[k] = others[k] = 0u;
     if (i < n) {
       words[k] = word_at(keys, KEY_WORDS, i, shift >> 5);
       if (KEY_WORDS == 2u) others[k] = word_at(keys, KEY_WORDS, i, 1u - (shift >> 5));
-      payload[k] = is_null(values) ? i : Uints(values).at[i];
     }
   }
   barrier();
@@ -73,6 +72,12 @@ void main() {
   }
   barrier();
 
+  // Not before pairs are ranked, which needs the registers.
+  uint payload[EACH];
+  [[unroll]] for (uint k = 0u; k < EACH; ++k) {
+    const uint i = part * PART + first + k * SUBGROUP;
+    payload[k] = is_null(values) || i >= n ? i : Uints(values).at[i];
+  }
   uint before_digits = 0u, before_in_part = 0u;
   [[unroll]] for (uint k = 0u; k < DIGITS_EACH; ++k) {
     const uint d = k * THREADS + thread();
