@@ -114,15 +114,17 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
     const bool sums_depth = job.sums_depth(view) && !view.camera.depth_along_ray;
     const std::uint32_t columns = (std::uint32_t(frame.width) + side - 1) / side,
                         blocks = std::uint32_t(blocks_of(frame));
+    const std::size_t of_tile =
+        std::size_t(view.grid.side / int(side)) * std::size_t(view.grid.side / int(side));
+    const bool knows_long = parts == 1 && n >= long_list && job.lists.ranges.data == state.long_of &&
+                            std::min(state.long_tiles.size(), job.lists.ranges.size) * of_tile <= most_groups;
     // raster_long.comp draws colour, alpha and depths of means. Its launch has a row alone.
-    const bool hands_over = is_base && job.attributes.rows == 0 && !job.picks(view) && !frame.occluder &&
-                            parts == 1 && n > hands_over_after && blocks < most_groups;
+    const bool hands_over = knows_long && is_base && job.attributes.rows == 0 && !job.picks(view) &&
+                            !frame.occluder && blocks < most_groups;
     std::byte* const launch = state.groups.device + Vulkan::State::long_blocks_launch;
-    const void* const words_of_launch = launch;
     if (hands_over) {
       state.long_blocks.reset(std::max(state.long_blocks.size(), most_blocks));
-      if (!std::exchange(state.long_blocks_empty, false))
-        commands.fill(const_cast<std::uint32_t*>(static_cast<const std::uint32_t*>(words_of_launch)), 3, 1);
+      if (!std::exchange(state.long_blocks_empty, false)) commands.fill(words_at(launch), 3, 1);
     }
     const auto draw = [&](Kernel kernel, Lists lists, Access::How to_blocks, const Commands::Shape& shape) {
       Push push(
@@ -146,20 +148,14 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
            asks(bool(frame.occluder)), asks(frame.conversion != Conversion::as_is),
            job.attributes.rows * AttributeRow::channels, asks(is_base), asks(view.camera.depth_along_ray),
            asks(contributions != nullptr), asks(!contributions || job.colours.each.data), parts,
-           hands_over && lists != Lists::others ? hands_over_after : 0},
+           hands_over && lists == Lists::with_many ? hands_over_after : 0},
           push, shape);
     };
     const Commands::Shape all{columns, blocks / std::max(columns, 1u), commands.subgroup(), parts};
-    const std::size_t of_tile =
-        std::size_t(view.grid.side / int(side)) * std::size_t(view.grid.side / int(side));
-    const bool fits = std::min(state.long_tiles.size(), job.lists.ranges.size) * of_tile <= most_groups;
-    if (parts != 1 || !fits || job.lists.ranges.data != state.long_of) {
-      draw(Kernel::raster, Lists::all, Access::shared, all);
-    } else {
+    if (knows_long)
       draw(Kernel::raster, Lists::with_many, Access::shared,
            {.columns = 1, .threads = commands.subgroup(), .at = Vulkan::State::long_launch});
-      draw(Kernel::raster, Lists::others, Access::shared, all);
-    }
+    draw(Kernel::raster, knows_long ? Lists::others : Lists::all, Access::shared, all);
     if (hands_over)
       draw(Kernel::raster_long, Lists::all, Access::read,
            {.columns = 1, .threads = commands.sort_threads(), .at = Vulkan::State::long_blocks_launch});
@@ -184,8 +180,7 @@ void add_contributions(Vulkan& b, const ContributionJob& job) {
 
 void clear_sums(Vulkan& b, std::uint64_t* sums, std::size_t count) {
   vulkan::Commands commands(b);
-  void* const words = sums;
-  commands.fill(static_cast<std::uint32_t*>(words), 2 * count, 0);
+  commands.fill(vulkan::words_at(sums), 2 * count, 0);
   commands.submit();
 }
 
