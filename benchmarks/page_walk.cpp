@@ -43,7 +43,7 @@ struct Options {
   std::vector<double> pools{2000, 512};
   int side = 10, views = 3000, width = 1920, height = 1080, compared = 10, threads = 8, ahead = 10;
   double spacing = 0, speed = 14, hertz = 60, pixels = 4, millions = 4, upload = 16, estimate = 0;
-  bool wait = false;
+  bool wait = false, aliased = false;
 };
 
 /// The walk: a curve that crosses the copies in many directions, at eye height, looking ahead and about.
@@ -230,7 +230,7 @@ Measured walk(const Options& options, const Walk& path, const std::vector<Placed
                               .threads = options.threads},
                              uploader.get());
   RenderSettings settings;
-  settings.conventions.antialiased = true;
+  settings.conventions.antialiased = !options.aliased;
   const CutGoal goal{.pixels = options.pixels, .splats = std::uint64_t(1e6 * options.millions)};
   Measured measured;
   std::vector<View> views;
@@ -362,6 +362,7 @@ int main(int argc, char** argv) try {
       ->capture_default_str();
   app.add_option("--estimate", options.estimate, "Of the host, for estimates of dB, with --wait, in MB");
   app.add_flag("--wait", options.wait, "Wait for the pages of each frame: for images");
+  app.add_flag("--aliased", options.aliased, "Without anti-aliasing");
   app.add_option("--compared", options.compared, "Frames to compare with the whole scene")
       ->capture_default_str();
   app.add_option("--images", options.images, "Folder for the images of these");
