@@ -13,6 +13,7 @@
 #include "cuda/device.hpp"
 #include "cuda/graph.hpp"
 #include "policies/double_drawing.hpp"
+#include "policies/image_parts.hpp"
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 #include "state.hpp"

@@ -7,6 +7,7 @@
 #include <swiftgs/renderer.hpp>
 
 #include "cuda/device.hpp"
+#include "policies/image_parts.hpp"
 #include "policies/views.hpp"
 
 #define SWIFTGS_TEST_RASTER_PIXELS

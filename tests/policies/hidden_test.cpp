@@ -11,6 +11,7 @@
 
 #include <doctest/doctest.h>
 
+#include "policies/image_parts.hpp"
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 

@@ -16,6 +16,7 @@
 #include <swiftgs/metrics.hpp>
 
 #include "policies/backends.hpp"
+#include "policies/image_parts.hpp"
 #include "policies/lenses.hpp"
 #include "policies/random_splats.hpp"
 #include "policies/rasterizers.hpp"

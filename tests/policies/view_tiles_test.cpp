@@ -10,6 +10,7 @@
 
 #include <swiftgs/project/project.hpp>
 
+#include "policies/image_parts.hpp"
 #include "policies/rasterizers.hpp"
 #include "policies/views.hpp"
 

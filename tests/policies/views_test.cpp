@@ -14,6 +14,7 @@
 
 #include <doctest/doctest.h>
 
+#include "policies/image_parts.hpp"
 #include "policies/planes.hpp"
 #include "policies/rasterizers.hpp"
 
