@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Sums over the workgroups before one, in two levels: a number of each workgroup, and the sum of each run of workgroups,
-// which was 0. Integers: the order of workgroups changes no bit.
+// Sums over the workgroups before one, in two levels: a number of each workgroup, and the sums of runs of workgroups, which
+// a launch clears before. Sums of integers: the order of workgroups changes no bit.
 const uint RUN = 4u * THREADS;
 
 // Notes the number of workgroup `w`, by one thread.

@@ -4,7 +4,7 @@
 #include "common.glsl"
 #include "frame.glsl"
 
-// Decides whether the frame fits, and writes the numbers of workgroups of later kernels.
+// One thread: decides whether the frame fits, and writes the numbers of workgroups of later kernels.
 layout(push_constant, scalar) uniform Push {
   TotalsAt to;
   Uints report, groups;  // of the splats, then of the intersections
