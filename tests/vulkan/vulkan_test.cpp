@@ -228,6 +228,43 @@ SWIFTGS_VULKAN_CASE("vulkan: sort_pairs is a stable sort by the low bits alone")
   }
 }
 
+SWIFTGS_VULKAN_CASE("vulkan: splats that are wider than a thread of lavapipe has rounds are listed whole") {
+  // Each splat of one row of tiles is followed by one of 127 rows, so one thread of a workgroup has all wide
+  // rows.
+  const int width = 65536, height = 2032;
+  SplatSet splats;
+  for (int pair = 0; pair < 17; ++pair) {
+    splats.add(make_splat(32768, 8, 12'000, 1, 0, 1), float(2 * pair + 1));
+    splats.add(make_splat(8, 1016, 400, 1, 0.5 * 3.141592653589793, 1), float(2 * pair + 2));
+  }
+  Serial serial;
+  const HostLists expected =
+      host_lists(serial, build_lists<EarlySort, Ellipse>(serial, splats.job(width, height)));
+  REQUIRE(expected.ids.size() == 17 * (4096 + 127));
+  Vulkan b;
+  const SplatsOn<Vulkan> there(b, splats);
+  CHECK(host_lists(b, build_lists<EarlySort, Ellipse>(b, there.job(width, height))) == expected);
+}
+
+SWIFTGS_VULKAN_CASE(
+    "vulkan: a pick finds a splat behind more of its tile than a thread of lavapipe has rounds") {
+  const std::size_t in_front = 70'000;
+  Scene scene = random_scene(in_front + 1, 0, 15);
+  for (std::size_t i = 0; i < in_front; ++i) {
+    scene.means[i] = vec3(-0.4f, -0.4f, 2), scene.scales[i] = vec3(1e-3f);
+    scene.opacities[i] = 0.5f;
+  }
+  scene.means[in_front] = vec3(0, 0, 3), scene.scales[in_front] = vec3(1);
+  scene.opacities[in_front] = 0.9f;
+  Camera camera = forward_camera(16, 16, 16);
+  camera.cx = camera.cy = 8;
+  UsualVulkan renderer;
+  renderer.render(renderer.backend().upload(scene), camera);
+  const PickedPixel picked = renderer.pick(8, 8);
+  CHECK(picked.gaussian == in_front);
+  CHECK(picked.depth == 3);
+}
+
 SWIFTGS_VULKAN_CASE("vulkan: several views of placed scenes are drawn as Serial draws them") {
   const auto first = std::make_shared<const Scene>(random_scene(2000, 2, 7));
   const auto second = std::make_shared<const Scene>(random_scene(1500, 0, 8));

@@ -4,8 +4,8 @@
 #include "common.glsl"
 #include "frame.glsl"
 #include "places.glsl"
+#include "tiles.glsl"
 
-layout(constant_id = 3) const uint BOUNDS = ellipse;
 layout(constant_id = 4) const uint KEY_WORDS = 1u;
 
 // Writes a key and an id for each tile of a workgroup's splats in the given order, from its place on. Keys of two words
@@ -32,11 +32,11 @@ void store(uint at, uint tile, uint id) {
   }
 }
 
-// Splats of this workgroup without a mask: id, place, number of tiles, and that of those before it in this list; their
-// first rows of tiles, and the numbers of rows before them.
+// Splats of this workgroup without a mask. x: id, y: place of its first intersection, z: tiles, w: tiles of the large
+// splats before it.
 shared uvec4 large[THREADS];
-shared int first_rows[THREADS];
-shared uint rows_before[THREADS];
+shared int first_rows[THREADS];    // of tiles
+shared uint rows_before[THREADS];  // rows of the large splats before it
 shared uint large_count;
 
 // Emits them by all threads, a row of tiles each: some have more rows than a workgroup has threads, many have few.
@@ -72,8 +72,11 @@ void emit_large() {
     }
     uint found;
     uint at = before + sum_before(uint(run_size(run)), found) - splat.w;
-    for (int column = run.begin; column < run.end && at < splat.z; ++column)
-      store(splat.y + at++, tile_number(grid, column, row), splat.x);
+    // Eight columns a round: lavapipe ends the loops of a thread after 65,535 rounds of all of them.
+    for (int first_column = run.begin; first_column < run.end; first_column += 8)
+      [[unroll]] for (int k = 0; k < 8; ++k)
+        if (first_column + k < run.end && at < splat.z)
+          store(splat.y + at++, tile_number(grid, first_column + k, row), splat.x);
     before += found;
   }
 }

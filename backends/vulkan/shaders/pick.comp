@@ -30,30 +30,31 @@ void main() {
   float transmittance = 1.0, largest = 0.0, depth = 0.0, median_depth = 0.0;
   uint gaussian = NONE, median = NONE;
   bool found = false;
-  // Two loops, since lavapipe ends loops after 65,535 rounds.
-  for (uint from = begin; from < end && !found; from += 4096u)
-    for (uint at = from; at < min(end, from + 4096u) && !found; ++at) {
-      const uint id = ids.at[at];
-      const float of_splat = colours.at[id].w;
-      if (!(of_splat > 0.0)) continue;
-      const Terms terms = terms_of(shape_of(shapes.at[id]), vec2(pixel) + 0.5, view.alpha_max);
-      const float alpha = alpha_of(terms, vec2(0.0), view.least);
-      if (alpha == 0.0) continue;
-      const float weight = alpha * transmittance, next = dimmed(transmittance, alpha, weight, view.alpha_max);
-      found = next < view.stop_below;
-      if (found) break;
-      if (weight > largest) {
-        gaussian = gaussians.at[id];
-        largest = weight;
-        depth = of_splat;
+  // Sixteen splats a round: lavapipe ends a loop after 65,535 rounds.
+  for (uint from = begin; from < end && !found; from += 16u)
+    [[unroll]] for (uint k = 0u; k < 16u; ++k)
+      if (from + k < end && !found) {
+        const uint id = ids.at[from + k];
+        const float of_splat = colours.at[id].w;
+        float alpha = 0.0;
+        if (of_splat > 0.0)
+          alpha = alpha_of(terms_of(shape_of(shapes.at[id]), vec2(pixel) + 0.5, view.alpha_max), vec2(0.0), view.least);
+        if (alpha != 0.0) {
+          const float weight = alpha * transmittance, next = dimmed(transmittance, alpha, weight, view.alpha_max);
+          found = next < view.stop_below;
+          if (!found && weight > largest) {
+            gaussian = gaussians.at[id];
+            largest = weight;
+            depth = of_splat;
+          }
+          if (!found && transmittance >= 0.5 && next < 0.5) {
+            median = gaussians.at[id];
+            median_depth = of_splat;
+          }
+          transmittance = next;
+          found = found || (next < 0.5 && next <= largest);  // no later splat weighs more
+        }
       }
-      if (transmittance >= 0.5 && next < 0.5) {
-        median = gaussians.at[id];
-        median_depth = of_splat;
-      }
-      transmittance = next;
-      found = next < 0.5 && next <= largest;  // no later splat weighs more
-    }
 
   const uvec2 row = element(to, i / width, 20u * pitch);
   Uints picked = Uints(element(row, i % width, 20u));
