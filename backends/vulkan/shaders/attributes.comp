@@ -61,6 +61,7 @@ void main() {
   if (lists.at[view].has_ray_depth != 0u) along_ray = ray_depth(eye, drawn, shape_of(shapes.at[i]), depth, most);
 #endif
   const uint attributes = lists.at[view].count;
+  Floats row = Floats(element(uvec2(to), i, 4u * attributes));
   for (uint k = 0u; k < attributes; ++k) {
     const Attribute from = lists.at[view].each[k];
     float value = 0.0;
@@ -70,6 +71,6 @@ void main() {
     if (from.of == of_squared_ray_depth) value = square(along_ray, from.channel);
     if (from.of == of_feature) value = features.at[from.channel];
     // A number that is not finite counts as 0.
-    to.at[i * attributes + k] = abs(value) <= 3.4028234663852886e38 ? clamp(value, -most, most) : 0.0;
+    row.at[k] = abs(value) <= 3.4028234663852886e38 ? clamp(value, -most, most) : 0.0;
   }
 }

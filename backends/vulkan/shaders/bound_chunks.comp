@@ -6,7 +6,8 @@
 
 // Bounds chunks anew, a workgroup each, as `bounds_of_chunk` does. A NaN widens nothing.
 layout(push_constant, scalar) uniform Push {
-  Floats means, scales, rotations, opacities;
+  uvec2 means, scales, rotations;
+  Floats opacities;
   Chunks chunks;
   uint first, end, gaussians;
 };
@@ -35,14 +36,15 @@ void main() {
   float below[3] = float[3](-INFINITE, -INFINITE, -INFINITE), above[3] = below;
   float size = 0.0, opacity = 0.0;
   if (i < gaussians) {
+    const vec3 mean = vector_at(means, i, 12u), scales_of = abs(vector_at(scales, i, 12u));
     for (uint k = 0u; k < 3u; ++k) {
-      above[k] = means.at[3u * i + k];
-      below[k] = -above[k];
-      const float scale = abs(scales.at[3u * i + k]);
-      size = scale > size ? scale : size;
+      above[k] = mean[k];
+      below[k] = -mean[k];
+      size = scales_of[k] > size ? scales_of[k] : size;
     }
+    Floats q = Floats(element(rotations, i, 16u));
     float squares = 0.0;
-    for (uint k = 0u; k < 4u; ++k) squares += rotations.at[4u * i + k] * rotations.at[4u * i + k];
+    for (uint k = 0u; k < 4u; ++k) squares += q.at[k] * q.at[k];
     // How much longer the matrix of the quaternion makes a vector at most, and 4 units in the last place.
     size *= (squares + abs(1.0 - squares)) * 1.0000005;
     opacity = opacities.at[i];

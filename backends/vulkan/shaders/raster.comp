@@ -16,11 +16,11 @@ shared uint queued_ids[QUEUE];
 
 // The depth of splat `id` along the ray of a pixel, `place` from the middle of the image.
 float ray_depth_at(uint id, vec2 place) {
-  const uint at = id * ray_depth_stride;
-  precise float x = ray_depths.at[at + 1u] * place.x;
-  precise float y = ray_depths.at[at + 2u] * place.y;
+  Floats row = Floats(element(uvec2(ray_depths), id, 4u * ray_depth_stride));
+  precise float x = row.at[1] * place.x;
+  precise float y = row.at[2] * place.y;
   precise float slopes = x + y;
-  precise float depth = ray_depths.at[at] + slopes;
+  precise float depth = row.at[0] + slopes;
   return depth;
 }
 
@@ -152,10 +152,11 @@ void main() {
       [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
         const vec4 shade = shades[of_group + k];
         const uint id = CONTRIBUTES || PICKS || ATTRIBUTES != 0u ? queued_ids[of_group + k] : NONE;
+        Floats row = Floats(element(uvec2(attributes), id, 4u * ATTRIBUTES));
         uint low_bits = 0u, high_bits = 0u;
         [[unroll]] for (uint p = 0u; p < EACH; ++p) {
           add(pixels[p], group[p].weight[k], shade);
-          for (uint a = 0u; a < ATTRIBUTES; ++a) sums[p * SUMS + a] += group[p].weight[k] * attributes.at[id * ATTRIBUTES + a];
+          for (uint a = 0u; a < ATTRIBUTES; ++a) sums[p * SUMS + a] += group[p].weight[k] * row.at[a];
           const float w = group[p].weight[k] * all[p].transmittance;
           if (PICKS && w > 0.0) {
             const float behind = group[p].left[k + 1u] * all[p].transmittance;
