@@ -3,9 +3,12 @@
 #include <cmath>
 #include <condition_variable>
 #include <exception>
+#include <functional>
 #include <limits>
 #include <mutex>
+#include <optional>
 #include <thread>
+#include <tuple>
 #include <utility>
 
 #include <swiftgs/frame.hpp>
@@ -19,8 +22,9 @@ namespace {
 
 /// Pixels of a view that are compared, at least. Errors are so uneven that fewer are off by decibels.
 constexpr double sample_count = 50'000;
-/// What is left of the error where pages are finer by so much moves the result by a few tenths.
-constexpr double finer = 16;
+/// The reference stands for the scene: its pages err by so much less than those of the cut, and by one pixel
+/// at most. What is left of the error moves the result by a few tenths.
+constexpr double finer = 16, most_of_reference = 1;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// A rectangle of an image.
@@ -82,18 +86,34 @@ class Samples {
   Part all_;
 };
 
-/// Draws cuts and adds up how far they are apart.
+/// Draws two cuts of views, a part of a view at a time, and adds up how far they are apart.
 class Comparison {
  public:
-  Comparison(PagePool<Serial>& pool, Renderer<Serial>& renderer, const CutGoal& goal, const CutGoal& fine)
-      : pool_(pool), renderer_(renderer), goal_(goal), fine_(fine) {}
+  Comparison(PagePool<Serial>& pool, Renderer<Serial>& renderer, Span<const View> views, const CutGoal& goal,
+             const CutGoal& fine, std::function<bool()> stops)
+      : pool_(pool), renderer_(renderer), goal_(goal), fine_(fine), stops_(std::move(stops)) {
+    for (const View& view : views) {
+      samples_.emplace_back(view);
+      choosers_.push_back(samples_.back().chooser(samples_.back().all()));
+    }
+  }
 
-  /// Returns false if a page cannot be read, the pool does not hold those of a tile, or `stops()`.
-  template <class Stops>
-  bool add(const Samples& samples, const Part& part, const Stops& stops) {
-    if (stops()) return false;
-    const View chooser = samples.chooser(part);
-    Cut cut = pool_.cut({&chooser, 1}, fine_);
+  /// Compares all views. Returns false if a page cannot be read, the pool does not hold the reference of a
+  /// tile or the cut of all views, or `stops()`.
+  bool compare() {
+    for (std::size_t k = 0; k < samples_.size(); ++k)
+      if (!add(k, samples_[k].all())) return false;
+    return true;
+  }
+
+  bool page_failed() const { return page_failed_; }
+  double decibels() const { return -10 * std::log10(squares_ / count_); }
+
+ private:
+  bool add(std::size_t k, const Part& part) {
+    if (stops_()) return false;
+    std::vector<View> choosers{samples_[k].chooser(part)};
+    Cut cut = pool_.cut({choosers.data(), 1}, fine_);
     if (cut.pixels() > fine_.pixels) {
       cut = Cut();  // gives back memory
       const bool wide = part.width > part.height;
@@ -103,43 +123,64 @@ class Comparison {
         first.width /= 2, second.left += first.width, second.width -= first.width;
       else
         first.height /= 2, second.top += first.height, second.height -= first.height;
-      return add(samples, first, stops) && add(samples, second, stops);
+      return add(k, first) && add(k, second);
     }
-    pool_.wait(cut);
-    bool whole = cut.missing() == 0;
-    draw(cut, samples, part, expected_);
+    if (!draw(cut, k, part, expected_)) return false;
     cut = Cut();
-    cut = pool_.cut({&chooser, 1}, goal_);
-    pool_.wait(cut);
-    whole = whole && cut.missing() == 0;
-    draw(cut, samples, part, found_);
+    // The frame has one cut for all views: the error of a page is the largest in any.
+    for (std::size_t other = 0; other < choosers_.size(); ++other)
+      if (other != k) choosers.push_back(choosers_[other]);
+    cut = pool_.cut({choosers.data(), choosers.size()}, goal_);
+    if (cut.pixels() > goal_.pixels || !draw(cut, k, part, found_)) return false;
     for (std::size_t i = 0; i < found_.colour.size(); ++i) {
       const double difference = double(found_.colour[i]) - double(expected_.colour[i]);
       squares_ += difference * difference, ++count_;
     }
-    return whole;
+    return true;
   }
 
-  double decibels() const { return -10 * std::log10(squares_ / count_); }
-
- private:
-  void draw(const Cut& cut, const Samples& samples, const Part& part, Frame& frame) {
-    View view = samples.sampler(part);
+  /// Completes `cut` and draws a part of view `k`. Returns false if pages are missing.
+  bool draw(Cut& cut, std::size_t k, const Part& part, Frame& frame) {
+    pool_.wait(cut, stops_);
+    page_failed_ = !cut.failed().empty();
+    if (cut.missing() != 0) return false;
+    View view = samples_[k].sampler(part);
     view.frame = prepare(frame, part.width, part.height, {});
-    renderer_.render_into(samples.scenes(cut), {&view, 1});
+    renderer_.render_into(samples_[k].scenes(cut), {&view, 1});
+    return true;
   }
 
   PagePool<Serial>& pool_;
   Renderer<Serial>& renderer_;
   CutGoal goal_, fine_;
+  std::function<bool()> stops_;
+  std::vector<Samples> samples_;
+  std::vector<View> choosers_;  ///< of whole views
   Frame expected_, found_;
   double squares_ = 0, count_ = 0;
+  bool page_failed_ = false;
 };
 
-bool same(const ViewConstants& a, const ViewConstants& b) {
-  return std::equal(std::begin(a.centre), std::end(a.centre), b.centre) &&
-         std::equal(&a.rotation[0][0], &a.rotation[0][0] + 9, &b.rotation[0][0]) && a.fx == b.fx &&
-         a.fy == b.fy && a.cx == b.cx && a.cy == b.cy;
+/// Whether all is equal that `make_view` fills, but memory and what follows from the rest.
+bool same(const View& a, const View& b) {
+  const auto values = [](const View& view) {
+    const ViewConstants& c = view.camera;
+    const LensLimits& l = c.limits;
+    const BlendRules& r = view.rules;
+    return std::tuple_cat(
+        std::tie(c.blur, c.antialiased, c.blur_of_scene, c.antialiased_of_scene, c.fx, c.fy, c.cx, c.cy,
+                 c.width, c.height, c.left, c.top, c.right, c.bottom, c.near_plane, c.far_plane,
+                 c.min_compensation, c.alpha_min, c.through_lens, c.depth_is_distance, c.order_is_distance,
+                 c.depth_along_ray, c.turn, c.panorama_middle, c.lens),
+        std::tie(l.fold_squared, l.least_u, l.most_u, l.least_v, l.most_v, l.most_cosecant, r.alpha_min,
+                 r.alpha_max, r.stop_below, r.first_below),
+        std::tie(view.background, view.grid.columns, view.grid.rows, view.grid.side, view.frame.width,
+                 view.frame.height, view.order_of_scenes, view.colours_of_scenes, view.colours,
+                 view.panorama_part));
+  };
+  return values(a) == values(b) &&
+         std::equal(std::begin(a.camera.centre), std::end(a.camera.centre), b.camera.centre) &&
+         std::equal(&a.camera.rotation[0][0], &a.camera.rotation[0][0] + 9, &b.camera.rotation[0][0]);
 }
 
 }  // namespace
@@ -148,16 +189,12 @@ bool same(const ViewConstants& a, const ViewConstants& b) {
 struct MeterRequest {
   std::vector<View> views;
   CutGoal goal;
-  double error = 0;
-  std::vector<PlacedPages> placed;  ///< anew; none: as before
+  std::optional<double> error;
+  std::vector<PlacedPages> placed;  ///< places the scenes anew; empty: they stay where they are
 
   bool is_like(Span<const View> others, const CutGoal& other) const {
     return goal.pixels == other.pixels && goal.blend == other.blend &&
-           std::equal(views.begin(), views.end(), others.begin(), others.end(),
-                      [](const View& a, const View& b) {
-                        return same(a.camera, b.camera) && a.frame.width == b.frame.width &&
-                               a.frame.height == b.frame.height;
-                      });
+           std::equal(views.begin(), views.end(), others.begin(), others.end(), same);
   }
 };
 
@@ -168,11 +205,12 @@ struct CutMeter::State {
   std::condition_variable changed;
   MeterRequest last;  ///< with scenes that no measurement has placed
   bool is_asked = false, is_busy = false, stop = false;
+  bool page_failed = false;  ///< in the last measurement, whose thread has it while `is_busy`
   double decibels = unknown;
   std::thread thread;
 
   State(std::vector<PlacedPages> placed, std::size_t bytes)
-      : pool(renderer.backend(), std::move(placed), {.bytes = bytes, .ahead = 0}) {}
+      : pool(renderer.backend(), std::move(placed), {.bytes = bytes, .waiting = bytes / 8, .ahead = 0}) {}
 
   bool stops() const {
     const std::lock_guard lock(mutex);
@@ -181,14 +219,16 @@ struct CutMeter::State {
 
   double measured(MeterRequest request) try {
     if (!request.placed.empty()) pool.place(std::move(request.placed));
-    if (request.error == 0) return std::numeric_limits<double>::infinity();  // all are leaves
-    Comparison comparison(pool, renderer, request.goal, {.pixels = request.error / finer});
-    for (const View& view : request.views) {
+    page_failed = false;
+    if (!request.error) return std::numeric_limits<double>::infinity();
+    for (const View& view : request.views)
       if (view.panorama_part != 0) return unknown;
-      const Samples samples(view);
-      if (!comparison.add(samples, samples.all(), [this] { return stops(); })) return unknown;
-    }
-    return comparison.decibels();
+    Comparison comparison(pool, renderer, {request.views.data(), request.views.size()}, request.goal,
+                          {.pixels = std::min(*request.error / finer, most_of_reference)},
+                          [this] { return stops(); });
+    const bool whole = comparison.compare();
+    page_failed = comparison.page_failed();
+    return whole ? comparison.decibels() : unknown;
   } catch (const std::exception&) {
     return unknown;  // as without memory: a number less is no reason to end the program
   }
@@ -226,11 +266,11 @@ CutMeter::~CutMeter() {
 
 void CutMeter::place(std::vector<PlacedPages> placed) {
   const std::lock_guard lock(state_->mutex);
-  state_->last = {{}, {}, 0, std::move(placed)};
+  state_->last = {{}, {}, {}, std::move(placed)};
   state_->is_asked = false;
 }
 
-void CutMeter::request(Span<const View> views, const CutGoal& goal, double error) {
+void CutMeter::request(Span<const View> views, const CutGoal& goal, std::optional<double> error) {
   {
     const std::lock_guard lock(state_->mutex);
     MeterRequest& last = state_->last;
@@ -248,7 +288,12 @@ double CutMeter::decibels() const {
 
 double CutMeter::wait() {
   std::unique_lock lock(state_->mutex);
-  state_->changed.wait(lock, [&] { return !state_->is_asked && !state_->is_busy; });
+  const auto is_done = [&] { return !state_->is_asked && !state_->is_busy; };
+  if (is_done() && state_->page_failed) {
+    state_->is_asked = true;
+    state_->changed.notify_all();
+  }
+  state_->changed.wait(lock, is_done);
   return state_->decibels;
 }
 

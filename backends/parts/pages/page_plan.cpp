@@ -148,7 +148,7 @@ PagePlan::Wanted PagePlan::grow(Span<const View> views, const CutGoal& goal, boo
     if (page.is_leaf()) continue;
     // As are all others. But for goal 0: nodes of Gaussians in one place err by 0.
     if (goal.pixels > 0 && next.error <= goal.pixels) {
-      wanted.error = next.error;
+      wanted.error = std::max(wanted.error, std::optional(next.error));
       break;
     }
     // How much of a fading page still shows, 0 to 1.
@@ -167,10 +167,12 @@ PagePlan::Wanted PagePlan::grow(Span<const View> views, const CutGoal& goal, boo
       if (!is_wanted(child)) more += resident_bytes(row(child));
     }
     if (splats > goal.splats || bytes + more > most_bytes_) {
-      wanted.pixels = wanted.error = next.error;
+      wanted.pixels = next.error;
+      wanted.error = std::max(wanted.error, std::optional(next.error));
       break;
     }
     if (draws) seen_[next.scene][next.page].refined = frame_, seen_[next.scene][next.page].left = float(left);
+    if (left > 0) wanted.error = std::max(wanted.error, std::optional(next.error));
     wanted.splats = splats, bytes += more;
     for (const Candidate& each : shown) {
       const PageKey child{file, each.page};

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <functional>
 #include <list>
+#include <optional>
 #include <vector>
 
 #include <swiftgs/frame/api.hpp>
@@ -35,12 +36,13 @@ class SWIFTGS_API PagePlan {
   const std::vector<PlacedPages>& placed() const { return placed_; }
   const std::vector<PagedScene>& files() const { return files_; }  ///< each once
   std::uint32_t file_of(std::size_t scene) const { return file_of_[scene]; }
+  std::size_t root_bytes() const { return root_bytes_; }  ///< of the roots of all files @units{bytes}
   const Page& row(PageKey key) const { return files_[key.file].pages()[key.page]; }
 
   struct Wanted {
     std::uint64_t splats = 0;
     double pixels = 0;
-    double error = 0;              ///< largest of a page to draw that has children @units{pixels}
+    std::optional<double> error;   ///< largest of a page to draw that has children; none: all are leaves
     std::vector<PageKey> missing;  ///< coarse before fine; those of views ahead last
     std::size_t now = 0;           ///< of `missing`, those of the frame
   };

@@ -8,6 +8,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <map>
 #include <memory>
@@ -16,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include <swiftgs/error.hpp>
 #include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/span.hpp>
 #include <swiftgs/pages/cut.hpp>
@@ -34,8 +36,8 @@ struct PagePoolOptions {
   /// Frames for which the pool expects cameras to go on as they do, and brings pages. Reserves an eighth of
   /// the memory that roots leave; 0: reserves none.
   int ahead = 10;
-  /// Memory of the host in which a thread of the pool measures `Cut::estimated_db`, by one processor; 0: none
-  /// does. More memory measures sooner. @units{bytes}
+  /// Memory of the host in which a thread of the pool measures `Cut::estimated_db`, by one processor and by
+  /// pages that it reads for itself; 0: none does. More memory measures sooner. @units{bytes}
   std::size_t estimate = 0;
   int threads = 1;          ///< of the pool, which read pages; 1 or more
   PageExecutor executor{};  ///< reads pages in their place
@@ -46,12 +48,12 @@ struct PagePoolOptions {
 /// A page is drawn in place of its children until all children that show are there, so a frame has no holes.
 ///
 /// Memory of a page is given back when no cut has it. Use a pool from one thread at a time. The destructor
-/// waits for the page that is being read.
+/// waits for the pages that are being read, and with `estimate` for the part of a view that is being drawn.
 template <class B>
 class PagePool {
  public:
-  /// Reads and uploads the roots, which stay. Throws `InvalidArgument` where memory does not hold them, for
-  /// placings that are not valid and for no pages, and what `PagedScene::read` throws.
+  /// Reads and uploads the roots, which stay. Throws `InvalidArgument` if `bytes` or `estimate` does not hold
+  /// them, for placings that are not valid and for no pages, and what `PagedScene::read` throws.
   ///
   /// With an `uploader`, another of the same kind as `backend` which the program does not use meanwhile,
   /// threads of the pool upload the pages that they read, and `cut` only adopts them. Pages that wait for
@@ -65,6 +67,9 @@ class PagePool {
         plan_(std::move(placed), most_bytes_, options.ahead > 0),
         motion_(options.ahead),
         loader_(plan_.files(), options.waiting, options.threads, options.executor, upload_by(uploader)) {
+    if (options.estimate != 0 && options.estimate < plan_.root_bytes())
+      detail::refuse("estimate: ", options.estimate, " bytes, expected ", plan_.root_bytes(),
+                     " or more for the roots of all scenes");
     for (std::uint32_t file = 0; file < plan_.files().size(); ++file) {
       const detail::PageKey root{file, plan_.files()[file].root()};
       upload({root, plan_.files()[file].read(root.page)});
@@ -95,9 +100,10 @@ class PagePool {
   }
 
   /// Makes `cut` complete: returns when no page is missing but those that fail again, or memory that other
-  /// cuts keep has no room for the rest, and `estimated_db` is that of its views. Gives back what `cut`
-  /// keeps: nothing may draw its scenes of before. Throws as `cut`; waiting again then goes on.
-  void wait(Cut& cut) {
+  /// cuts keep has no room for the rest, and `estimated_db` is that of its views; or, incomplete, when
+  /// `stops()`, which is called after each page. Gives back what `cut` keeps: nothing may draw its scenes of
+  /// before. Throws as `cut`; waiting again then goes on.
+  void wait(Cut& cut, const std::function<bool()>& stops = {}) {
     Cut asked;
     asked.views_ = cut.views_, asked.goal_ = cut.goal_;
     note_loaded(), failures_.clear();  // pages that failed before are tried again
@@ -107,6 +113,7 @@ class PagePool {
       cut = this->cut({asked.views_.data(), asked.views_.size()}, asked.goal_, {}, options_.bytes, stuck);
       if (stuck || cut.is_settled()) break;
       loader_.wait();
+      if (stops && stops()) return;
     }
     if (meter_) cut.estimated_db_ = meter_->wait();
   }
@@ -144,9 +151,15 @@ class PagePool {
     cut.views_.assign(views.begin(), views.end()), cut.goal_ = goal;
     loader_.request(bring(wanted, most_uploaded, cut, stuck));
     draw(cut);
-    if (meter_) meter_->request(views, {.pixels = wanted.pixels, .blend = goal.blend}, wanted.error);
+    if (meter_) meter_->request(views, reached(goal, wanted), wanted.error);
     cut.estimated_db_ = estimated_db();
     return cut;
+  }
+
+  /// The goal that has such a cut without budgets: levels fade up to the same error.
+  static CutGoal reached(const CutGoal& goal, const detail::PagePlan::Wanted& wanted) {
+    const double faded = goal.pixels * (1 + goal.blend);
+    return {.pixels = wanted.pixels, .blend = faded > wanted.pixels ? faded / wanted.pixels - 1 : 0};
   }
 
   static detail::PageUpload upload_by(B* uploader) {
