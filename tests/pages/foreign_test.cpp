@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Scenes with levels of detail that other programs wrote, drawn as pages.
+#include <atomic>
 #include <cmath>
+#include <cstdint>
+#include <filesystem>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include <doctest/doctest.h>
@@ -77,6 +81,43 @@ TEST_CASE("pages: a streamed SOG is drawn by its levels") {
   const Page coarse = pages.pages()[pages.root()];
   CHECK(coarse.errors[0] == float(4 / std::sqrt(7.0)));  // side of the first leaf, whose level has 7
   CHECK(pages.pages()[1].errors[0] == float(4 / std::sqrt(20.0)));
+}
+
+TEST_CASE("pages: threads read pages of the same files at once") {
+  const Streamed streamed;
+  const PagedScene alone = streamed.open(streamed.meta());
+  json broken = streamed.meta();
+  broken["tree"]["children"][0]["lods"]["0"]["offset"] = 50;
+  for (int round = 0; round < 10; ++round) {  // each begins with no file decoded but the root's
+    const PagedScene pages = streamed.open(round % 2 == 0 ? streamed.meta() : broken);
+    std::atomic<int> refused = 0, wrong = 0;
+    std::vector<std::thread> threads;
+    for (int k = 0; k < 4; ++k)
+      threads.emplace_back([&] {
+        for (std::uint32_t page = 0; page < pages.pages().size; ++page) try {
+            wrong += pages.read(page).scene.means != alone.read(page).scene.means;
+          } catch (const FormatError&) {
+            ++refused;
+          }
+      });
+    for (std::thread& thread : threads) thread.join();
+    CHECK(wrong == 0);
+    CHECK(refused == (round % 2 == 0 ? 0 : 4));
+  }
+  std::filesystem::remove_all(streamed.place / "scan/0_0");
+  const PagedScene lacking = streamed.open(streamed.meta());
+  std::atomic<int> failed = 0;
+  std::vector<std::thread> threads;
+  for (int k = 0; k < 4; ++k)
+    threads.emplace_back([&] {
+      for (int i = 0; i < 5; ++i) try {
+          lacking.read(0);
+        } catch (const FileError&) {
+          ++failed;
+        }
+    });
+  for (std::thread& thread : threads) thread.join();
+  CHECK(failed == 20);
 }
 
 TEST_CASE("pages: a streamed SOG that is not one is refused") {

@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 #include <limits>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <numeric>
@@ -34,40 +36,60 @@ std::size_t bytes_of(const Scene& scene) {
   return bytes;
 }
 
+using SharedScene = std::shared_ptr<const Scene>;
+
 /// Scenes of files. The last ones stay, since several pages are of one file.
 class FileCache {
  public:
-  std::shared_ptr<const Scene> read(const std::string& file) {
-    {
-      const std::lock_guard lock(mutex_);
-      const auto known =
-          std::find_if(kept_.begin(), kept_.end(), [&](const Kept& k) { return k.file == file; });
-      if (known != kept_.end()) {
-        std::rotate(kept_.begin(), known, known + 1);
-        return kept_.front().scene;
-      }
+  /// Threads that need a file while another decodes it wait for that one.
+  SharedScene read(const std::string& file) {
+    std::unique_lock lock(mutex_);
+    const auto known =
+        std::find_if(kept_.begin(), kept_.end(), [&](const Kept& k) { return k.file == file; });
+    if (known != kept_.end()) {
+      std::rotate(kept_.begin(), known, known + 1);
+      return kept_.front().scene;
     }
+    if (const auto decoding = decoding_.find(file); decoding != decoding_.end()) {
+      const std::shared_future<SharedScene> scene = decoding->second;
+      lock.unlock();
+      return scene.get();
+    }
+    std::packaged_task<SharedScene()> decode([&] { return decoded(file); });
+    const std::shared_future<SharedScene> scene = decode.get_future().share();
+    decoding_.emplace(file, scene);
+    lock.unlock();
+    decode();
+    lock.lock();
+    decoding_.erase(file);
+    keep(file, scene.get());  // throws what `decoded` threw
+    return scene.get();
+  }
+
+ private:
+  static SharedScene decoded(const std::string& file) {
     SceneFile found = read_scene(file);
     // Pages name Gaussians by their numbers in the file.
     if (found.left_out.total() != 0)
       throw FormatError(file, 0, "Gaussians with finite numbers and rotations");
-    auto scene = std::make_shared<const Scene>(std::move(found.scene));
-    const std::lock_guard lock(mutex_);
+    return std::make_shared<const Scene>(std::move(found.scene));
+  }
+
+  void keep(const std::string& file, const SharedScene& scene) {
     kept_.insert(kept_.begin(), {file, scene});
     for (bytes_ += bytes_of(*scene); bytes_ > most_bytes && kept_.size() > 1; kept_.pop_back())
       bytes_ -= bytes_of(*kept_.back().scene);
-    return scene;
   }
 
- private:
   static constexpr std::size_t most_bytes = 256 << 20;  ///< but for one scene that is larger
   struct Kept {
     std::string file;
-    std::shared_ptr<const Scene> scene;
+    SharedScene scene;
   };
   std::mutex mutex_;
   std::vector<Kept> kept_;  ///< the latest first
   std::size_t bytes_ = 0;   ///< of these
+  std::map<std::string, std::shared_future<SharedScene>> decoding_;
 };
 
 /// What a page reads, with what all pages have in common.
@@ -83,7 +105,7 @@ struct Reader {
     Scene& all = content.scene;
     all.origin = origin;
     for (const FilePart& part : parts[page]) {
-      const std::shared_ptr<const Scene> file = cache.read(part.file);
+      const SharedScene file = cache.read(part.file);
       if (file->model != model) throw FormatError(part.file, 0, "the rendering model of the first file");
       const bool whole = part.first == FilePart::all;
       if (!whole && part.first + part.count > file->size())
