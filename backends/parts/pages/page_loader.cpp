@@ -2,8 +2,11 @@
 #include <algorithm>
 #include <condition_variable>
 #include <exception>
+#include <iterator>
 #include <list>
 #include <mutex>
+#include <new>
+#include <set>
 #include <utility>
 
 #include <swiftgs/error.hpp>
@@ -17,7 +20,9 @@ struct PageLoader::State {
 
   std::mutex mutex;
   std::condition_variable asked, read;
-  std::list<LoadedPage> queue, reading, loaded;  ///< a page moves on, so that readers allocate no node
+  std::vector<PageKey> queue;    ///< the first comes last
+  std::vector<PageKey> reading;  ///< has room for all readers
+  std::list<LoadedPage> loaded;
   std::size_t loaded_bytes = 0, kept_bytes = 0;
   std::size_t jobs = 0;  ///< that an executor has
   bool stop = false;
@@ -26,13 +31,7 @@ struct PageLoader::State {
 
   bool can_read() const { return !queue.empty() && loaded_bytes + kept_bytes < most_bytes; }
 
-  /// Reads the first page of the queue, if there is room for it. `lock` is open meanwhile.
-  void read_next(std::unique_lock<std::mutex>& lock) {
-    if (stop || !can_read()) return;
-    const auto at = queue.begin();
-    LoadedPage& page = *at;
-    reading.splice(reading.end(), queue, at);
-    lock.unlock();
+  void load(LoadedPage& page) {
     try {
       page.content = files[page.key.file].read(page.key.page);
       if (upload) {
@@ -44,9 +43,25 @@ struct PageLoader::State {
     } catch (...) {
       page.failure = "a source threw what is no exception of the standard library";
     }
+  }
+
+  /// Reads the first page of the queue, if there is room for it. `lock` is open meanwhile.
+  void read_next(std::unique_lock<std::mutex>& lock) {
+    if (stop || !can_read()) return;
+    const PageKey key = queue.back();
+    queue.pop_back(), reading.push_back(key);
+    lock.unlock();
+    std::list<LoadedPage> page;
+    try {
+      load(page.emplace_back(LoadedPage{key, {}}));
+    } catch (const std::bad_alloc&) {
+      page.clear();  // not loaded: who needs it asks again
+    }
     lock.lock();
-    loaded.splice(loaded.end(), reading, at);
-    if (page.failure.empty()) loaded_bytes += files[page.key.file].pages()[page.key.page].bytes;
+    reading.erase(std::find(reading.begin(), reading.end(), key));
+    if (!page.empty() && page.front().failure.empty())
+      loaded_bytes += files[key.file].pages()[key.page].bytes;
+    loaded.splice(loaded.end(), page);
     read.notify_all();
   }
 
@@ -66,6 +81,7 @@ PageLoader::PageLoader(std::vector<PagedScene> files, std::size_t most_bytes, in
   state_->upload = std::move(upload);
   state_->files = std::move(files), state_->most_bytes = std::max<std::size_t>(most_bytes, 1);
   if (threads < 1) refuse("page pool: ", threads, " threads, expected 1 or more");
+  state_->reading.reserve(executor_ ? most_jobs : std::size_t(threads));
   if (executor_) return;
   try {
     for (int k = 0; k < threads; ++k)
@@ -92,16 +108,20 @@ void PageLoader::stop() {
 
 void PageLoader::request(const std::vector<PageKey>& keys) {
   std::size_t jobs = 0;
+  std::vector<PageKey> queue;
+  std::set<PageKey> known;  ///< few: nobody reads while `queue` is being made
   {
     const std::lock_guard lock(state_->mutex);
-    state_->queue.clear();
-    const auto is_known = [&](const PageKey& key) {
-      const auto has_key = [&](const LoadedPage& page) { return page.key == key; };
-      return std::any_of(state_->reading.begin(), state_->reading.end(), has_key) ||
-             std::any_of(state_->loaded.begin(), state_->loaded.end(), has_key);
-    };
-    for (const PageKey& key : keys)
-      if (!is_known(key)) state_->queue.push_back({key, {}});
+    queue.swap(state_->queue);
+    known.insert(state_->reading.begin(), state_->reading.end());
+    for (const LoadedPage& page : state_->loaded) known.insert(page.key);
+  }
+  queue.clear();
+  std::copy_if(keys.rbegin(), keys.rend(), std::back_inserter(queue),
+               [&](const PageKey& key) { return !known.contains(key); });
+  {
+    const std::lock_guard lock(state_->mutex);
+    state_->queue.swap(queue);
     if (executor_ && state_->can_read() && state_->jobs < most_jobs)
       jobs = std::min(most_jobs - state_->jobs, state_->queue.size());
     state_->jobs += jobs;

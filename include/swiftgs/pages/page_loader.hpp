@@ -44,9 +44,9 @@ struct LoadedPage {
 /// Uploads the scene of a page that was read. One thread at a time calls it.
 using PageUpload = std::function<std::shared_ptr<void>(Scene scene)>;
 
-/// Reads pages in threads of its own or by an executor. No function blocks but `wait` and the
-/// destructor, which waits for the pages being read: the lock is held while a few numbers move. Jobs that an
-/// executor runs later do nothing.
+/// Reads pages in threads of its own or by an executor. No function blocks but `wait` and the destructor,
+/// which waits for the pages that are being read: the others hold the lock while numbers of pages that are
+/// being read or were read are copied. Jobs that an executor runs later do nothing.
 class SWIFTGS_API PageLoader {
  public:
   /// Uploads pages by `upload` if there is one. Stops reading while read pages, `keep`'s bytes included, take
