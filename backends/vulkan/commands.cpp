@@ -35,10 +35,11 @@ void barrier(const VulkanDevice::State& device, VkCommandBuffer commands, Scope 
   device.vk.vkCmdPipelineBarrier(commands, from.stages, to.stages, 0, 1, &memory, 0, nullptr, 0, nullptr);
 }
 
-/// Counts a command buffer as open no longer, once it is submitted or dropped.
+/// Closes commands once they are submitted or dropped.
 struct Closing {
   VulkanDevice::State& device;
-  ~Closing() { device.count_open(-1); }
+  std::uint64_t number;
+  ~Closing() { device.close(number); }
 };
 
 }  // namespace
@@ -60,7 +61,7 @@ Commands::Commands(const Vulkan& b)
   begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   check(device_.vk.vkBeginCommandBuffer(slot.commands, &begin), "vkBeginCommandBuffer");
-  device_.count_open(1);
+  slot.number = device_.open();
   b_.open = &slot;
   b_.hazards.forget();
 }
@@ -181,10 +182,8 @@ void Commands::follow_program() { barrier(device_, b_.open->commands, program, l
 void Commands::precede_program() { barrier(device_, b_.open->commands, kernels_write, program); }
 
 void Commands::drop() {
-  const Closing closing{device_};
-  b_.open_points.clear();
-  // Nothing of these commands runs.
-  b_.launches_written = true, b_.long_of = nullptr, b_.long_blocks_empty = false;
+  const Closing closing{device_, b_.open->number};
+  b_.open_points.clear(), b_.forget_launches();
   device_.vk.vkEndCommandBuffer(std::exchange(b_.open, nullptr)->commands);
 }
 
@@ -195,7 +194,7 @@ void Commands::finish() {
 std::uint64_t Commands::submit() {
   if (b_.recording) return b_.last;
   CommandSlot& slot = *std::exchange(b_.open, nullptr);
-  const Closing closing{device_};
+  const Closing closing{device_, slot.number};
   const auto points = std::exchange(b_.open_points, {});
   check(device_.vk.vkEndCommandBuffer(slot.commands), "vkEndCommandBuffer");
   b_.last = slot.done_at = device_.submit(slot.commands);

@@ -88,6 +88,7 @@ struct CommandSlot {
   std::vector<Block> blocks;
   std::vector<VkDescriptorPool> images;  ///< a set each
   std::size_t block = 0, used = 0;       ///< where the next copy goes
+  std::uint64_t number = 0;              ///< of `VulkanDevice::State::open`
   std::uint64_t done_at = 0;             ///< value of the timeline
 };
 
@@ -117,6 +118,10 @@ struct Vulkan::State {
 
   /// Makes what may fail: the destructor takes back what there is by then.
   void create();
+  /// Forgets what commands write for launches, if they may never run.
+  void forget_launches() {
+    launches_written = true, counted = {}, long_of = nullptr, long_blocks_empty = false;
+  }
 
   VulkanDevice device;
   MemoryHook hook;

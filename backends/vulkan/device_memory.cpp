@@ -117,22 +117,30 @@ void VulkanDevice::State::release(vulkan::Block& block) {
   put_off(std::exchange(block, {}).allocation);
 }
 
-namespace {
-/// In place of the value of the timeline where open commands may still use the memory.
-constexpr std::uint64_t behind_open = ~std::uint64_t(0);
-}  // namespace
-
 /// Frees memory once the queue has finished with it. The caller holds `mutex_`.
 void VulkanDevice::State::put_off(const vulkan::Allocation& allocation) {
-  released_.emplace_back(open_ != 0 ? behind_open : submitted_, allocation);
+  released_.push_back({allocation, opened_, {}});
+  find_ends();
   collect();
 }
 
-void VulkanDevice::State::count_open(int more) {
+std::uint64_t VulkanDevice::State::open() {
   const std::lock_guard lock(mutex_);
-  if ((open_ += more) != 0) return;
-  for (auto& [value, allocation] : released_)
-    if (value == behind_open) value = submitted_;
+  open_.insert(++opened_);
+  return opened_;
+}
+
+void VulkanDevice::State::close(std::uint64_t number) {
+  const std::lock_guard lock(mutex_);
+  open_.erase(number);
+  find_ends();
+}
+
+/// Finds `done_at` of memory that no open commands may use. The caller holds `mutex_`.
+void VulkanDevice::State::find_ends() {
+  for (Released& released : released_)
+    if (!released.done_at && (open_.empty() || *open_.begin() > released.opened))
+      released.done_at = submitted_;
 }
 
 /// Frees released memory that the queue has finished with. The caller holds `mutex_`.
@@ -140,8 +148,8 @@ void VulkanDevice::State::collect() {
   if (released_.empty()) return;
   if (vk.vkGetSemaphoreCounterValue(device, timeline, &done_) != VK_SUCCESS) return;
   std::erase_if(released_, [&](const auto& released) {
-    if (released.first > done_) return false;
-    free(released.second);
+    if (!released.done_at || *released.done_at > done_) return false;
+    free(released.allocation);
     return true;
   });
 }

@@ -139,7 +139,7 @@ void VulkanDevice::State::create() {
 
 VulkanDevice::State::~State() {
   for (const auto& [key, pipeline] : pipelines_) vk.vkDestroyPipeline(device, pipeline, nullptr);
-  for (const auto& [value, allocation] : released_) free(allocation);
+  for (const Released& released : released_) free(released.allocation);
   for (const auto& [address, allocation] : memories_) free(allocation);
   vk.vkDestroyPipelineCache(device, pipelines, nullptr);
   vk.vkDestroyPipelineLayout(device, layout, nullptr);

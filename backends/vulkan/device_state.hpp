@@ -6,6 +6,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <set>
 #include <shared_mutex>
 #include <string>
 #include <utility>
@@ -66,9 +67,11 @@ struct VulkanDevice::State {
   vulkan::Block allocate_host_block(std::size_t bytes, vulkan::HostMemory kind);
   void release(vulkan::Block& block);
 
-  /// Counts command buffers that are begun and neither submitted nor dropped. What is released while there
-  /// are any is freed behind them.
-  void count_open(int more);
+  /// Notes that commands are begun, and returns their number. Memory that is released before `close` of it is
+  /// freed behind them.
+  std::uint64_t open();
+  /// Notes that these commands are submitted or dropped.
+  void close(std::uint64_t number);
 
   /// Submits commands, and returns the value that the timeline reaches when they are done.
   std::uint64_t submit(VkCommandBuffer commands);
@@ -107,6 +110,14 @@ struct VulkanDevice::State {
   MemoryHook hook;
 
  private:
+  /// Memory to be freed when the timeline reaches `done_at`, which is known once no commands up to number
+  /// `opened` are open.
+  struct Released {
+    vulkan::Allocation allocation;
+    std::uint64_t opened;
+    std::optional<std::uint64_t> done_at;
+  };
+
   /// A pipeline by its key: the kernel and its constants.
   VkPipeline compile(vulkan::Kernel kernel, const std::vector<std::uint32_t>& key) const;
   /// Waits for released memory where there is not enough, and tries again once.
@@ -115,6 +126,7 @@ struct VulkanDevice::State {
   VkBuffer make_buffer(std::size_t bytes) const;
   void free(const vulkan::Allocation& allocation);
   void put_off(const vulkan::Allocation& allocation);
+  void find_ends();
   void collect();
   std::uint32_t memory_type(VkMemoryPropertyFlags required, VkMemoryPropertyFlags preferred) const;
 
@@ -122,9 +134,10 @@ struct VulkanDevice::State {
   std::shared_mutex cache_mutex_;  ///< of the pipeline cache; threads that compile share it
   std::mutex queue_mutex_;         ///< locked within `mutex_`
   std::uint64_t submitted_ = 0, done_ = 0;
-  int open_ = 0;
+  std::uint64_t opened_ = 0;      ///< number of the last commands that were begun
+  std::set<std::uint64_t> open_;  ///< those not submitted or dropped yet
   std::map<void*, vulkan::Allocation> memories_;
-  std::vector<std::pair<std::uint64_t, vulkan::Allocation>> released_;
+  std::vector<Released> released_;
   std::map<std::vector<std::uint32_t>, VkPipeline> pipelines_;
   VkPipelineCacheHeaderVersionOne cache_header_{};  ///< what its bytes begin with
   VkPhysicalDeviceMemoryProperties memory_{};

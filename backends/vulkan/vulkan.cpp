@@ -61,7 +61,7 @@ void Vulkan::State::create() {
 
 Vulkan::State::~State() {
   VulkanDevice::State& of = device.state();
-  if (open) of.count_open(-1);
+  if (open) of.close(open->number);
   try {
     of.wait(last);
   } catch (const std::exception&) {
@@ -94,8 +94,14 @@ struct VulkanRecording::Kept {
   VulkanDevice device;
   vulkan::CommandSlot slot;
 
-  Kept(const VulkanDevice& on, VkCommandBuffer commands) : device(on) { slot.commands = commands; }
-  ~Kept() { release(device.state(), slot); }
+  Kept(const VulkanDevice& on, VkCommandBuffer commands) : device(on) {
+    slot.commands = commands;
+    slot.number = device.state().open();
+  }
+  ~Kept() {
+    release(device.state(), slot);
+    device.state().close(slot.number);
+  }
 };
 VulkanRecording::VulkanRecording(std::unique_ptr<Kept> kept) : kept_(std::move(kept)) {}
 VulkanRecording::~VulkanRecording() = default;
@@ -113,7 +119,10 @@ VulkanRecording Vulkan::record(VkCommandBuffer_T* commands, const std::function<
     Recording(State& of, vulkan::CommandSlot& slot) : b(of) {
       b.open = &slot, b.recording = true, b.hazards.forget();
     }
-    ~Recording() { b.open = nullptr, b.recording = false; }
+    ~Recording() {
+      b.open = nullptr, b.recording = false;
+      b.forget_launches();  // the program submits the commands when it likes
+    }
   } recording(b, kept->slot);
   vulkan::Commands(*this).follow_program();
   draw();

@@ -46,7 +46,7 @@ class VulkanScene {
 };
 
 /// What a program's command buffer reads beside memory of the renderer, from `Vulkan::record`. Keep it until
-/// the commands are done or dropped.
+/// the commands are done or dropped: memory of the device that is released meanwhile is freed behind it.
 class SWIFTGS_API VulkanRecording {
  public:
   struct Kept;
