@@ -29,6 +29,7 @@ class Push {
  public:
   template <class... Values>
   explicit Push(const Values&... values) {
+    static_assert((bytes_of<Values> + ... + 0) <= push_bytes, "expected fewer push constants");
     (append(values), ...);
   }
   const std::byte* data() const { return data_; }
@@ -38,6 +39,12 @@ class Push {
   Span<const Access> accesses() const { return {accesses_.data(), accesses_.size()}; }
 
  private:
+  template <class Value>
+  static constexpr std::size_t bytes_of = std::is_same_v<Value, Access> ? sizeof(std::uintptr_t)
+                                          : std::is_same_v<Value, Count>
+                                              ? sizeof(std::uintptr_t) + sizeof(std::uint32_t)
+                                              : sizeof(std::uint32_t);
+
   void append(const Access& at) {
     accesses_.push_back(at);
     append_bytes(&at.begin, sizeof at.begin);
@@ -53,7 +60,7 @@ class Push {
     size_ += bytes;
   }
 
-  std::byte data_[128];
+  std::byte data_[push_bytes];
   std::size_t size_ = 0;
   std::vector<Access> accesses_;
 };

@@ -126,7 +126,7 @@ void VulkanDevice::State::create() {
   of_set.bindingCount = 2, of_set.pBindings = of_images;
   vulkan::check(vk.vkCreateDescriptorSetLayout(device, &of_set, nullptr, &images),
                 "vkCreateDescriptorSetLayout");
-  const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, 128};
+  const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, vulkan::push_bytes};
   VkPipelineLayoutCreateInfo of_layout{};
   of_layout.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
   of_layout.setLayoutCount = 1, of_layout.pSetLayouts = &images;

@@ -33,6 +33,9 @@ Functions functions_of(PFN_vkGetInstanceProcAddr get, VkInstance instance);
 inline constexpr VkDescriptorType image_types[] = {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
                                                    VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE};
 
+/// Push constants of a kernel at most: every device has so many. @units{bytes}
+inline constexpr std::uint32_t push_bytes = 128;
+
 /// A buffer with memory of its own.
 struct Allocation {
   VkBuffer buffer = VK_NULL_HANDLE;
