@@ -99,9 +99,20 @@ vulkan::Block VulkanDevice::State::allocate_block(std::size_t bytes) {
   return {allocation, nullptr, static_cast<std::byte*>(address), bytes};
 }
 
+/// The caller holds `mutex_`.
+std::pair<vulkan::Allocation, void*> VulkanDevice::State::allocate_host_buffer(std::size_t bytes,
+                                                                               vulkan::HostMemory kind) {
+  try {
+    return allocate_buffer(bytes, host_types_[std::size_t(kind)]);
+  } catch (const CapacityError&) {
+    if (kind == vulkan::HostMemory::cached) throw;
+    return allocate_buffer(bytes, host_types_[std::size_t(vulkan::HostMemory::cached)]);
+  }
+}
+
 vulkan::Block VulkanDevice::State::allocate_host_block(std::size_t bytes, vulkan::HostMemory kind) {
   const std::lock_guard lock(mutex_);
-  const auto [allocation, address] = allocate_buffer(bytes, host_types_[std::size_t(kind)]);
+  const auto [allocation, address] = allocate_host_buffer(bytes, kind);
   void* host = nullptr;
   if (const VkResult r = vk.vkMapMemory(device, allocation.memory, 0, VK_WHOLE_SIZE, 0, &host);
       r != VK_SUCCESS) {

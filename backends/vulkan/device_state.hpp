@@ -66,7 +66,7 @@ struct VulkanDevice::State {
   /// Frees the memory once the queue has finished all work begun so far.
   void release(void* memory);
   vulkan::Block allocate_block(std::size_t bytes);
-  /// A block that the host can map.
+  /// A block that the host can map. Where there is no more memory `of_device` it is `cached`.
   vulkan::Block allocate_host_block(std::size_t bytes, vulkan::HostMemory kind);
   void release(vulkan::Block& block);
 
@@ -125,6 +125,7 @@ struct VulkanDevice::State {
   VkPipeline compile(vulkan::Kernel kernel, const std::vector<std::uint32_t>& key) const;
   /// Waits for released memory where there is not enough, and tries again once.
   std::pair<vulkan::Allocation, void*> allocate_buffer(std::size_t bytes, std::uint32_t type);
+  std::pair<vulkan::Allocation, void*> allocate_host_buffer(std::size_t bytes, vulkan::HostMemory kind);
   std::pair<vulkan::Allocation, void*> try_allocate_buffer(std::size_t bytes, std::uint32_t type);
   VkBuffer make_buffer(std::size_t bytes) const;
   void free(const vulkan::Allocation& allocation);

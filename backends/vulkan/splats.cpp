@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -169,15 +171,22 @@ Shading<Vulkan> shade(Vulkan& b, const FramePlan& plan, const Splats<Vulkan>& sp
   const std::size_t launches = std::clamp<std::size_t>(n / least, 1, most_launches);
   const std::size_t each = ((n + launches - 1) / launches + vulkan::usual_threads - 1) /
                            vulkan::usual_threads * vulkan::usual_threads;
+  // Copied once for all launches in the same command buffer.
+  struct Copied {
+    std::optional<std::size_t> slot;
+    const vulkan::Seen* seen = nullptr;
+  };
+  const auto copied = std::make_shared<Copied>();
   for (std::size_t first = 0; first < n; first += each)
-    b.state().beside.emplace_back([=, &plan](vulkan::Commands& commands) {
-      commands.run(
-          vulkan::Kernel::shade, {},
-          vulkan::Push(vulkan::address(vulkan::all_seen(commands, plan.views, plan.scenes)),
-                       vulkan::reads(view.gaussians.data, n), vulkan::reads_views(view),
-                       vulkan::reads(view.depths.data, n), vulkan::shares(to, n), vulkan::shares(hidden, 1),
-                       view.count(), std::uint32_t(plan.scenes.size()), std::uint32_t(first)),
-          vulkan::Commands::Shape::of(std::min(each, n - first)));
+    b.state().beside.emplace_back([=, &b, &plan](vulkan::Commands& commands) {
+      const std::size_t slot = b.state().next_slot;
+      if (copied->slot != slot) *copied = {slot, vulkan::all_seen(commands, plan.views, plan.scenes)};
+      commands.run(vulkan::Kernel::shade, {},
+                   vulkan::Push(vulkan::address(copied->seen), vulkan::reads(view.gaussians.data, n),
+                                vulkan::reads_views(view), vulkan::reads(view.depths.data, n),
+                                vulkan::shares(to, n), vulkan::shares(hidden, 1), view.count(),
+                                std::uint32_t(plan.scenes.size()), std::uint32_t(first)),
+                   vulkan::Commands::Shape::of(std::min(each, n - first)));
     });
   return Shading<Vulkan>(b, {{to, n}, hidden});
 }

@@ -32,6 +32,7 @@ namespace {
 void release(VulkanDevice::State& device, vulkan::CommandSlot& slot) {
   vulkan::clear_images(device, slot);
   for (vulkan::Block& block : slot.blocks) device.release(block);
+  slot.blocks.clear();
 }
 }  // namespace
 
@@ -180,6 +181,7 @@ void Vulkan::wait() const {
 void Vulkan::trim() {
   wait();
   trim_parts(*this, state_->numbers, state_->long_tiles, state_->long_blocks), state_->long_of = nullptr;
+  for (vulkan::CommandSlot& slot : state_->slots) release(state_->device.state(), slot);
   state_->device.state().release(state_->staging);
 }
 

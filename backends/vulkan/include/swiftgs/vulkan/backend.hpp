@@ -152,7 +152,7 @@ class SWIFTGS_API Vulkan {
   };
   Signal last_signal() const;
 
-  /// Gives back the memory that sorts and long lists keep.
+  /// Gives back the memory that sorts, long lists and constants of commands keep. Waits.
   void trim();
 
   TimePoint now();
