@@ -124,11 +124,7 @@ std::string lacks(const vulkan::Functions& vk, VkPhysicalDevice device) {
 /// `VulkanDevice::own()` before it is checked: an instance, and the device once it is made.
 class OwnDevice {
  public:
-  OwnDevice() {
-    void* const library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
-    if (!library) throw Unavailable("vulkan: expected libvulkan.so.1, the loader of Vulkan");
-    get_ = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library, "vkGetInstanceProcAddr"));
-    if (!get_) throw Unavailable("vulkan: expected vkGetInstanceProcAddr in libvulkan.so.1");
+  OwnDevice() : OwnDevice(loader()) {
     VkApplicationInfo application{};
     application.sType = VK_STRUCTURE_TYPE_APPLICATION_INFO, application.apiVersion = VK_API_VERSION_1_3;
     VkInstanceCreateInfo info{};
@@ -138,9 +134,15 @@ class OwnDevice {
       throw Unavailable("vulkan: expected an instance of Vulkan 1.3");
     vk_ = vulkan::functions_of(get_, instance_);
   }
-  /// Destroys the instance, unless it has a device, which is never destroyed.
   ~OwnDevice() {
-    if (!device_) vk_.vkDestroyInstance(instance_, nullptr);
+    const auto destroy = [](auto function, auto handle) {
+      if (handle && function) function(handle, nullptr);
+    };
+    if (device_)
+      destroy(reinterpret_cast<PFN_vkDestroyDevice>(vk_.vkGetDeviceProcAddr(device_, "vkDestroyDevice")),
+              device_);
+    if (instance_)
+      destroy(reinterpret_cast<PFN_vkDestroyInstance>(get_(instance_, "vkDestroyInstance")), instance_);
   }
   OwnDevice(const OwnDevice&) = delete;
   OwnDevice& operator=(const OwnDevice&) = delete;
@@ -204,6 +206,17 @@ class OwnDevice {
   }
 
  private:
+  /// A complete object, whose destructor runs if the other constructor throws.
+  explicit OwnDevice(PFN_vkGetInstanceProcAddr get) : get_(get) {}
+
+  static PFN_vkGetInstanceProcAddr loader() {
+    void* const library = dlopen("libvulkan.so.1", RTLD_NOW | RTLD_LOCAL);
+    if (!library) throw Unavailable("vulkan: expected libvulkan.so.1, the loader of Vulkan");
+    const auto get = reinterpret_cast<PFN_vkGetInstanceProcAddr>(dlsym(library, "vkGetInstanceProcAddr"));
+    if (!get) throw Unavailable("vulkan: expected vkGetInstanceProcAddr in libvulkan.so.1");
+    return get;
+  }
+
   std::string why_not(VkPhysicalDevice device) const {
     if (std::string lacking = lacks(vk_, device); !lacking.empty()) return lacking;
     FeatureChain found;
@@ -213,7 +226,7 @@ class OwnDevice {
     return {};
   }
 
-  PFN_vkGetInstanceProcAddr get_ = nullptr;
+  PFN_vkGetInstanceProcAddr get_;
   vulkan::Functions vk_;
   VkInstance instance_ = VK_NULL_HANDLE;
   VkPhysicalDevice physical_ = VK_NULL_HANDLE;
@@ -272,7 +285,9 @@ const VulkanDevice& VulkanDevice::own() {
   static const VulkanDevice* const device = [] {
     auto own = std::make_unique<OwnDevice>();
     own->make(own->choose());
-    return new VulkanDevice(own.release()->handles());
+    const auto* const checked = new VulkanDevice(own->handles());
+    own.release();
+    return checked;
   }();
   return *device;
 }

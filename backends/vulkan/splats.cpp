@@ -44,6 +44,7 @@ void project(Vulkan& b, const FramePlan& plan, BoundsKind bounds, ProjectScratch
   const std::size_t capacity =
       plan.limits.capacity.splats == 0 ? candidates : std::min(plan.limits.capacity.splats, candidates);
   const std::size_t workgroups = for_each_part(plan, [](auto&&...) {});
+  footprints.found_within = {};
   Commands commands(b);
   b.state().counted = {};
   scratch.projected.reset(workgroups * usual_threads);

@@ -141,7 +141,11 @@ void Vulkan::write(const void* from, void* to, std::size_t bytes) const {
     const std::size_t part = std::min(staging_bytes, bytes - at), words = (part + 3) / 4;
     std::byte* const to_part = static_cast<std::byte*>(to) + at;
     // The last word may hold more than is written.
-    if (part % 4 != 0) read(to_part + part / 4 * 4, b.staging.host + part / 4 * 4, 4);
+    if (part % 4 != 0) {
+      std::byte last[4];
+      read(to_part + part / 4 * 4, last, 4);
+      std::memcpy(b.staging.host + part / 4 * 4, last, 4);
+    }
     std::memcpy(b.staging.host, static_cast<const std::byte*>(from) + at, part);
     vulkan::Commands commands(*this);
     commands.run(vulkan::Kernel::copy, {},
