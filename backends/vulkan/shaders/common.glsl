@@ -39,7 +39,7 @@ uvec2 element(uvec2 address, uint i, uint stride) {
   return uvec2(low, address.y + high + carry);
 }
 
-// Pair `i` of words. Words may be more than 2^31, where indices turn negative.
+// Pair `i` of words. Drivers take indices as signed, so pairs are found by address.
 Uints pair_at(Uints pairs, uint i) { return Uints(element(uvec2(pairs), i, 8u)); }
 
 // A number of elements, at most `most`, that the device may know: as `Count`.
@@ -56,6 +56,9 @@ void add_halves(Uints to, uint low, uint high) {
   if (before + sum < before) ++carry;
   if ((high >> 16) + carry != 0u) atomicAdd(to.at[1], (high >> 16) + carry);
 }
+
+// Operations of subgroups also stand in loops and branches that a subgroup takes as one and its workgroup does not. That
+// the lanes converge behind them is what drivers do; VK_KHR_shader_subgroup_uniform_control_flow would promise it.
 
 // A grid may have more workgroups than were asked for.
 uint workgroup() { return gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x; }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Arithmetic in pairs of floats as swiftgs/frame/float_pair.hpp has it: high + low, where high is the sum rounded to
-// float. Products are split into halves unless FUSES, because `fma` of Vulkan may round twice. Each operation has a name of its
-// own, `precise`, so that no compiler fuses or reorders. tests/vulkan compiles this file as C++.
+// float. Products are split into halves unless FUSES, because `fma` of Vulkan may round twice. Each operation has a name
+// of its own, `precise`, so that no compiler fuses or reorders. tests/vulkan compiles this file as C++.
 
 #ifndef __cplusplus
 #define FUNCTION
@@ -101,11 +101,14 @@ FUNCTION FloatPair multiply_add(FloatPair a, FloatPair b, FloatPair c) { return 
 
 // a - b c, where that is small beside a: exact but for one rounding.
 FUNCTION float rest_of(float a, float b, float c) {
-  FloatPair product = two_product(b, c);
+  if (FUSES) {
+    PRECISE float fused = fma(-b, c, a);
+    return fused;
+  }
+  FloatPair product = split_product(b, c);
   PRECISE float rest = a - product.high;
   PRECISE float whole = rest - product.low;
-  PRECISE float fused = fma(-b, c, a);
-  return FUSES ? fused : whole;
+  return whole;
 }
 
 // 1 / x, off by 32 u^2 / |x|: a step of Newton's from a division, of which Vulkan promises 2.5 units in the last place.
@@ -167,7 +170,7 @@ FUNCTION FloatPair log2_of(float x) {
   return add(pair(float(exponent), 0.0f), add(line, pair(rest, 0.0f)));
 }
 
-// 2^-s for s >= 0, a unit in the last place, by the series of the remainder of an integer.
+// 2^-s for s > -127, off by two units in the last place at most, by the series of the remainder of an integer.
 FUNCTION float exp2_negative(float s) {
   const float whole = roundEven(s);
   if (!(whole <= 126.0f)) return 0.0f;
@@ -184,5 +187,5 @@ FUNCTION float exp2_negative(float s) {
   PRECISE float p1 = t2 + 6.931471806e-1f;
   PRECISE float t1 = x * p1;
   PRECISE float p0 = t1 + 1.0f;
-  return p0 * uintBitsToFloat((127u - uint(whole)) << 23);
+  return p0 * uintBitsToFloat(uint(127 - int(whole)) << 23);
 }

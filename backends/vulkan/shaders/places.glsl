@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Sums over the workgroups before one, in two levels: a number of each workgroup, and the sums of runs of workgroups, which
-// a launch clears before. Sums of integers: the order of workgroups changes no bit.
+// Prefix sums of one number a workgroup: `numbers` holds each, `runs` the sum of each RUN of them, which a launch clears
+// before. Integers: the order of workgroups changes no bit.
 const uint RUN = 4u * THREADS;
 
 // Notes the number of workgroup `w`, by one thread.

@@ -84,8 +84,8 @@ bool box_touched(Shape s, vec2 first) {
   return nearest <= most;
 }
 
-// A pixel of a segment, whose colour and depth are in units of alpha_max. When it stops it loses its transmittance, so that later splats add nothing, and `limit` holds
-// what was left, negated.
+// A pixel of a segment. Colour and depth are in units of alpha_max. When it stops it loses its transmittance, so that
+// later splats add nothing, and `limit` holds what was left, negated.
 struct Pixel {
   float transmittance, limit, depth;
   vec3 colour;

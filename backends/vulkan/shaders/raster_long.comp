@@ -5,9 +5,8 @@
 #include "raster.glsl"
 
 // Blends a block that raster.comp hands over, by a workgroup in rounds: all threads find the splats that touch it, each
-// subgroup blends a segment of them, and segments are composited. A subgroup does not know how much its segment's pixels
-// see, so they stop late and never early. When all transmittances are known it blends its segment again if a pixel stops
-// in it.
+// subgroup blends a segment of them, and segments are composited. A segment starts with too low a limit, so its pixels
+// stop late. Once transmittances are known, blend again where a pixel stops.
 
 const uint SUBGROUPS = THREADS / SUBGROUP, PIXELS = SIDE * SIDE;
 
@@ -110,7 +109,8 @@ void store_segment(Pixel pixels[EACH]) {
   }
 }
 
-bool stops_in(float left, float stop_below, float before) { return left < 0.0 || left < limit_of(stop_below, before); }
+// Whether a pixel with transmittance `before` in front of a segment stops in it.
+bool stops_in(float left, float before) { return left < 0.0 || left < limit_of(stop_below, before); }
 
 void main() {
   if (gl_WorkGroupID.x + 1u >= gl_NumWorkGroups.x) return;
@@ -144,7 +144,7 @@ void main() {
     [[unroll]] for (uint p = 0u; p < EACH; ++p) some_live = some_live || composited[number_of_pixel(p)].w > 0.0;
     if (count == 0u || !subgroupAny(some_live)) break;
 
-    const uint from = gl_SubgroupID * SEGMENT, own = count - min(from, count) < SEGMENT ? count - min(from, count) : SEGMENT;
+    const uint from = gl_SubgroupID * SEGMENT, own = min(count - min(from, count), SEGMENT);
     [[unroll]] for (uint p = 0u; p < EACH; ++p) {
       const float before = composited[number_of_pixel(p)].w;
       pixels[p] = pixel_of(before > 0.0 ? limit_of(stop_below, before) : -1.0);
@@ -159,11 +159,11 @@ void main() {
       bool live = before > 0.0;
       for (uint s = 0u; s < gl_SubgroupID; ++s) {
         const float left = segments[s * PIXELS + number_of_pixel(p)].w;
-        live = live && !stops_in(left, stop_below, before);
+        live = live && !stops_in(left, before);
         before *= abs(left);
       }
       const float left = segments[gl_SubgroupID * PIXELS + number_of_pixel(p)].w;
-      again = again || (live && gl_SubgroupID != 0u && stops_in(left, stop_below, before));
+      again = again || (live && gl_SubgroupID != 0u && stops_in(left, before));
       pixels[p] = pixel_of(live ? limit_of(stop_below, before) : -1.0);
     }
     barrier();

@@ -81,7 +81,7 @@ void main() {
   const uint number = is_null(scene.labels) ? g : half_word(scene.labels, g);
   const uint degree = scene.sh_degree, numbers = 3u * (degree * degree + 2u * degree);
   const uint shift = scene.sh_format;  // a word holds 1, 2 or 4 numbers
-  // Behind the last row nothing may be read.
+  // The last row may lack its padding, so it is read word by word.
   const bool whole = ((scene.sh_rest.x | scene.sh_stride) & 15u) == 0u && number + 1u < scene.sh_rows;
   load_rest(element(scene.sh_rest, number, scene.sh_stride), (numbers + (1u << shift) - 1u) >> shift, whole,
             scene.sh_format, scene.sh_scale);

@@ -33,7 +33,7 @@ void main() {
   const uint size = min(n - part * PART, PART);
   for (uint d = thread(); d < SUBGROUPS * DIGITS; d += THREADS) places_of[d] = 0u;
 
-  // What is needed last is asked for first.
+  // Issue these loads first; they are used last.
   const uint DIGITS_EACH = DIGITS / THREADS;
   uint of_all_parts[DIGITS_EACH], of_earlier_parts[DIGITS_EACH];
   [[unroll]] for (uint k = 0u; k < DIGITS_EACH; ++k) {
