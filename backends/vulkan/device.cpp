@@ -135,14 +135,11 @@ class OwnDevice {
     vk_ = vulkan::functions_of(get_, instance_);
   }
   ~OwnDevice() {
-    const auto destroy = [](auto function, auto handle) {
-      if (handle && function) function(handle, nullptr);
-    };
     if (device_)
-      destroy(reinterpret_cast<PFN_vkDestroyDevice>(vk_.vkGetDeviceProcAddr(device_, "vkDestroyDevice")),
-              device_);
+      reinterpret_cast<PFN_vkDestroyDevice>(vk_.vkGetDeviceProcAddr(device_, "vkDestroyDevice"))(device_,
+                                                                                                 nullptr);
     if (instance_)
-      destroy(reinterpret_cast<PFN_vkDestroyInstance>(get_(instance_, "vkDestroyInstance")), instance_);
+      reinterpret_cast<PFN_vkDestroyInstance>(get_(instance_, "vkDestroyInstance"))(instance_, nullptr);
   }
   OwnDevice(const OwnDevice&) = delete;
   OwnDevice& operator=(const OwnDevice&) = delete;

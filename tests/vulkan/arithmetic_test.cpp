@@ -77,6 +77,16 @@ TEST_CASE("vulkan arithmetic: pairs of floats are as exact as their bounds say")
   glsl::FUSES = false;
 }
 
+TEST_CASE("vulkan arithmetic: powers of two are off by two units at most on both sides of 0") {
+  Random random(9);
+  for (int i = 0; i < 100000; ++i) {
+    const float s = random.f(-2, 126);
+    CAPTURE(s);
+    REQUIRE(ulps(glsl::exp2_negative(s), float(std::exp2(-double(s)))) <= 2);
+  }
+  REQUIRE(glsl::exp2_negative(127) == 0);
+}
+
 TEST_CASE("vulkan arithmetic: products are split into the bits of a product that is rounded once") {
   Random random(8);
   for (int i = 0; i < 100000; ++i) {

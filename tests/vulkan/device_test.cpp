@@ -49,10 +49,10 @@ VulkanHandles with_features(const EnabledFeatures& features) {
 }
 
 /// A device that lacks a function, whose submits and waits fail once it is lost, whose allocations fail as
-/// often as told, and that counts merges of pipelines.
+/// often as told, and that counts freed memory and merges of pipelines.
 std::string missing;
 std::atomic<bool> lost = false;
-std::atomic<int> failing_allocations = 0, merges = 0;
+std::atomic<int> failing_allocations = 0, frees = 0, merges = 0;
 using Function = void (*)();
 VkResult submit_or_fail(VkQueue queue, std::uint32_t count, const VkSubmitInfo* submits, VkFence fence) {
   if (lost) return VK_ERROR_DEVICE_LOST;
@@ -67,6 +67,10 @@ VkResult allocate_or_fail(VkDevice device, const VkMemoryAllocateInfo* info, con
   if (failing_allocations > 0) return --failing_allocations, VK_ERROR_OUT_OF_DEVICE_MEMORY;
   return VulkanDevice::own().state().vk.vkAllocateMemory(device, info, nullptr, memory);
 }
+void count_free(VkDevice device, VkDeviceMemory memory, const VkAllocationCallbacks*) {
+  ++frees;
+  VulkanDevice::own().state().vk.vkFreeMemory(device, memory, nullptr);
+}
 VkResult count_merge(VkDevice device, VkPipelineCache to, std::uint32_t count, const VkPipelineCache* from) {
   ++merges;
   return VulkanDevice::own().state().vk.vkMergePipelineCaches(device, to, count, from);
@@ -77,6 +81,7 @@ PFN_vkVoidFunction get_of_device(VkDevice device, const char* name) {
   if (wanted == "vkQueueSubmit") return reinterpret_cast<PFN_vkVoidFunction>(submit_or_fail);
   if (wanted == "vkWaitSemaphores") return reinterpret_cast<PFN_vkVoidFunction>(wait_or_fail);
   if (wanted == "vkAllocateMemory") return reinterpret_cast<PFN_vkVoidFunction>(allocate_or_fail);
+  if (wanted == "vkFreeMemory") return reinterpret_cast<PFN_vkVoidFunction>(count_free);
   if (wanted == "vkMergePipelineCaches") return reinterpret_cast<PFN_vkVoidFunction>(count_merge);
   return VulkanDevice::own().state().vk.vkGetDeviceProcAddr(device, name);
 }
@@ -89,6 +94,20 @@ VulkanHandles hooked() {
   VulkanHandles handles = VulkanDevice::own().handles();
   handles.get_instance_proc_addr = get_hooked;
   return handles;
+}
+
+/// Commands of the program, begun, on the device of `b`.
+VkCommandBuffer begin_commands(const Vulkan& b) {
+  const VulkanDevice::State& device = b.state().device.state();
+  VkCommandBufferAllocateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
+  info.commandPool = b.state().pool, info.commandBufferCount = 1;
+  VkCommandBuffer commands = VK_NULL_HANDLE;
+  REQUIRE(device.vk.vkAllocateCommandBuffers(device.device, &info, &commands) == VK_SUCCESS);
+  VkCommandBufferBeginInfo begin{};
+  begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
+  REQUIRE(device.vk.vkBeginCommandBuffer(commands, &begin) == VK_SUCCESS);
+  return commands;
 }
 
 }  // namespace
@@ -181,6 +200,101 @@ SWIFTGS_VULKAN_CASE("vulkan: memory that is not enough is asked for again once a
   CHECK_THROWS_AS(hook.allocate(hook.context, 64), CapacityError);
 }
 
+SWIFTGS_VULKAN_CASE(
+    "vulkan: constants lie in memory of the host where the device has no more and trim frees them") {
+  const VulkanDevice device(hooked());
+  VulkanDevice::State& state = device.state();
+  failing_allocations = 2;
+  vulkan::Block block = state.allocate_host_block(64, vulkan::HostMemory::of_device);
+  CHECK(failing_allocations == 0);
+  CHECK(block.host);
+  state.release(block);
+  failing_allocations = 2;
+  CHECK_THROWS_AS(state.allocate_host_block(64, vulkan::HostMemory::cached), CapacityError);
+
+  Vulkan b(device);
+  vulkan::Commands(b).constants(Span<const std::uint32_t>{&state.subgroup, 1});
+  b.wait();
+  frees = 0;
+  b.trim();
+  CHECK(frees == 1);
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: footprints of a frame that was not projected are those of no bounds") {
+  const VulkanDevice device(hooked());
+  Vulkan b(device);
+  const View view = view_without_camera(32, 32);
+  ProjectScratch<Vulkan> scratch;
+  Splats<Vulkan> splats;
+  Footprints<Vulkan> footprints;
+  footprints.found_within = Ellipse::name;
+  lost = true;
+  CHECK_THROWS_AS(vulkan::project(b, plan_without_scene({&view, 1}), vulkan::bounds_kind<Ellipse>, scratch,
+                                  splats, footprints),
+                  DeviceError);
+  lost = false;
+  CHECK(footprints.found_within.empty());
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: bytes behind those that are written stay") {
+  const Vulkan b;
+  VulkanBuffer<std::uint8_t> there;
+  there.reset(8);
+  const std::vector<std::uint8_t> ones(8, 1), twos(8, 2);
+  for (std::size_t bytes = 1; bytes < 8; ++bytes) {
+    CAPTURE(bytes);
+    b.write(ones.data(), there.data(), ones.size());
+    b.write(twos.data(), there.data(), bytes);
+    std::vector<std::uint8_t> expected = ones;
+    std::fill_n(expected.begin(), bytes, std::uint8_t(2));
+    CHECK(to_host(b, std::as_const(there).span()) == expected);
+  }
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: memory that is released while a recording is kept is freed behind it") {
+  const VulkanDevice device(hooked());
+  Vulkan b(device);
+  const MemoryHook& hook = device.memory_hook();
+  void* const first = hook.allocate(hook.context, 64);
+  void* const second = hook.allocate(hook.context, 64);
+  VulkanRecording kept = b.record(begin_commands(b), [] {});
+  frees = 0;
+  hook.release(hook.context, first, 64);
+  CHECK(frees == 0);
+  // A later recording uses the second alone.
+  kept = b.record(begin_commands(b), [] {});
+  hook.release(hook.context, second, 64);
+  CHECK(frees == 1);
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: later frames expect nothing of a recording that threw or was not submitted") {
+  const int width = 32, height = 32;
+  Renderer<Vulkan> renderer;
+  Vulkan& b = renderer.backend();
+  const VulkanScene scene = b.upload(random_scene(500, 0, 4));
+  VulkanBuffer<float> colours;
+  VulkanBuffer<FrameReport> report;
+  colours.reset(3 * width * height), report.reset(1);
+  FrameView frame{.width = width, .height = height};
+  frame.colour = {colours.data(), 12 * width};
+  const View view = make_view(forward_camera(width, height), {}, frame);
+  renderer.render_into(scene, {&view, 1});
+  renderer.reserve(scene, {&view, 1});
+  const auto check = [&] {
+    const Vulkan::State& state = b.state();
+    CHECK(state.launches_written);
+    CHECK_FALSE(state.long_blocks_empty);
+    CHECK(state.long_of == nullptr);
+    for (const Count& count : state.counted) CHECK(count.exact == nullptr);
+  };
+  const auto draw = [&] { renderer.record(scene.view(), report.data()); };
+  { const VulkanRecording dropped = b.record(begin_commands(b), draw); }
+  check();
+  CHECK_THROWS_AS(b.record(begin_commands(b), [&] { draw(), throw OrderError("vulkan: expected"); }),
+                  OrderError);
+  check();
+}
+
 SWIFTGS_VULKAN_CASE("vulkan: a backend submits to its queue once the program has unlocked it") {
   const VulkanDevice device(hooked());
   const Vulkan b(device);
@@ -230,14 +344,7 @@ SWIFTGS_VULKAN_CASE("vulkan: a frame within commands of the program has the bits
   b.write(nothing.data(), colours.data(), 4 * nothing.size());
   renderer.reserve(scene, {&view, 1});
 
-  VkCommandBufferAllocateInfo info{};
-  info.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO;
-  info.commandPool = b.state().pool, info.commandBufferCount = 1;
-  VkCommandBuffer commands = VK_NULL_HANDLE;
-  REQUIRE(device.vk.vkAllocateCommandBuffers(device.device, &info, &commands) == VK_SUCCESS);
-  VkCommandBufferBeginInfo begin{};
-  begin.sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO;
-  REQUIRE(device.vk.vkBeginCommandBuffer(commands, &begin) == VK_SUCCESS);
+  const VkCommandBuffer commands = begin_commands(b);
   const VulkanRecording recording = b.record(commands, [&] {
     renderer.record(scene.view(), report.data());
     CHECK_THROWS_WITH_AS(b.read(report.data(), &frame, 24), "vulkan: read within record, expected it before",
