@@ -32,7 +32,7 @@ TEST_CASE("cli pages: render draws the bits of the scene at 0 pixels and info co
   CHECK(contains(run(place, "render a.sgp --pixels 0" + views + "paged").out,
                  "with errors of 0 pixels at most"));
   CHECK(content_of(place / "paged/v.pfm") == content_of(place / "plain/v.pfm"));
-  CHECK(contains(run(place, "render a.sgp --pixels 20 --estimate" + views + "coarse").out,
+  CHECK(contains(run(place, "render a.sgp --pixels 20 --estimate 64" + views + "coarse").out,
                  "pages: frames are estimated to be "));
   CHECK(content_of(place / "coarse/v.pfm") != content_of(place / "plain/v.pfm"));
   run(place, "render a.sgp a.ply --place" + views + "both");
@@ -59,6 +59,9 @@ TEST_CASE("cli pages: refuses what cannot be built in one line") {
   run(place, "pages builtin:500 b.sgp");
   fails(place, "render b.sgp --renderer reference", {"expected another renderer for pages"});
   fails(place, "render b.sgp --pool 0", {"--pool: expected megabytes above 0"});
+  fails(place, "render b.sgp --estimate -1", {"--estimate: expected megabytes of 0 or more"});
+  fails(place, "render b.sgp --estimate 0.001", {"estimate: 1000 bytes, expected ", " for the roots"});
+  fails(place, "render b.sgp builtin:500 --place --estimate 64", {"--estimate: a scene without pages"});
   fails(place, "render b.sgp --model blur=0", {"--model blur=0: expected none for pages"});
   CHECK_FALSE(std::filesystem::exists(place / "a.sgp"));
 }

@@ -15,7 +15,9 @@ namespace swiftgs::cli {
 PagePoolOptions PageOptions::pool() const {
   if (!(megabytes > 0 && megabytes < 1e9))
     throw std::invalid_argument("--pool: expected megabytes above 0 and below 1e9");
-  return {.bytes = std::size_t(1e6 * megabytes), .estimate = std::size_t(estimate ? 512 << 20 : 0)};
+  if (!(estimate >= 0 && estimate < 1e9))
+    throw std::invalid_argument("--estimate: expected megabytes of 0 or more and below 1e9");
+  return {.bytes = std::size_t(1e6 * megabytes), .estimate = std::size_t(1e6 * estimate)};
 }
 
 void add_page_options(CLI::App& command, PageOptions& options, SceneOptions& scene) {
@@ -31,8 +33,11 @@ void add_page_options(CLI::App& command, PageOptions& options, SceneOptions& sce
       .add_option("--pool", options.megabytes,
                   "Of pages: most memory that they take where they are drawn, in MB")
       ->capture_default_str();
-  command.add_flag("--estimate", options.estimate,
-                   "Of pages: measure how far frames are from the scene, by a processor and 512 MB");
+  command
+      .add_option("--estimate", options.estimate,
+                  "Of pages alone: measure how far frames are from the scene, by a processor and so many MB, "
+                  "such as 512; 0: not at all")
+      ->capture_default_str();
   command.add_flag("--paged", scene.paged, "Draw all levels of a streamed SOG as pages");
 }
 
@@ -44,6 +49,8 @@ PageFrames::PageFrames(AnyRenderer& renderer, const DrawnScenes& drawn, Harmonic
     uploaded_.emplace_back();
     if (files_[i])
       pages.push_back({*files_[i]});
+    else if (pool.estimate != 0)
+      throw std::invalid_argument("--estimate: a scene without pages, expected page files alone");
     else
       uploaded_[i].emplace(renderer.upload(Scene(*drawn.gaussians[i]), kept));
   }

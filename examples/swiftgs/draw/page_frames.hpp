@@ -22,10 +22,11 @@ struct PageOptions {
   double pixels = 1;        ///< as `CutGoal::pixels`
   double blend = 0;         ///< as `CutGoal::blend`
   double megabytes = 2000;  ///< that pages take of the backend's memory
-  bool estimate = false;    ///< measure how far frames are from the scene
+  double estimate = 0;      ///< megabytes of the host that measure how far frames are from the scene
 
   CutGoal goal() const { return {.pixels = pixels, .blend = blend}; }
-  /// Throws `std::invalid_argument` unless `megabytes` are above 0 and below 1e9.
+  /// Throws `std::invalid_argument` unless `megabytes` are above 0, `estimate` is 0 or more, and both are
+  /// below 1e9.
   PagePoolOptions pool() const;
 };
 
@@ -36,7 +37,8 @@ void add_page_options(CLI::App& command, PageOptions& options, SceneOptions& sce
 /// The renderer must outlive it.
 class PageFrames {
  public:
-  /// Uploads the scenes without pages. Throws as `PagePool`.
+  /// Uploads the scenes without pages. Throws as `PagePool`, and `std::invalid_argument` for these beside
+  /// `PagePoolOptions::estimate`, which knows nothing of them.
   PageFrames(AnyRenderer& renderer, const DrawnScenes& drawn, HarmonicsKept kept,
              const PagePoolOptions& pool);
 

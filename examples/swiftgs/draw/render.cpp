@@ -258,9 +258,10 @@ void render(RenderOptions options) {
   if (pages)
     std::printf("pages: %.3g million splats in a frame at most, with errors of %.3g pixels at most\n",
                 1e-6 * double(most_splats), most_pixels);
-  if (pages && options.pages.estimate && std::isnan(least_db))
+  const bool estimates = pages && options.pages.estimate != 0;
+  if (estimates && std::isnan(least_db))
     std::printf("pages: no estimate, as of panoramas and where pages of a few pixels exceed its memory\n");
-  else if (pages && options.pages.estimate)
+  else if (estimates)
     std::printf("pages: frames are estimated to be %.1f dB from the scene at least\n", least_db);
   if (json.is_wanted()) json.write(to_json(head, results));
   json.finish();

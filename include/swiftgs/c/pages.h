@@ -48,17 +48,19 @@ typedef struct swiftgs_pool_options {
   uint64_t bytes;             ///< of all pages in the backend's memory; 0: 2,000,000,000
   uint64_t upload_per_frame;  ///< 0: 16 MiB @units{bytes}
   uint64_t waiting;           ///< of pages that were read and not uploaded; 0: 64 MiB @units{bytes}
-  uint64_t estimate;  ///< of the host, in which a thread measures `swiftgs_cut.estimated_db`; 0: none does
-                      ///< @units{bytes}
+  uint64_t estimate;  ///< of the host, in which a thread measures `swiftgs_cut.estimated_db` by pages that it
+                      ///< reads for itself; 0: none does @units{bytes}
 } swiftgs_pool_options;
 
 /// Makes a pool of `count` files, each placed where it stands, and uploads their coarsest pages. `options`
-/// may be NULL. Errors: `SWIFTGS_INVALID_ARGUMENT` for no files, and where memory does not hold their
-/// coarsest pages.
+/// may be NULL. Errors: `SWIFTGS_INVALID_ARGUMENT` for no files, and where `bytes` or `estimate` does not
+/// hold their coarsest pages.
 SWIFTGS_C_API swiftgs_status swiftgs_pool_create(swiftgs_renderer* renderer,
                                                  const swiftgs_pages* const* pages, size_t count,
                                                  const swiftgs_pool_options* options, swiftgs_pool** pool);
-/// The renderer keeps the pages that its frames and recorded frames show until they show others.
+/// The renderer keeps the pages that its frames and recorded frames show until they show others. Waits for
+/// the pages that are being read, and with `estimate` for the part of a view that is being drawn; calls for
+/// the renderer in other threads wait as long.
 SWIFTGS_C_API void swiftgs_pool_free(swiftgs_pool* pool);
 
 /// Places files of the pool by their indices, any number of times, as wholes: `first` and `count` are 0.
@@ -88,7 +90,8 @@ typedef struct swiftgs_cut {
   const char* failure;  ///< why a page could not be read, until the next cut; NULL: none failed
   uint64_t scenes;  ///< placed scenes of a frame that shows it, as `swiftgs_renderer_visible_by_scene` counts
   double estimated_db;  ///< PSNR beside the scene of the last complete cut that was measured, after
-                        ///< `swiftgs_pool_wait` of this one; NaN: none yet
+                        ///< `swiftgs_pool_wait` of this one: of its pages alone in front of the background,
+                        ///< without other scenes and images below; NaN: none yet, or not to be measured
 } swiftgs_cut;
 
 /// Chooses the pages for all views of `frame`, and has the renderer show them in place of its own scenes,
@@ -100,6 +103,8 @@ SWIFTGS_C_API swiftgs_status swiftgs_pool_cut(swiftgs_pool* pool, const swiftgs_
                                               const swiftgs_frame* ahead, const swiftgs_cut_goal* goal,
                                               swiftgs_cut* cut);
 /// Makes the last cut complete but for pages that fail, and has the renderer show it, or nothing if it fails.
+/// Waits for files, and with `estimate` for its measurement; calls for the renderer in other threads wait as
+/// long.
 /// Errors: `SWIFTGS_LOGIC_ERROR` before the first cut.
 SWIFTGS_C_API swiftgs_status swiftgs_pool_wait(swiftgs_pool* pool, swiftgs_cut* cut);
 

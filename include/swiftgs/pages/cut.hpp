@@ -31,8 +31,8 @@ struct CutGoal {
   /// Largest error of a page that is drawn; 0 draws leaves alone. @units{pixels}
   double pixels = 1;
   /// Lets a page fade into its children while its error rises from `pixels` to (1 + `blend`) times `pixels`,
-  /// so that levels do not change at once as a camera moves. Pages of such errors are drawn then. 0 or more;
-  /// 0: pages change at once.
+  /// so that levels do not change at once as a camera moves. Pages that err by up to as much then still show.
+  /// 0 or more; 0: pages change at once.
   double blend = 0;
   /// Most Gaussians and nodes of a complete cut. The largest errors are mended first. Roots show in any case.
   std::uint64_t splats = std::numeric_limits<std::uint64_t>::max();
@@ -66,9 +66,11 @@ class Cut {
   std::size_t missing() const { return missing_; }  ///< pages that are not in memory yet
   std::size_t late() const { return late_; }        ///< of these, pages that the cut before lacked too
   double pixels() const { return pixels_; }         ///< error that the budgets allow when nothing is missing
-  /// PSNR beside the scene of the last complete cut that the pool measured: of colours before conversion, at
-  /// 50,000 pixels of a view or more, evenly. In a walk it lags by seconds. NaN before the first, of
-  /// panoramas, and without `PagePoolOptions::estimate` or where that is too small. @units{dB}
+  /// PSNR beside the scene of the last complete cut that the pool measured: of its pages alone in front of
+  /// the views' `background`, without other scenes and images below, of colours before conversion, at 50,000
+  /// pixels of a view or more, evenly. In a walk it lags by seconds. NaN before the first, of panoramas,
+  /// where a page could not be read, and without `PagePoolOptions::estimate` or where that is too small.
+  /// @units{dB}
   double estimated_db() const { return estimated_db_; }
   const std::vector<PageFailure>& failed() const { return failed_; }
   /// Whether nothing is missing but pages that fail, and those below them.

@@ -52,7 +52,9 @@ class Cut(NamedTuple):
     bytes: int  #: that pages take
     failure: Optional[str]  #: why a page could not be read
     scenes: int  #: placed scenes of a frame that shows it, as `Renderer.visible_by_scene` counts
-    estimated_db: float  #: PSNR beside the scene of the last complete cut that was measured; NaN: none yet
+    #: PSNR beside the scene of the last complete cut that was measured: of its pages alone in front of the
+    #: background; NaN: none yet
+    estimated_db: float
 
 
 def _cut_of(told: _c.Cut) -> Cut:
@@ -84,8 +86,8 @@ class PagePool:
                  bytes: int = 0,  # pylint: disable=redefined-builtin
                  upload_per_frame: int = 0, waiting: int = 0, estimate: int = 0) -> None:
         """`bytes` bounds all pages in memory, 0 for 2 GB; `upload_per_frame` what a cut uploads, 0 for 16 MiB; and
-        `waiting` pages that were read and not uploaded, 0 for 64 MiB. A thread measures `Cut.estimated_db` in
-        `estimate` bytes of the host, 0 for not at all. Each file is placed where it stands."""
+        `waiting` pages that were read and not uploaded, 0 for 64 MiB. A thread measures `Cut.estimated_db` by
+        pages that it reads into `estimate` bytes of the host, 0 for not at all. Each file is placed where it stands."""
         self._renderer = _checks.of_type(renderer, Renderer, "renderer")
         files = [pages] if isinstance(pages, Pages) else _checks.listed(pages, "pages")
         handles = [_checks.of_type(each, Pages, "pages", "; swiftgs.open_pages opens one")._handle for each in files]
