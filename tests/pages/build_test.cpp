@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <doctest/doctest.h>
+#include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -194,7 +195,19 @@ TEST_CASE("pages: a build that is cancelled or refused leaves nothing behind") {
   CHECK(files_in(folder.path()).empty());
 }
 
-TEST_CASE("pages: a build that is killed anywhere leaves the old file and the same build starts again") {
+TEST_CASE("pages: files of a build lie beside what a link leads to") {
+  const TemporaryFolder folder;
+  const int file = ::open((folder / "a.sgp").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600);
+  REQUIRE(file >= 0);
+  // A link in a folder that takes no files.
+  build_pages(ordered_scene(1000), "/proc/self/fd/" + std::to_string(file), small_pages());
+  ::close(file);
+  CHECK(open_pages(folder / "a.sgp").gaussians() == 1000);
+  CHECK(files_in(folder.path()) == std::set<std::string>{"a.sgp"});
+}
+
+TEST_CASE(
+    "pages: a build that is killed where it tells progress leaves the old file alone and starts again") {
   const TemporaryFolder folder;
   const Scene scene = make_builtin_scene(6000);
   PageBuildOptions options = small_pages();

@@ -7,13 +7,14 @@
 #include <system_error>
 #include <utility>
 
+#include <fcntl.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <unistd.h>
 
 #include <swiftgs/error.hpp>
 
 #include "nodes.hpp"
+#include "output_file.hpp"
 
 namespace swiftgs::pages {
 namespace {
@@ -27,10 +28,14 @@ constexpr std::size_t block_records = 4096;
 }  // namespace
 
 Records::Records(std::filesystem::path path) : path_(std::move(path)), file_(nullptr, &std::fclose) {
-  std::string name = path_.string() + ".XXXXXX";
-  const int descriptor = ::mkstemp(name.data());
+  const io::UnfinishedFile place(path_);  // a name beside what links lead to, which it removes
+  int descriptor = -1;
+#if defined(O_TMPFILE)
+  const std::filesystem::path folder = place.path().has_parent_path() ? place.path().parent_path() : ".";
+  descriptor = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+#endif
+  if (descriptor < 0) descriptor = ::open(place.path().c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (descriptor < 0) fail(path_);
-  ::unlink(name.c_str());
   file_.reset(::fdopen(descriptor, "w+b"));
   if (!file_) ::close(descriptor), fail(path_);
 }

@@ -14,11 +14,11 @@
 
 namespace swiftgs::pages {
 
-/// Gaussians in a temporary file without a name, each a row of floats and its number in the source. A program
-/// that is killed leaves nothing of it. Throws `FileError`.
+/// Gaussians in a temporary file without a name, each a row of floats and its number in the source. Nothing
+/// of it stays behind a program that is killed. Throws `FileError`.
 class Records {
  public:
-  /// The file takes its room beside `path`.
+  /// The file takes its room beside `path`, or beside what it leads to as a link.
   explicit Records(std::filesystem::path path);
 
   std::size_t size() const { return size_; }

@@ -79,7 +79,8 @@ constexpr const char* pages_help =
 stand for them. Pages are ranges of the scene, so its neighbours in the file should be neighbours in
 space. --order makes them so; the order of Gaussians at equal depths then is another.
 
-Beside OUT it takes 240 bytes a Gaussian, twice that with --order. A build that is killed leaves nothing.
+Beside OUT it takes 240 bytes a Gaussian, twice that with --order. A build that is killed leaves nothing, or
+OUT.NUMBER.new on file systems without O_TMPFILE.
 
 Examples:
   swiftgs pages garden.spz garden.sgp --order

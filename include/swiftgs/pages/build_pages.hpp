@@ -37,8 +37,9 @@ struct BuiltPages {
 
 /// Writes the page file `out` of all Gaussians of `sources`, one behind the other, with the origin of the
 /// first. Each is what `read_scene` takes, or what `is_page_file` tells. Beside `out` it takes 240 bytes a
-/// Gaussian, twice that with `order`, in files without a name: a build that is killed leaves nothing.
-/// The new file takes the place of an old one when it is whole.
+/// Gaussian, twice that with `order`, in files without a name. The new file takes the place of an old one
+/// when it is whole. A build that is killed leaves nothing on file systems whose files may lack a name
+/// (`O_TMPFILE`), else a file `out`.NUMBER.new.
 ///
 /// Throws `InvalidArgument` for an option that is not valid, sources without Gaussians, with features or of
 /// several rendering models, `CapacityError` beyond 2^32 - 1
