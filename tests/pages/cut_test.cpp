@@ -45,6 +45,30 @@ TEST_CASE_TEMPLATE("pages: a complete cut of goal 0 has the bits of the scene", 
                 [&](auto bounds) { check_goal_0<B, EarlySort, Raster, decltype(bounds)>(scene, pages); });
 }
 
+TEST_CASE("pages: goal 0 has the bits of the scene through any lens and of two placed scenes") {
+  const TemporaryFolder folder;
+  const Scene scene = ordered_scene(6000);
+  const PagedScene pages = pages_of(folder, scene);
+  Renderer<Cpu> renderer;
+  const auto whole = renderer.backend().upload(scene);
+  const Similarity moved{.translation = dvec3(3, 0, 2)};
+  PagePool<Cpu> pool(renderer.backend(), std::vector<PlacedPages>{{pages}, {pages, moved, 0.5f}});
+  for (const LensModel lens : {LensModel::perspective, LensModel::fisheye, LensModel::orthographic}) {
+    Camera camera = builtin_camera(width, height);
+    camera.lens.model = lens;
+    if (lens == LensModel::orthographic) camera.fx = camera.fy = 20;  // pixels per unit
+    const std::vector<View> views{view_of(camera)};
+    Cut cut = pool.cut(all_of(views), {.pixels = 0});
+    pool.wait(cut);
+    INFO(std::string(name_of(lens)));
+    CHECK(cut.missing() == 0);
+    const std::vector<PlacedScene> placed{{whole.view()}, {whole.view(), moved, 0.5f}};
+    const std::vector<float> expected = renderer.render(placed, camera).colour;
+    CHECK(renderer.render(cut.scenes(), camera).colour == expected);
+    CHECK(psnr(expected, renderer.render(whole, camera).colour) < 60);  // the second one shows
+  }
+}
+
 TEST_CASE("pages: goal 0 draws leaves where all Gaussians lie in one place") {
   const TemporaryFolder folder;
   Scene scene = make_builtin_scene(2000);
