@@ -77,12 +77,12 @@ TEST_CASE("vulkan arithmetic: pairs of floats are as exact as their bounds say")
   glsl::FUSES = false;
 }
 
-TEST_CASE("vulkan arithmetic: powers of two are off by two units at most on both sides of 0") {
+TEST_CASE("vulkan arithmetic: powers of two are off by three units at most on both sides of 0") {
   Random random(9);
   for (int i = 0; i < 100000; ++i) {
     const float s = random.f(-2, 126);
     CAPTURE(s);
-    REQUIRE(ulps(glsl::exp2_negative(s), float(std::exp2(-double(s)))) <= 2);
+    REQUIRE(ulps(glsl::exp2_negative(s), float(std::exp2(-double(s)))) <= 3);
   }
   REQUIRE(glsl::exp2_negative(127) == 0);
 }

@@ -170,7 +170,7 @@ FUNCTION FloatPair log2_of(float x) {
   return add(pair(float(exponent), 0.0f), add(line, pair(rest, 0.0f)));
 }
 
-// 2^-s for s > -127, off by two units in the last place at most, by the series of the remainder of an integer.
+// 2^-s for s > -127, off by three units in the last place at most, by the series of the remainder of an integer.
 FUNCTION float exp2_negative(float s) {
   const float whole = roundEven(s);
   if (!(whole <= 126.0f)) return 0.0f;
