@@ -24,7 +24,7 @@ namespace {
 constexpr double sample_count = 50'000;
 /// The reference stands for the scene: its pages err by so much less than those of the cut, and by one pixel
 /// at most. What is left of the error moves the result by a few tenths.
-constexpr double finer = 16, most_of_reference = 1;
+constexpr double finer_by = 16, most_of_reference = 1;
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// A rectangle of an image.
@@ -224,7 +224,7 @@ struct CutMeter::State {
     for (const View& view : request.views)
       if (view.panorama_part != 0) return unknown;
     Comparison comparison(pool, renderer, {request.views.data(), request.views.size()}, request.goal,
-                          {.pixels = std::min(*request.error / finer, most_of_reference)},
+                          {.pixels = std::min(*request.error / finer_by, most_of_reference)},
                           [this] { return stops(); });
     const bool whole = comparison.compare();
     page_failed = comparison.page_failed();
