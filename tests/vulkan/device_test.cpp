@@ -267,19 +267,32 @@ SWIFTGS_VULKAN_CASE("vulkan: memory that is released while a recording is kept i
   CHECK(frees == 1);
 }
 
-SWIFTGS_VULKAN_CASE("vulkan: later frames expect nothing of a recording that threw or was not submitted") {
-  const int width = 32, height = 32;
-  Renderer<Vulkan> renderer;
+/// A frame of colours that was drawn once, for which memory is reserved.
+struct Recordable {
+  Renderer<Vulkan> renderer{};
   Vulkan& b = renderer.backend();
-  const VulkanScene scene = b.upload(random_scene(500, 0, 4));
-  VulkanBuffer<float> colours;
-  VulkanBuffer<FrameReport> report;
-  colours.reset(3 * width * height), report.reset(1);
-  FrameView frame{.width = width, .height = height};
-  frame.colour = {colours.data(), 12 * width};
-  const View view = make_view(forward_camera(width, height), {}, frame);
-  renderer.render_into(scene, {&view, 1});
-  renderer.reserve(scene, {&view, 1});
+  VulkanScene scene;
+  VulkanBuffer<float> colours{};
+  VulkanBuffer<FrameReport> report{};
+  std::vector<float> drawn{};
+
+  Recordable(const Scene& of, int width, int height) : scene(b.upload(of)) {
+    colours.reset(3 * width * height), report.reset(1);
+    FrameView frame{.width = width, .height = height};
+    frame.colour = {colours.data(), 12 * width};
+    const View view = make_view(forward_camera(width, height), {}, frame);
+    renderer.render_into(scene, {&view, 1});
+    drawn = shown();
+    renderer.reserve(scene, {&view, 1});
+  }
+
+  std::vector<float> shown() { return to_host(b, std::as_const(colours).span()); }
+  void record() { renderer.record(scene.view(), report.data()); }
+};
+
+SWIFTGS_VULKAN_CASE("vulkan: later frames expect nothing of a recording that threw or was not submitted") {
+  Recordable frame(random_scene(500, 0, 4), 32, 32);
+  Vulkan& b = frame.b;
   const auto check = [&] {
     const Vulkan::State& state = b.state();
     CHECK(state.launches_written);
@@ -287,10 +300,11 @@ SWIFTGS_VULKAN_CASE("vulkan: later frames expect nothing of a recording that thr
     CHECK(state.long_of == nullptr);
     for (const Count& count : state.counted) CHECK(count.exact == nullptr);
   };
-  const auto draw = [&] { renderer.record(scene.view(), report.data()); };
-  { const VulkanRecording dropped = b.record(begin_commands(b), draw); }
+  {
+    const VulkanRecording dropped = b.record(begin_commands(b), [&] { frame.record(); });
+  }
   check();
-  CHECK_THROWS_AS(b.record(begin_commands(b), [&] { draw(), throw OrderError("vulkan: expected"); }),
+  CHECK_THROWS_AS(b.record(begin_commands(b), [&] { frame.record(), throw OrderError("vulkan: expected"); }),
                   OrderError);
   check();
 }
@@ -327,36 +341,27 @@ SWIFTGS_VULKAN_CASE("vulkan: pipelines are kept for a later run and damaged byte
 }
 
 SWIFTGS_VULKAN_CASE("vulkan: a frame within commands of the program has the bits of one that is submitted") {
-  const int width = 90, height = 50;
-  Renderer<Vulkan> renderer;
-  Vulkan& b = renderer.backend();
+  Recordable frame(random_scene(1000, 1, 4), 90, 50);
+  Vulkan& b = frame.b;
   VulkanDevice::State& device = b.state().device.state();
-  const VulkanScene scene = b.upload(random_scene(1000, 1, 4));
-  VulkanBuffer<float> colours;
-  VulkanBuffer<FrameReport> report;
-  colours.reset(3 * width * height), report.reset(1);
-  FrameView frame{.width = width, .height = height};
-  frame.colour = {colours.data(), 12 * width};
-  const View view = make_view(forward_camera(width, height), {}, frame);
-  renderer.render_into(scene, {&view, 1});
-  const std::vector<float> expected = to_host(b, std::as_const(colours).span());
-  const std::vector<float> nothing(expected.size());
-  b.write(nothing.data(), colours.data(), 4 * nothing.size());
-  renderer.reserve(scene, {&view, 1});
+  const std::vector<float> nothing(frame.drawn.size());
+  const auto clear = [&] { b.write(nothing.data(), frame.colours.data(), 4 * nothing.size()); };
+  clear();
 
   const VkCommandBuffer commands = begin_commands(b);
   const VulkanRecording recording = b.record(commands, [&] {
-    renderer.record(scene.view(), report.data());
-    CHECK_THROWS_WITH_AS(b.read(report.data(), &frame, 24), "vulkan: read within record, expected it before",
-                         OrderError);
+    frame.record();
+    FrameReport report;
+    CHECK_THROWS_WITH_AS(b.read(frame.report.data(), &report, 24),
+                         "vulkan: read within record, expected it before", OrderError);
   });
   REQUIRE(device.vk.vkEndCommandBuffer(commands) == VK_SUCCESS);
-  CHECK(same_bits(to_host(b, std::as_const(colours).span()), nothing));
+  CHECK(same_bits(frame.shown(), nothing));
   for (int again = 0; again < 2; ++again) {
     device.wait(device.submit(commands));
-    CHECK(same_bits(to_host(b, std::as_const(colours).span()), expected));
-    CHECK(to_host(b, std::as_const(report).span())[0].visible == renderer.statistics().visible);
-    b.write(nothing.data(), colours.data(), 4 * nothing.size());
+    CHECK(same_bits(frame.shown(), frame.drawn));
+    CHECK(to_host(b, std::as_const(frame.report).span())[0].visible == frame.renderer.statistics().visible);
+    clear();
   }
 }
 
