@@ -127,6 +127,7 @@ TEST_CASE("mpi team: an error of a file is told as by one process") {
   CHECK(one.code == 1);
   CHECK(shared.code == 1);
   CHECK(one.err.starts_with("swiftgs: "));
+  CAPTURE(shared.err);
   CHECK(contains(shared.err, "swiftgs: rank 0 of 2: " + one.err.substr(9)));
 }
 
