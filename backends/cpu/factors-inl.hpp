@@ -150,7 +150,7 @@ struct Factor {
   }
 };
 
-/// Consecutive Gaussians of a scene, `lanes` of which may be read.
+/// Consecutive Gaussians of a scene. `lanes` elements of each array may be read.
 struct Group {
   const vec3* means;
   const vec3* scales;

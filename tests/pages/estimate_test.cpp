@@ -21,7 +21,7 @@
 namespace swiftgs::test::estimates {
 namespace {
 
-/// Of a size of which an estimate leaves out three pixels in four.
+/// An image so large that an estimate draws one pixel in four.
 constexpr int columns = 512, rows = 400;
 
 View view_of(const Camera& camera, const Conventions& conventions) {

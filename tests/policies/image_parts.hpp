@@ -42,8 +42,8 @@ inline std::vector<int> every(int size, int step) {
   return begins;
 }
 
-/// Checks that the parts of an image make up the image, byte by byte: in one frame and in frames of their
-/// own, with what they count or without it.
+/// Checks that the parts of an image have its bytes, drawn in one frame and in a frame each, counting and
+/// not counting.
 template <class B>
 void check_parts(BoundRenderer<B>& renderer, const SceneView& scene, const AskedView& asked,
                  const std::vector<Part>& parts, bool count = true) {

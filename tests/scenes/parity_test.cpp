@@ -12,8 +12,8 @@ using swiftgs::test::Judge;
 
 namespace {
 
-/// What must hold between renderers and the reference. The exact ones stay above 95 dB here: what is left are
-/// the pixels where float and double decide a threshold differently.
+/// Compares renderers with the reference. Exact ones stay above 95 dB: the rest is pixels where float and
+/// double decide a threshold differently.
 void check_gsplat(const std::string& name, std::size_t view) {
   const std::filesystem::path folder = test::capture_or_skip(name);
   if (folder.empty()) return;

@@ -18,7 +18,7 @@ namespace swiftgs::pages {
 /// of it stays behind a program that is killed. Throws `FileError`.
 class Records {
  public:
-  /// The file takes its room beside `path`, or beside what it leads to as a link.
+  /// Makes its file in the folder of `path`; if `path` is a link, in the folder of the link's target.
   explicit Records(std::filesystem::path path);
 
   std::size_t size() const { return size_; }

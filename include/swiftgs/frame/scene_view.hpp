@@ -34,9 +34,9 @@ struct ChunkRange {
   std::size_t size() const { return end - begin; }
 };
 
-/// Constant arrays of one scene wherever a backend keeps them; what a frame is rendered from. A Gaussian with
-/// a number that is NaN or infinite is not drawn. A rotation of zeros turns nothing, as the identity does.
-/// `sh_degree` may be lower than what is stored: bands above it are never loaded.
+/// Constant arrays of one scene, in memory that the backend reads; a frame is rendered from them. A Gaussian
+/// with a number that is NaN or infinite is not drawn. A rotation of zeros turns nothing, as the identity
+/// does. Bands above `sh_degree` are never loaded, also where they are stored.
 struct SceneView {
   StridedSpan<const vec3> means{};
   StridedSpan<const vec3> scales{};
@@ -55,10 +55,9 @@ struct SceneView {
   bool plain_colours = false;  ///< `sh0` holds colours, drawn as `sh0_of` makes coefficients of them
   RenderingModel model{};      ///< what frames follow where their conventions leave it to the scene
 
-  /// Renderers reuse what they learnt from frames of the same identity: which sort and which tiles are
-  /// quicker, nothing that changes a bit. Every upload has its own, shared by its copies, and an update keeps
-  /// it. 0 for your own arrays: nothing is learnt, unless you set a `new_scene_identity()` for each scene
-  /// that they hold.
+  /// Frames of the same identity share what a renderer learnt: which sort and which tiles are quicker. This
+  /// changes no bit. Every upload has its own, shared by its copies, and an update keeps it. 0 for your own
+  /// arrays: nothing is learnt, unless you set a `new_scene_identity()` for each scene that they hold.
   std::uint64_t identity = 0;
 
   SWIFTGS_HD std::size_t size() const { return means.size; }
