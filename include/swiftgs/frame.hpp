@@ -122,6 +122,7 @@ struct Plane {
     if (!data) return *this;
     return {reinterpret_cast<T*>(reinterpret_cast<Byte*>(data) + bytes + rows * pitch), pitch};
   }
+  bool operator==(const Plane&) const = default;
 };
 
 /// Planes that a frame gets: colour, and others by choice.
@@ -252,6 +253,7 @@ struct StoredDepth {
     const double below = r * value + s;
     return below > 0 ? float((p * value + q) / below) : INFINITY;
   }
+  bool operator==(const StoredDepth&) const = default;
 };
 
 /// Destination of a frame: the caller's memory, reachable by the backend. Each plane has a pitch of its own,
@@ -311,6 +313,7 @@ struct FrameView {
   SWIFTGS_HD float occluder_at(std::size_t x, std::size_t y) const {
     return stored_depth.depth(occluder.row(y)[x]);
   }
+  bool operator==(const FrameView&) const = default;
 };
 
 /// Gives `frame` the size and the arrays of `outputs`, and returns a view of them. Reuses the memory of

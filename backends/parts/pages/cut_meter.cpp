@@ -4,11 +4,11 @@
 #include <condition_variable>
 #include <exception>
 #include <functional>
+#include <iterator>
 #include <limits>
 #include <mutex>
 #include <optional>
 #include <thread>
-#include <tuple>
 #include <utility>
 
 #include <swiftgs/frame.hpp>
@@ -39,9 +39,7 @@ class Samples {
   explicit Samples(const View& view)
       : view_(view),
         stride_(std::max(1, int(std::sqrt(double(view.frame.pixels()) / sample_count)))),
-        all_{0, 0, std::max(1, view.frame.width / stride_), std::max(1, view.frame.height / stride_)} {
-    view_.shows = {}, view_.request = {}, view_.frame = {};
-  }
+        all_{0, 0, std::max(1, view.frame.width / stride_), std::max(1, view.frame.height / stride_)} {}
 
   Part all() const { return all_; }
 
@@ -161,40 +159,27 @@ class Comparison {
   bool page_failed_ = false;
 };
 
-/// Whether all is equal that `make_view` fills, but memory and what follows from the rest.
-bool same(const View& a, const View& b) {
-  const auto values = [](const View& view) {
-    const ViewConstants& c = view.camera;
-    const LensLimits& l = c.limits;
-    const BlendRules& r = view.rules;
-    return std::tuple_cat(
-        std::tie(c.blur, c.antialiased, c.blur_of_scene, c.antialiased_of_scene, c.fx, c.fy, c.cx, c.cy,
-                 c.width, c.height, c.left, c.top, c.right, c.bottom, c.near_plane, c.far_plane,
-                 c.min_compensation, c.alpha_min, c.through_lens, c.depth_is_distance, c.order_is_distance,
-                 c.depth_along_ray, c.turn, c.panorama_middle, c.lens),
-        std::tie(l.fold_squared, l.least_u, l.most_u, l.least_v, l.most_v, l.most_cosecant, r.alpha_min,
-                 r.alpha_max, r.stop_below, r.first_below),
-        std::tie(view.background, view.grid.columns, view.grid.rows, view.grid.side, view.frame.width,
-                 view.frame.height, view.order_of_scenes, view.colours_of_scenes, view.colours,
-                 view.panorama_part));
-  };
-  return values(a) == values(b) &&
-         std::equal(std::begin(a.camera.centre), std::end(a.camera.centre), b.camera.centre) &&
-         std::equal(&a.camera.rotation[0][0], &a.camera.rotation[0][0] + 9, &b.camera.rotation[0][0]);
+/// A view without its memory and the numbers of its tiles, neither of which changes what it shows.
+View without_memory(View view) {
+  view.shows = {}, view.request = {};
+  view.frame = {.width = view.frame.width, .height = view.frame.height};
+  view.grid.first = view.grid.stride = 0;
+  return view;
 }
 
 }  // namespace
 
 /// What to measure.
 struct MeterRequest {
-  std::vector<View> views;
+  std::vector<View> views;  ///< as of `without_memory`
   CutGoal goal;
   std::optional<double> error;
   std::vector<PlacedPages> placed;  ///< places the scenes anew; empty: they stay where they are
 
   bool is_like(Span<const View> others, const CutGoal& other) const {
     return goal.pixels == other.pixels && goal.blend == other.blend &&
-           std::equal(views.begin(), views.end(), others.begin(), others.end(), same);
+           std::equal(views.begin(), views.end(), others.begin(), others.end(),
+                      [](const View& a, const View& b) { return a == without_memory(b); });
   }
 };
 
@@ -275,7 +260,8 @@ void CutMeter::request(Span<const View> views, const CutGoal& goal, std::optiona
     const std::lock_guard lock(state_->mutex);
     MeterRequest& last = state_->last;
     if (views.empty() || last.is_like(views, goal)) return;
-    last.views.assign(views.begin(), views.end()), last.goal = goal, last.error = error;
+    last.views.clear(), last.goal = goal, last.error = error;
+    std::transform(views.begin(), views.end(), std::back_inserter(last.views), without_memory);
     state_->is_asked = true;
   }
   state_->changed.notify_all();

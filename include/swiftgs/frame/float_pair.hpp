@@ -27,6 +27,7 @@ struct FloatPair {
   }
   SWIFTGS_HD explicit operator float() const { return high; }
   SWIFTGS_HD explicit operator double() const { return double(high) + double(low); }
+  bool operator==(const FloatPair&) const = default;
 };
 
 namespace detail {

@@ -72,6 +72,8 @@ struct LensLimits {
   double least_u = -INFINITY, most_u = INFINITY, least_v = -INFINITY, most_v = INFINITY;
   /// Near the poles of an equirectangular lens, its derivatives take 1 / sin(angle to the pole) as this.
   double most_cosecant = INFINITY;
+
+  bool operator==(const LensLimits&) const = default;
 };
 
 inline std::string_view name_of(LensModel model) { return traits_of(model).name; }

@@ -29,6 +29,8 @@ inline constexpr bool places_in_pairs = std::is_same_v<PlacingReal, FloatPair>;
 struct PairConstants {
   float axes_low[3][3], focal_x_low, focal_y_low;
   FloatPair centre[3], depth_scale, cx, cy;
+
+  bool operator==(const PairConstants&) const = default;
 };
 
 /// Constants of a camera and its conventions for projection, computed once a frame; or of the eye of a placed
@@ -60,6 +62,8 @@ struct ViewConstants {
   double panorama_middle;  ///< column whose nearest copy of a splat a panorama shows
   Lens lens;
   LensLimits limits;
+
+  bool operator==(const ViewConstants&) const = default;
 
   static constexpr unsigned pair_count = 17;
   /// Sets one of `pairs`: the rotation, the centre, focal lengths, scale, principal point.

@@ -28,11 +28,15 @@ struct BlendRules {
   float log2_alpha_min = 0;
   float log2_relative_min = 0;  ///< log2(alpha_min / alpha_max)
   float first_below = 0;        ///< the first splat that shows takes the transmittance below this
+
+  bool operator==(const BlendRules&) const = default;
 };
 
 /// The placed scenes that a view shows: by default all of its frame.
 struct ShownScenes {
   std::uint32_t first = 0, count = 0xffffffff;
+
+  bool operator==(const ShownScenes&) const = default;
 };
 
 /// One image of a frame, or a rectangle of one: from where, by which rules, and where to.
@@ -48,6 +52,8 @@ struct View {
   Request request{};  ///< `asked`, in a planned frame
   ColourSpace colours = ColourSpace::srgb;
   int panorama_part = 0;  ///< as of its camera: a frame draws a view that spans several parts as several
+
+  bool operator==(const View&) const = default;
 
   /// What `frame` has memory for; where it has none yet, `request`.
   Request asked() const {
