@@ -10,16 +10,25 @@
 
 #include <doctest/doctest.h>
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <swiftgs/error.hpp>
 #include <swiftgs/io/scene_file.hpp>
+#include <swiftgs/tools/split_mix.hpp>
 
 #include "pages/scenes.hpp"
 
 namespace swiftgs::test::build_of_pages {
 namespace {
+
+/// Pages in spatial order, by so little memory that files of records are split.
+PageBuildOptions with_order() {
+  PageBuildOptions options = small_pages();
+  options.order = true, options.memory = 4 << 20;
+  return options;
+}
 
 TEST_CASE("pages: leaves keep the Gaussians of the source in their order") {
   const TemporaryFolder folder;
@@ -34,9 +43,7 @@ TEST_CASE("pages: leaves keep the Gaussians of the source in their order") {
 TEST_CASE("pages: ordered leaves have all Gaussians once and tell their numbers") {
   const TemporaryFolder folder;
   const Scene scene = make_builtin_scene(30000);
-  PageBuildOptions options = small_pages();
-  options.order = true, options.memory = 4 << 20;  // too little for the scene, which files split
-  const PagedScene pages = pages_of(folder, scene, options);
+  const PagedScene pages = pages_of(folder, scene, with_order());
   std::vector<std::uint32_t> ids;
   for (std::uint32_t i = 0; i < pages.pages().size; ++i)
     if (pages.pages()[i].is_leaf()) {
@@ -172,17 +179,9 @@ TEST_CASE("pages: signs of scales that parts of a source lose are counted once")
         std::vector<std::string>{"Scales below 0 are taken without their sign, of Gaussians: 3."});
 }
 
-TEST_CASE("pages: a build that is cancelled or refused leaves nothing behind") {
+TEST_CASE("pages: a build that is refused leaves nothing behind") {
   const TemporaryFolder folder;
   const Scene scene = ordered_scene(3000);
-  PageBuildOptions options = small_pages();
-  int calls = 0;
-  options.progress = [&](double part) {
-    CHECK(part >= 0);
-    CHECK(part <= 1);
-    return ++calls < 4;
-  };
-  CHECK_THROWS_AS(build_pages(scene, folder / "a.sgp", options), Cancelled);
   const auto refused = [&](const Scene& of, const PageBuildOptions& with) {
     CHECK_THROWS_AS(build_pages(of, folder / "a.sgp", with), InvalidArgument);
   };
@@ -206,35 +205,141 @@ TEST_CASE("pages: files of a build lie beside what a link leads to") {
   CHECK(files_in(folder.path()) == std::set<std::string>{"a.sgp"});
 }
 
-TEST_CASE(
-    "pages: a build that is killed where it tells progress leaves the old file alone and starts again") {
-  const TemporaryFolder folder;
-  const Scene scene = make_builtin_scene(6000);
-  PageBuildOptions options = small_pages();
-  options.order = true, options.memory = 4 << 20;  // files of records are split
-  build_pages(scene, folder / "whole.sgp", options);
-  const std::string whole = content_of(folder / "whole.sgp"), old = "what was there";
-  folder.write("a.sgp", old);
-  for (const double part : {0.0, 0.2, 0.3, 0.5, 0.8, 1.0}) {
-    const pid_t child = ::fork();
-    REQUIRE(child >= 0);
-    if (child == 0) {
-      options.progress = [part](double done) { return done < part || ::raise(SIGKILL) == 0; };
-      try {
-        build_pages(scene, folder / "a.sgp", options);
-      } catch (...) {
-      }
-      ::_exit(0);  // not killed, which fails the test
+/// Runs `build` in a process of its own and returns how that ended, as `waitpid` tells.
+template <class Build>
+int status_of(const Build& build) {
+  const pid_t child = ::fork();
+  REQUIRE(child >= 0);
+  if (child == 0) {
+    try {
+      build();
+    } catch (const FileError&) {
+      ::_exit(3);
+    } catch (...) {
     }
-    int status = 0;
-    REQUIRE(::waitpid(child, &status, 0) == child);
-    INFO("part ", part);
-    CHECK(WIFSIGNALED(status));
-    CHECK(content_of(folder / "a.sgp") == old);
-    CHECK(files_in(folder.path()) == std::set<std::string>{"a.sgp", "whole.sgp"});
+    ::_exit(0);
   }
+  int status = 0;
+  REQUIRE(::waitpid(child, &status, 0) == child);
+  return status;
+}
+
+Scene resumed_scene() {
+  Scene scene = make_builtin_scene(6000);
+  // Signs of 0, which a page need not keep; and all zeros, whose bands it leaves out.
+  for (std::size_t i = 0; i < scene.sh_rest.size() / 2; ++i)
+    if (i % 3 != 0 || i < 45 * 500) scene.sh_rest[i] = i % 2 == 0 ? -0.0f : 0.0f;
+  return scene;
+}
+
+TEST_CASE("pages: a build that is killed anywhere goes on and writes the bytes of an undisturbed one") {
+  const TemporaryFolder folder;
+  const Scene scene = resumed_scene();
+  const std::string old = "what was there";
+  for (const bool order : {false, true}) {
+    const PageBuildOptions options = order ? with_order() : small_pages();
+    const std::size_t pages = build_pages(scene, folder / "whole.sgp", options).pages;
+    const std::string whole = content_of(folder / "whole.sgp");
+    std::size_t last = 0;
+    for (const double part : {0.3, 0.4, 0.55, 0.8, 1.0}) {
+      folder.write("a.sgp", old);
+      PageBuildOptions killed = options;
+      killed.progress = [part](double done) { return done < part || ::raise(SIGKILL) == 0; };
+      CHECK(WIFSIGNALED(status_of([&] { build_pages(scene, folder / "a.sgp", killed); })));
+      CHECK(content_of(folder / "a.sgp") == old);
+      const BuiltPages built = build_pages(scene, folder / "a.sgp", options);
+      INFO("order ", order, ", part ", part);
+      CHECK(built.resumed > last);
+      CHECK(built.resumed < pages);
+      CHECK(built.pages == pages);
+      CHECK(built.notes.empty());
+      CHECK((content_of(folder / "a.sgp") == whole));
+      CHECK(files_in(folder.path()) == std::set<std::string>{"a.sgp", "whole.sgp"});
+      last = built.resumed;
+    }
+  }
+}
+
+TEST_CASE("pages: a build whose disk is full goes on where there is room again") {
+  const TemporaryFolder folder;
+  const Scene scene = resumed_scene();
+  build_pages(scene, folder / "whole.sgp", small_pages());
+  const int status = status_of([&] {
+    ::signal(SIGXFSZ, SIG_IGN);
+    const rlimit most{2'000'000, 2'000'000};
+    ::setrlimit(RLIMIT_FSIZE, &most);
+    build_pages(scene, folder / "a.sgp", small_pages());
+  });
+  CHECK(WEXITSTATUS(status) == 3);
+  CHECK(build_pages(scene, folder / "a.sgp", small_pages()).resumed > 10);
+  CHECK((content_of(folder / "a.sgp") == content_of(folder / "whole.sgp")));
+}
+
+TEST_CASE("pages: what an unfinished build left is used only where it is whole and of the same build") {
+  const TemporaryFolder folder;
+  const Scene scene = resumed_scene();
+  const PageBuildOptions options = with_order();
+  const std::size_t pages = build_pages(scene, folder / "whole.sgp", options).pages;
+  const std::string whole = content_of(folder / "whole.sgp");
+  PageBuildOptions cancelled = options;
+  cancelled.progress = [](double done) { return done < 0.8; };
+  CHECK_THROWS_AS(build_pages(scene, folder / "a.sgp", cancelled), Cancelled);
+  const std::string names[]{"a.sgp.unfinished", "a.sgp.unfinished.steps"};
+  std::string left[]{content_of(folder / names[0]), content_of(folder / names[1])};
+  CHECK(is_page_file(folder / names[0]) == false);
+  // Builds on what is left, of which one file is another.
+  const auto built_on = [&](int file, const std::string& content, const Scene& of,
+                            const PageBuildOptions& by) {
+    folder.write(names[1 - file], left[1 - file]), folder.write(names[file], content);
+    return build_pages(of, folder / "a.sgp", by);
+  };
+  SplitMix64 random(3);
+  std::size_t all = built_on(0, left[0], scene, options).resumed, most = 0, least = pages;
+  CHECK(all > pages / 2);
+  for (int k = 0; k < 60; ++k) {
+    std::string broken = left[k % 2];
+    const std::size_t at = random.bits() % broken.size();
+    if (k % 3 == 0)
+      broken.resize(at);
+    else
+      broken[at] = char(broken[at] ^ (1 << random.bits() % 8));
+    const std::size_t resumed = built_on(k % 2, broken, scene, options).resumed;
+    most = std::max(most, resumed), least = std::min(least, resumed);
+    INFO("file ", k % 2, ", byte ", at);
+    CHECK((content_of(folder / "a.sgp") == whole));
+  }
+  CHECK(least < all / 4);
+  CHECK(most <= all);
+  CHECK(files_in(folder.path()) == std::set<std::string>{"a.sgp", "whole.sgp"});
+
+  const std::string note =
+      (folder / "a.sgp").string() + ".unfinished had other Gaussians or options: it began anew.";
+  Scene other = scene;
+  other.opacities.back() *= 0.5f;
+  PageBuildOptions larger = options;
+  larger.page_size = 512, larger.memory = 8 << 20;
+  for (const BuiltPages& built :
+       {built_on(0, left[0], other, options), built_on(0, left[0], scene, larger)}) {
+    CHECK(built.resumed == 0);
+    CHECK(built.notes == std::vector<std::string>{note});
+  }
+  build_pages(scene, folder / "b.sgp", larger);
+  CHECK((content_of(folder / "a.sgp") == content_of(folder / "b.sgp")));
+}
+
+TEST_CASE("pages: two builds of one file at a time are refused") {
+  const TemporaryFolder folder;
+  const Scene scene = ordered_scene(1000);
+  PageBuildOptions options = small_pages();
+  options.progress = [&](double) {
+    CHECK_THROWS_WITH_AS(
+        build_pages(scene, folder / "a.sgp", small_pages()),
+        doctest::Contains("a.sgp.unfinished.steps: another build writes it, expected one at a time"),
+        InvalidArgument);
+    return true;
+  };
   build_pages(scene, folder / "a.sgp", options);
-  CHECK(content_of(folder / "a.sgp") == whole);
+  CHECK(files_in(folder.path()) == std::set<std::string>{"a.sgp"});
 }
 
 }  // namespace

@@ -20,19 +20,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// What `path` leads to by way of links, whether it is there or not.
-fs::path target_of(const fs::path& path) {
-  constexpr int most_links = 40;  // as Linux follows them
-  fs::path target = path;
-  std::error_code none;
-  for (int links = 0; links < most_links; ++links) {
-    const fs::path next = fs::read_symlink(target, none);
-    if (none) return target;
-    target = target.parent_path() / next;  // `next` alone where it is absolute
-  }
-  throw FileError({ELOOP, std::generic_category()}, path.string());
-}
-
 /// A name in the same folder that no other has.
 fs::path beside(const fs::path& path) {
   std::random_device random;
@@ -49,6 +36,25 @@ fs::path beside(const fs::path& path) {
 std::string name_of(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
 
 }  // namespace
+
+fs::path target_of(const fs::path& path) {
+  constexpr int most_links = 40;  // as Linux follows them
+  fs::path target = path;
+  std::error_code none;
+  for (int links = 0; links < most_links; ++links) {
+    const fs::path next = fs::read_symlink(target, none);
+    if (none) return target;
+    target = target.parent_path() / next;  // `next` alone where it is absolute
+  }
+  throw FileError({ELOOP, std::generic_category()}, path.string());
+}
+
+void put_in_place(const fs::path& from, const fs::path& to) {
+  std::error_code none;
+  const fs::perms before = fs::status(to, none).permissions();
+  if (!none && before != fs::perms::unknown) fs::permissions(from, before);
+  fs::rename(from, to);
+}
 
 bool is_stream(const fs::path& path) {
   struct stat file, output;
@@ -114,10 +120,7 @@ void UnfinishedFile::finish() {
       return;
     }
   }
-  std::error_code none;
-  const fs::perms before = fs::status(place_, none).permissions();
-  if (!none && before != fs::perms::unknown) fs::permissions(path_, before);
-  fs::rename(path_, place_);
+  put_in_place(path_, place_);
   place_.clear();
 }
 
@@ -133,10 +136,6 @@ OutputFile::~OutputFile() {
 void OutputFile::write(const void* data, std::size_t size) {
   if (std::fwrite(data, 1, size, file_) != size) fail();
   size_ += size;
-}
-
-void OutputFile::write_front(const void* data, std::size_t size) {
-  if (std::fseek(file_, 0, SEEK_SET) != 0 || std::fwrite(data, 1, size, file_) != size) fail();
 }
 
 void OutputFile::close() {

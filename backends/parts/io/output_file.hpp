@@ -41,11 +41,18 @@ class UnfinishedFile {
   int unnamed_ = -1;  ///< descriptor of a file without a name
 };
 
-/// Whether `path` is written to as it is.
-bool is_stream(const std::filesystem::path& path);
+/// What `path` leads to by way of links, whether it is there or not. Throws `FileError` for too many.
+SWIFTGS_API std::filesystem::path target_of(const std::filesystem::path& path);
 
-/// Writes a file front to back, but for what its beginning tells of the rest. The file gets its name when it
-/// is closed, so nobody finds a part of it. Every failure throws `FileError` with the path and the reason.
+/// Renames `from` to `to`, with the permissions of the file that it replaces. Throws
+/// `std::filesystem::filesystem_error`.
+SWIFTGS_API void put_in_place(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// Whether `path` is written to as it is.
+SWIFTGS_API bool is_stream(const std::filesystem::path& path);
+
+/// Writes a file front to back. It gets its name when it is closed, so nobody finds a part of it. Every
+/// failure throws `FileError` with the path and the reason.
 class SWIFTGS_API OutputFile {
  public:
   explicit OutputFile(const std::filesystem::path& path);
@@ -54,8 +61,6 @@ class SWIFTGS_API OutputFile {
   OutputFile& operator=(const OutputFile&) = delete;
 
   void write(const void* data, std::size_t size);
-  /// Replaces the first bytes; nothing is written behind it.
-  void write_front(const void* data, std::size_t size);
 
   std::uint64_t size() const { return size_; }  ///< bytes written so far
 

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <limits>
 #include <numeric>
+#include <span>
+#include <sstream>
 #include <utility>
 
 #include <swiftgs/edit/origin.hpp>
@@ -13,8 +15,10 @@
 #include <swiftgs/pages/build_pages.hpp>
 #include <swiftgs/project/chunks.hpp>
 #include <swiftgs/tools/parallel.hpp>
+#include <swiftgs/version.hpp>
 
 #include "nodes.hpp"
+#include "output_file.hpp"
 #include "page_file.hpp"
 #include "page_writer.hpp"
 #include "records.hpp"
@@ -27,7 +31,7 @@ using pages::Nodes, pages::PageWriter, pages::Records;
 
 /// Memory of a Gaussian while a subtree is made of it: as read, in another order, and its indices.
 /// @units{bytes}
-constexpr std::size_t bytes_of_gaussian = 720;
+constexpr std::size_t bytes_of_gaussian = 500;
 
 /// What nodes take that wait for their neighbours, two pages for each level of a deep tree. @units{bytes}
 std::size_t bytes_of_waiting(const PageBuildOptions& options) {
@@ -47,8 +51,8 @@ void validate(const PageBuildOptions& options) {
 /// Gaussians of all sources in a temporary file, and what they have in common.
 class Gathered {
  public:
-  Gathered(const std::filesystem::path& beside, std::string model)
-      : records_(beside), model_(std::move(model)) {}
+  Gathered(const std::filesystem::path& folder, std::string model)
+      : records_(folder), model_(std::move(model)) {}
 
   void add(const Scene& scene, const std::string& name) {
     if (scene.size() == 0) return;
@@ -94,12 +98,29 @@ class Builder {
 
   Subtree build(Records records) {
     if (!options_.order || records.size() <= in_memory_) return build(records, 0, records.size());
-    auto [left, right] = split(std::move(records));
-    Subtree a = build(std::move(left));
-    return join(std::move(a), build(std::move(right)));
+    return found_or(records.size(), [&] {
+      auto [left, right] = split(std::move(records));
+      Subtree a = build(std::move(left));
+      return join(std::move(a), build(std::move(right)));
+    });
   }
 
  private:
+  /// The subtree of the next `count` Gaussians: as an earlier build left it, else what `make` returns.
+  template <class Make>
+  Subtree found_or(std::size_t count, const Make& make) {
+    const std::size_t leaves = (count + options_.page_size - 1) / options_.page_size;
+    if (!writer_.skip(2 * leaves - 1)) return make();
+    tell_written(count);
+    const std::uint32_t root = writer_.pages() - 1;
+    return {root, writer_.nodes(root)};
+  }
+
+  void tell_written(std::size_t count) {
+    written_ += count;
+    progress_(double(written_) / double(gaussians_));
+  }
+
   /// The first part of `count` Gaussians, which fills pages.
   std::size_t half(std::size_t count) const {
     const std::size_t page = options_.page_size, pages = (count + page - 1) / page;
@@ -111,50 +132,55 @@ class Builder {
   }
 
   Subtree build(Records& records, std::size_t first, std::size_t count) {
-    if (count > in_memory_) {
-      Subtree a = build(records, first, half(count));
-      return join(std::move(a), build(records, first + half(count), count - half(count)));
-    }
-    PageContent all = records.read(first, count, like_);
-    if (options_.order) {
-      std::vector<std::uint32_t> order(count);
-      std::iota(order.begin(), order.end(), 0u);
-      pages::order_by_halves(all.scene.means, order, options_.page_size, chunk_size);
-      all.scene = subset(all.scene, order);
-      for (std::uint32_t& number : order) number = all.ids[number];
-      all.ids = std::move(order);
-    }
-    return build(all, 0, count);
+    return found_or(count, [&] {
+      if (count > in_memory_) {
+        Subtree a = build(records, first, half(count));
+        return join(std::move(a), build(records, first + half(count), count - half(count)));
+      }
+      PageContent all = records.read(first, count, like_);
+      if (options_.order) {
+        std::vector<std::uint32_t> order(count);
+        std::iota(order.begin(), order.end(), 0u);
+        pages::order_by_halves(all.scene.means, order, options_.page_size, chunk_size);
+        all.scene = subset(all.scene, order);
+        for (std::uint32_t& number : order) number = all.ids[number];
+        all.ids = std::move(order);
+      }
+      return build(all, 0, count);
+    });
   }
 
   Subtree build(const PageContent& all, std::size_t first, std::size_t count) {
-    if (count > options_.page_size) {
-      Subtree a = build(all, first, half(count));
-      return join(std::move(a), build(all, first + half(count), count - half(count)));
-    }
-    std::vector<std::uint32_t> members(count);
-    std::iota(members.begin(), members.end(), std::uint32_t(first));
-    Nodes nodes{subset(all.scene, members), std::vector<float>(count)};
-    std::span<const std::uint32_t> ids;
-    if (options_.order) ids = std::span(all.ids).subspan(first, count);
-    Page page;
-    page.first = written_;
-    written_ += count;
-    progress_(double(written_) / double(gaussians_));
-    return {writer_.add(page, nodes.scene, ids), std::move(nodes)};
+    return found_or(count, [&] {
+      if (count > options_.page_size) {
+        Subtree a = build(all, first, half(count));
+        return join(std::move(a), build(all, first + half(count), count - half(count)));
+      }
+      std::vector<std::uint32_t> members(count);
+      std::iota(members.begin(), members.end(), std::uint32_t(first));
+      Nodes nodes{subset(all.scene, members), std::vector<float>(count)};
+      std::span<const std::uint32_t> ids;
+      if (options_.order) ids = std::span(all.ids).subspan(first, count);
+      Page page;
+      page.first = written_;
+      const std::uint32_t number = writer_.add(page, nodes, ids);
+      tell_written(count);
+      return Subtree{number, std::move(nodes)};
+    });
   }
 
   Subtree join(Subtree a, Subtree b) {
     Nodes nodes = pages::merge(a.nodes, b.nodes, threads_);
-    // A node is no Gaussian that somebody trained: halves hold it well enough.
+    // A node is no Gaussian that somebody trained: halves hold it well enough. Pages need not keep the sign
+    // of 0, so that none has one: nodes read from a page are those that were written.
     for (float& value : nodes.scene.sh_rest)
-      value = to_float(to_half(std::clamp(value, -65504.0f, 65504.0f)));
+      value = to_float(to_half(std::clamp(value, -65504.0f, 65504.0f))) + 0.0f;
     Page page;
     page.left = a.page, page.right = b.page, page.first = writer_.page(a.page).first;
     for (const std::uint32_t child : {a.page, b.page})
       detail::add_bounds(page.bounds, writer_.page(child).bounds);
     pages::set_errors(page, nodes);
-    return {writer_.add(page, nodes.scene, {}), std::move(nodes)};
+    return {writer_.add(page, nodes, {}), std::move(nodes)};
   }
 
   const PageBuildOptions& options_;
@@ -166,17 +192,26 @@ class Builder {
   Progress progress_;
 };
 
+/// Tells apart what the file depends on. Without `order` the memory is no part of it.
+std::uint64_t key_of(Gathered& gathered, const PageBuildOptions& options) {
+  const Scene& like = gathered.like();
+  std::ostringstream text;
+  text << version << ' ' << options.page_size << ' ' << (options.order ? options.memory : 0) << ' '
+       << like.sh_degree << ' ' << text_of(like.model) << std::hexfloat << ' ' << like.origin.x << ' '
+       << like.origin.y << ' ' << like.origin.z;
+  const std::string all = text.str();
+  return pages::checksum_of(std::as_bytes(std::span(all)), gathered.records().checksum());
+}
+
 /// `gather(gathered, progress)` gives the Gaussians.
 template <class Gather>
 BuiltPages build(const std::filesystem::path& out, const PageBuildOptions& options, const Gather& gather) {
   validate(options);
   if (!options.model.empty()) (void)model_from(options.model);  // before a large file is read
-  std::error_code none;
-  if (const auto kind = std::filesystem::status(out, none).type();
-      kind == std::filesystem::file_type::fifo || kind == std::filesystem::file_type::character)
+  require_replaceable(out);
+  if (io::is_stream(out))
     detail::refuse(out.string(),
                    ": expected a file, found a pipe or a device: a page file is not written front to back");
-  require_replaceable(out);
   const auto part_of_progress = [&](double begin, double end) -> Progress {
     return [&options, begin, end, out](double part) {
       if (options.progress && !options.progress(begin + part * (end - begin))) throw Cancelled(out.string());
@@ -184,18 +219,22 @@ BuiltPages build(const std::filesystem::path& out, const PageBuildOptions& optio
     };
   };
   constexpr double read = 0.3;  // part of the time that reading takes, roughly
-  Gathered gathered(out, options.model);
+  const std::filesystem::path folder = io::target_of(out).parent_path();
+  Gathered gathered(folder.empty() ? "." : folder, options.model);
   BuiltPages built;
   gather(gathered, part_of_progress(0, read), built.notes);
   built.gaussians = gathered.records().size();
   if (built.gaussians == 0) detail::refuse(out.string(), ": no Gaussians, expected one or more");
   const Scene like = gathered.like();
-  PageWriter writer(out);
+  PageWriter writer(out, key_of(gathered, options), built.gaussians, like);
+  built.resumed = writer.found();
+  if (writer.began_anew())
+    built.notes.push_back(out.string() + ".unfinished had other Gaussians or options: it began anew.");
   Builder builder(options, like, built.gaussians, writer, part_of_progress(read, 1));
   builder.build(std::move(gathered.records()));
   built.pages = writer.pages();
   for (std::uint32_t i = 0; i < writer.pages(); ++i) built.leaves += writer.page(i).is_leaf();
-  built.bytes = writer.finish(built.gaussians, options.page_size, like);
+  built.bytes = writer.finish(options.page_size);
   return built;
 }
 

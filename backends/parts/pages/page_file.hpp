@@ -44,15 +44,18 @@ struct FileHeader {
 static_assert(sizeof(FileHeader) == 192);
 inline constexpr std::size_t checksum_offset = offsetof(FileHeader, checksum);
 
-/// Any change of bytes of one word changes it. What lacks of the last word counts as zeros.
-inline std::uint64_t checksum_of(std::span<const std::byte> bytes) {
-  std::uint64_t sum = bytes.size();
+/// Goes on with a checksum. What lacks of the last word counts as zeros.
+inline std::uint64_t checksum_of(std::span<const std::byte> bytes, std::uint64_t sum) {
   for (std::size_t at = 0; at < bytes.size(); at += 8) {
     std::uint64_t word = 0;
     std::memcpy(&word, bytes.data() + at, std::min<std::size_t>(8, bytes.size() - at));
     sum = SplitMix64::scrambled(sum ^ word) + SplitMix64::step;
   }
   return sum;
+}
+/// Any change of bytes of one word changes it.
+inline std::uint64_t checksum_of(std::span<const std::byte> bytes) {
+  return checksum_of(bytes, bytes.size());
 }
 
 /// Calls f(offset, bytes) for each array of a page's content, in order: means, scales, rotations, opacities,
@@ -73,6 +76,9 @@ std::uint64_t for_each_part(const Page& page, const F& f) {
 inline std::uint64_t content_size(const Page& page) {
   return for_each_part(page, [](std::uint64_t, std::uint64_t) {});
 }
+
+/// A page of a page file. Throws as `PagedScene::read`.
+PageContent read_page(const PagedScene::State& file, const PageSource& source, std::uint32_t number);
 
 /// Numbers of the leaves, those with the first Gaussians first.
 std::vector<std::uint32_t> leaves_of(const PagedScene& pages);

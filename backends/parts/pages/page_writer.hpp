@@ -10,32 +10,54 @@
 #include <swiftgs/pages/paged_scene.hpp>
 #include <swiftgs/scene.hpp>
 
-#include "output_file.hpp"
+#include "disk_file.hpp"
+#include "nodes.hpp"
 
 namespace swiftgs::pages {
 
-/// Writes a page file, which gets its name when it is whole. Throws `FileError`.
+/// Writes a page file, which gets its name when it is whole. Until then it is OUT.unfinished, and
+/// OUT.unfinished.steps has what else a build needs to go on: of every page its row of the table, how far its
+/// nodes are from their Gaussians, and a checksum of both. Both files stay where a build ends early. The next
+/// one with the same key begins with the pages that are whole. Throws `FileError`.
 class PageWriter {
  public:
-  explicit PageWriter(const std::filesystem::path& path);
+  /// `key` tells Gaussians and options apart, and `like` has model and origin. Throws `InvalidArgument`
+  /// while another build writes the file.
+  PageWriter(const std::filesystem::path& out, std::uint64_t key, std::uint64_t gaussians, const Scene& like);
+  /// Removes both files if they have no page.
+  ~PageWriter();
+
+  std::size_t found() const { return found_; }     ///< pages that an earlier build had written
+  bool began_anew() const { return began_anew_; }  ///< since one had another key
+
+  /// Whether the next `pages`, those of one subtree, were found. They then count as added.
+  bool skip(std::size_t pages);
+  /// Nodes of a page, and Gaussians of a leaf.
+  Nodes nodes(std::uint32_t page) const;
 
   /// Adds a page and returns its number. The caller sets `first`, children, errors, and the bounds of the
   /// pages below. Harmonics take the fewest bytes that hold them exactly.
-  std::uint32_t add(Page page, const Scene& scene, std::span<const std::uint32_t> ids);
+  std::uint32_t add(Page page, const Nodes& nodes, std::span<const std::uint32_t> ids);
 
-  const Page& page(std::uint32_t number) const { return table_[number]; }
-  std::size_t pages() const { return table_.size(); }
+  const Page& page(std::uint32_t number) const { return state_.pages[number]; }
+  std::uint32_t pages() const { return std::uint32_t(added_); }  ///< that were added
 
-  /// Writes table and header, and closes the file. `like` has model and origin. Returns the size of the file.
-  std::uint64_t finish(std::uint64_t gaussians, std::uint32_t page_size, const Scene& like);
+  /// Writes table and header, and puts the file in its place. Returns its size.
+  std::uint64_t finish(std::uint32_t page_size);
 
  private:
-  void write(std::span<const std::byte> bytes) {
-    if (!bytes.empty()) file_.write(bytes.data(), bytes.size());
-  }
+  /// Takes over pages from the files until one is not whole.
+  void find(std::uint64_t key);
 
-  io::OutputFile file_;
-  std::vector<Page> table_;
+  std::filesystem::path place_;
+  DiskFile steps_, file_;
+  int sh_degree_;
+  PagedScene::State state_;            ///< with the rows of all pages
+  std::vector<std::uint64_t> spread_;  ///< of each page, where its spread lies in `steps_`
+  std::uint64_t end_;                  ///< of the contents
+  std::uint64_t steps_end_ = 0;
+  std::size_t found_ = 0, added_ = 0;
+  bool began_anew_ = false, is_finished_ = false;
 };
 
 }  // namespace swiftgs::pages

@@ -133,8 +133,25 @@ void check_tree(const std::vector<Page>& all, const FileHeader& header, const st
           name, header.table, "one tree of all Gaussians, whose root is the last page");
 }
 
-/// A page of a page file.
-PageContent read_page(const PagedScene::State& file, const PageSource& source, std::uint32_t number) {
+/// The first bytes of a regular file, else none: opening a pipe would wait for a writer.
+std::string beginning_of(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(path, error)) return {};
+  std::string begin(io::beginning_bytes, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(begin.data(), std::streamsize(begin.size()));
+  begin.resize(std::size_t(file.gcount()));
+  return begin;
+}
+
+/// Accepts any `tileset.json`, so that `open_tiles` reports what an invalid one lacks.
+bool is_tileset(const std::filesystem::path& path) {
+  return path.filename() == "tileset.json" || io::is_tileset(beginning_of(path));
+}
+
+}  // namespace
+
+PageContent pages::read_page(const PagedScene::State& file, const PageSource& source, std::uint32_t number) {
   const Page& page = file.pages[number];
   std::vector<std::byte> bytes(page.bytes);
   source(page.offset, bytes);
@@ -182,24 +199,6 @@ PageContent read_page(const PagedScene::State& file, const PageSource& source, s
   return content;
 }
 
-/// The first bytes of a regular file, else none: opening a pipe would wait for a writer.
-std::string beginning_of(const std::filesystem::path& path) {
-  std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return {};
-  std::string begin(io::beginning_bytes, '\0');
-  std::ifstream file(path, std::ios::binary);
-  file.read(begin.data(), std::streamsize(begin.size()));
-  begin.resize(std::size_t(file.gcount()));
-  return begin;
-}
-
-/// Accepts any `tileset.json`, so that `open_tiles` reports what an invalid one lacks.
-bool is_tileset(const std::filesystem::path& path) {
-  return path.filename() == "tileset.json" || io::is_tileset(beginning_of(path));
-}
-
-}  // namespace
-
 PagedScene::PagedScene(PageSource source, std::uint64_t size, std::string name) {
   State state;
   const FileHeader header = read_header(source, size, name);
@@ -227,7 +226,7 @@ PagedScene::PagedScene(PageSource source, std::uint64_t size, std::string name) 
   auto shared = std::make_shared<State>(std::move(state));
   // The state has the function, which must not keep it.
   shared->read = [source = std::move(source), of = shared.get()](std::uint32_t page) {
-    return read_page(*of, source, page);
+    return pages::read_page(*of, source, page);
   };
   state_ = std::move(shared);
 }

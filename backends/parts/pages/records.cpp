@@ -2,59 +2,31 @@
 #include "records.hpp"
 
 #include <algorithm>
-#include <cerrno>
-#include <string>
-#include <system_error>
+#include <span>
 #include <utility>
 
-#include <fcntl.h>
-#include <stdio.h>
-#include <unistd.h>
-
-#include <swiftgs/error.hpp>
-
 #include "nodes.hpp"
-#include "output_file.hpp"
+#include "page_file.hpp"
 
 namespace swiftgs::pages {
 namespace {
 
 constexpr std::size_t block_records = 4096;
 
-[[noreturn]] void fail(const std::filesystem::path& path) {
-  throw FileError({errno != 0 ? errno : EIO, std::generic_category()}, path.string());
-}
-
 }  // namespace
-
-Records::Records(std::filesystem::path path) : path_(std::move(path)), file_(nullptr, &std::fclose) {
-  const io::UnfinishedFile place(path_);  // a name beside what links lead to, which it removes
-  int descriptor = -1;
-#if defined(O_TMPFILE)
-  const std::filesystem::path folder = place.path().has_parent_path() ? place.path().parent_path() : ".";
-  descriptor = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-#endif
-  if (descriptor < 0) descriptor = ::open(place.path().c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  if (descriptor < 0) fail(path_);
-  file_.reset(::fdopen(descriptor, "w+b"));
-  if (!file_) ::close(descriptor), fail(path_);
-}
 
 template <class F>
 void Records::for_each(std::size_t first, std::size_t count, const F& f) {
   std::vector<Record> block(std::min(block_records, count));
-  if (::fseeko(file_.get(), off_t(first * sizeof(Record)), SEEK_SET) != 0) fail(path_);
   for (std::size_t done = 0; done < count; done += block.size()) {
     block.resize(std::min(block_records, count - done));
-    errno = 0;
-    if (std::fread(block.data(), sizeof(Record), block.size(), file_.get()) != block.size()) fail(path_);
+    file_.read((first + done) * sizeof(Record), std::as_writable_bytes(std::span(block)));
     for (const Record& record : block) f(record);
   }
 }
 
 void Records::flush(std::vector<Record>& block) {
-  errno = 0;
-  if (std::fwrite(block.data(), sizeof(Record), block.size(), file_.get()) != block.size()) fail(path_);
+  file_.write(size_ * sizeof(Record), std::as_bytes(std::span(block)));
   size_ += block.size();
   block.clear();
 }
@@ -77,6 +49,7 @@ void Records::append(const Scene& scene, std::uint32_t first_id) {
                   {},
                   first_id + std::uint32_t(i)};
     std::copy_n(scene.sh_rest.data() + each * i, each, record.sh_rest);
+    checksum_ = checksum_of(std::as_bytes(std::span(&record, 1)), checksum_);
     add(block, record);
   }
   flush(block);
@@ -98,22 +71,19 @@ PageContent Records::read(std::size_t first, std::size_t count, const Scene& lik
 }
 
 std::pair<Records, Records> Records::split(std::size_t left) {
-  const std::size_t step = size_ / block_records + 1;
   std::vector<vec3> sample;
-  std::size_t number = 0;
-  for_each(0, size_, [&](const Record& r) {
-    if (number++ % step == 0) sample.push_back(r.mean);
-  });
+  for (std::size_t k = 0; k < size_; k += size_ / block_records + 1)
+    for_each(k, 1, [&](const Record& r) { sample.push_back(r.mean); });
   const int axis = longest_axis(std::move(sample));
 
   std::vector<float> values(size_);
-  number = 0;
+  std::size_t number = 0;
   for_each(0, size_, [&](const Record& r) { values[number++] = r.mean[axis]; });
   const auto border = values.begin() + std::ptrdiff_t(left);
   std::nth_element(values.begin(), border, values.end());
   const float first_right = *border;
   auto equal_left = std::size_t(std::count(values.begin(), border, first_right));
-  std::pair<Records, Records> halves{Records(path_), Records(path_)};
+  std::pair<Records, Records> halves{Records(folder_), Records(folder_)};
   std::vector<Record> blocks[2];
   for (auto& block : blocks) block.reserve(block_records);
   for_each(0, size_, [&](const Record& r) {

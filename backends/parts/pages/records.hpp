@@ -3,25 +3,27 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
-#include <memory>
 #include <utility>
 #include <vector>
 
 #include <swiftgs/pages/paged_scene.hpp>
 #include <swiftgs/scene.hpp>
 
+#include "disk_file.hpp"
+
 namespace swiftgs::pages {
 
-/// Gaussians in a temporary file without a name, each a row of floats and its number in the source. Nothing
-/// of it stays behind a program that is killed. Throws `FileError`.
+/// Gaussians in a temporary file without a name, each a row of floats and its number in the source. Throws
+/// `FileError`.
 class Records {
  public:
-  /// Makes its file in the folder of `path`; if `path` is a link, in the folder of the link's target.
-  explicit Records(std::filesystem::path path);
+  /// Makes its file in `folder`.
+  explicit Records(std::filesystem::path folder)
+      : folder_(std::move(folder)), file_(DiskFile::unnamed_in(folder_)) {}
 
   std::size_t size() const { return size_; }
+  std::uint64_t checksum() const { return checksum_; }  ///< of what was appended
 
   /// Adds Gaussians of degree 3 or less, numbered from `first_id` on.
   void append(const Scene& scene, std::uint32_t first_id);
@@ -50,9 +52,10 @@ class Records {
   void add(std::vector<Record>& block, const Record& record);
   void flush(std::vector<Record>& block);
 
-  std::filesystem::path path_;
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> file_;
+  std::filesystem::path folder_;
+  DiskFile file_;
   std::size_t size_ = 0;
+  std::uint64_t checksum_ = 0;
 };
 
 }  // namespace swiftgs::pages

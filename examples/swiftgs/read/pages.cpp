@@ -68,6 +68,8 @@ void write_pages(const PagesOptions& options) {
   bar.clear();
   std::vector<std::string> said;
   say_notes(out, built.notes, said);
+  if (built.resumed != 0)
+    std::printf("%s: went on behind %zu pages of an unfinished build\n", out.c_str(), built.resumed);
   std::printf("%s: %zu Gaussians in %zu pages, and %zu above them, %.1f MB, %.1f s\n", out.c_str(),
               std::size_t(built.gaussians), built.leaves, built.pages - built.leaves,
               1e-6 * double(built.bytes),
@@ -79,8 +81,8 @@ constexpr const char* pages_help =
 stand for them. Pages are ranges of the scene, so its neighbours in the file should be neighbours in
 space. --order makes them so; the order of Gaussians at equal depths then is another.
 
-Beside OUT it takes 240 bytes a Gaussian, twice that with --order. A build that is killed leaves nothing, or
-OUT.NUMBER.new on file systems without O_TMPFILE.
+Beside OUT it takes 240 bytes a Gaussian, twice that with --order. A build that ends early leaves
+OUT.unfinished and OUT.unfinished.steps: the same command goes on with them.
 
 Examples:
   swiftgs pages garden.spz garden.sgp --order

@@ -17,7 +17,7 @@ struct PageBuildOptions {
   /// Puts neighbours in space into one page, as an external sort does. Otherwise pages are ranges of the
   /// source, and a frame of all leaves has the bits of the source.
   bool order = false;
-  /// Most memory that the builder takes: 12,960 bytes or more for each Gaussian of a page. A scene that
+  /// Most memory that the builder takes: 12,520 bytes or more for each Gaussian of a page. A scene that
   /// cannot be read in parts, any but a PLY and a `.splat`, takes what its format takes besides, and `order`
   /// four bytes a Gaussian. @units{bytes}
   std::size_t memory = std::size_t(1) << 30;
@@ -31,6 +31,7 @@ struct PageBuildOptions {
 struct BuiltPages {
   std::uint64_t gaussians = 0;
   std::size_t pages = 0, leaves = 0;
+  std::size_t resumed = 0;  ///< of these pages, those that an unfinished build of the same had written
   std::uint64_t bytes = 0;  ///< of the file
   std::vector<std::string> notes{};
 };
@@ -38,12 +39,16 @@ struct BuiltPages {
 /// Writes the page file `out` of all Gaussians of `sources`, one behind the other, with the origin of the
 /// first. Each is what `read_scene` takes, or what `is_page_file` tells. Beside `out` it takes 240 bytes a
 /// Gaussian, twice that with `order`, in files without a name. The new file takes the place of an old one
-/// when it is whole. A build that is killed leaves nothing on file systems whose files may lack a name
-/// (`O_TMPFILE`), else a file `out`.NUMBER.new.
+/// when it is whole.
+///
+/// A build that ends early, by a signal, a full disk or `progress`, leaves `out`.unfinished and
+/// `out`.unfinished.steps. The same call reads the sources again and goes on behind the last page that is
+/// whole there; the file has the bytes of an undisturbed build. With other Gaussians or options it begins
+/// anew and notes that.
 ///
 /// Throws `InvalidArgument` for an option that is not valid, sources without Gaussians, with features or of
-/// several rendering models, `CapacityError` beyond 2^32 - 1
-/// Gaussians, what `read_scene` throws, `Cancelled`, and `FileError` if something cannot be written.
+/// several rendering models, and while another build writes `out`; `CapacityError` beyond 2^32 - 1 Gaussians;
+/// what `read_scene` throws, `Cancelled`, and `FileError` if something cannot be written.
 SWIFTGS_API BuiltPages build_pages(const std::vector<std::filesystem::path>& sources,
                                    const std::filesystem::path& out, const PageBuildOptions& options = {});
 

@@ -2,8 +2,8 @@
 #pragma once
 
 /// @file
-/// Paged scenes: a scene's Gaussians in pages, and coarser pages that stand for them. docs/pages.md describes
-/// every byte of a page file, and which files of others are read. Part of swiftgs::pages.
+/// Paged scenes: a scene's Gaussians in pages, and coarser pages that stand for them. docs/page_format.md
+/// describes every byte of a page file, docs/pages.md which files of others are read. Part of swiftgs::pages.
 
 #include <array>
 #include <cmath>
