@@ -80,21 +80,26 @@ class Block {
     for (std::size_t i = 0; i < count_; ++i) place(i);
     for (std::size_t i = 0; i < count_; ++i) find_partner(i);
     std::vector<Step> steps;
-    for (std::size_t left = count_; left > count; --left) {
+    for (std::size_t left = count_; left > count;) {
       const auto cheapest = std::min_element(cost_.begin(), cost_.begin() + std::ptrdiff_t(count_));
       const auto i = std::size_t(cheapest - cost_.begin()), j = partner_[i];
+      if (j == none) {
+        find_partner(i);
+        continue;
+      }
       const float last = steps.empty() ? 0 : steps.back().cost;
       steps.push_back({std::max(*cheapest, last), std::uint8_t(i), std::uint8_t(j)});
       take(steps.back());
       place(i);
-      cost_[j] = never;
-      find_partner(i);
+      cost_[j] = never, --left;
+      const Each<float> costs = find_partner(i);
       for (std::size_t k = 0; k < count_; ++k) {
-        if (k == i || gone_[k] != 0) continue;
-        if (partner_[k] == i || partner_[k] == j)
-          find_partner(k);
-        else if (const float cost = cost_of(k, i); cost < cost_[k])
-          cost_[k] = cost, partner_[k] = i;
+        if (k == i) continue;
+        const bool lost = partner_[k] == i || partner_[k] == j;
+        if (costs[k] < cost_[k] || (lost && costs[k] == cost_[k]))
+          cost_[k] = costs[k], partner_[k] = i;
+        else if (lost)
+          partner_[k] = none;  // all others cost as much as the lost one or more
       }
     }
     return steps;
@@ -116,6 +121,7 @@ class Block {
 
  private:
   static constexpr float never = std::numeric_limits<float>::infinity();
+  static constexpr std::size_t none = block_size;
   template <class T>
   using Each = std::array<T, block_size>;
 
@@ -126,7 +132,7 @@ class Block {
     x_[i] = float(at.x), y_[i] = float(at.y), z_[i] = float(at.z);
     red_[i] = m.sh0.x, green_[i] = m.sh0.y, blue_[i] = m.sh0.z;
     // Masses and squares of lengths of small scenes leave the range of float together only.
-    mass_[i] = float(std::max(m.mass, 1e-30));
+    inverse_mass_[i] = float(1 / std::max(m.mass, 1e-30));
     for (int k = 0; k < 3; ++k) {
       diagonal_[k][i] = float(m.covariance[k][k]);
       others_[k][i] = float(m.covariance[k][(k + 1) % 3]);
@@ -134,7 +140,7 @@ class Block {
   }
 
   /// What the picture changes if two merge: their means by the distance, their covariances by the difference,
-  /// their colours over their size.
+  /// their colours over their size. The same for (j, i) while neither is gone.
   float cost_of(std::size_t i, std::size_t j) const {
     const float dx = x_[i] - x_[j], dy = y_[i] - y_[j], dz = z_[i] - z_[j];
     const float dr = red_[i] - red_[j], dg = green_[i] - green_[j], db = blue_[i] - blue_[j];
@@ -149,16 +155,18 @@ class Block {
     const float coloured = (dr * dr + dg * dg + db * db) * sizes;
     // Finite where numbers leave the range of float, so that only nodes that are gone cost more.
     return std::min(std::numeric_limits<float>::max(),
-                    mass_[i] / (mass_[i] + mass_[j]) * mass_[j] * (moved + reshaped + coloured)) +
+                    (moved + reshaped + coloured) / (inverse_mass_[i] + inverse_mass_[j])) +
            gone_[j];
   }
 
-  void find_partner(std::size_t i) {
+  /// Returns what merging with each costs.
+  Each<float> find_partner(std::size_t i) {
     Each<float> costs;
     for (std::size_t j = 0; j < count_; ++j) costs[j] = cost_of(i, j);
     costs[i] = never;
     const auto least = std::min_element(costs.begin(), costs.begin() + std::ptrdiff_t(count_));
     partner_[i] = std::size_t(least - costs.begin()), cost_[i] = *least;
+    return costs;
   }
 
   void copy(Nodes& out, std::size_t to, std::size_t from) const {
@@ -187,11 +195,12 @@ class Block {
   const Nodes& nodes_;
   std::size_t each_, count_;
   dvec3 origin_{0.0};
-  Each<std::size_t> member_, partner_;
+  Each<std::size_t> member_;
+  Each<std::size_t> partner_;  ///< costs least; `none`: not known, and costs `cost_` or more
   Each<bool> merged_;
   Each<Moments> moments_;
   Each<float> diagonal_[3], others_[3];  ///< of covariances
-  Each<float> x_, y_, z_, red_, green_, blue_, mass_, cost_;
+  Each<float> x_, y_, z_, red_, green_, blue_, inverse_mass_, cost_;
   Each<float> gone_{};  ///< `never` of a node that merged into another, else 0: it adds to costs
 };
 
