@@ -19,32 +19,6 @@
 namespace swiftgs::test::cut_of_pages {
 namespace {
 
-template <class B, class Sort, class Raster, class Bounds>
-void check_goal_0(const Scene& scene, const PagedScene& pages) {
-  Renderer<B, Sort, Raster, Bounds> renderer;
-  PagePool<B> pool(renderer.backend(), pages);
-  const Camera camera = builtin_camera(width, height);
-  const std::vector<View> views = front();
-  Cut cut = pool.cut(all_of(views), {.pixels = 0});
-  pool.wait(cut);
-  CHECK(cut.missing() == 0);
-  CHECK(cut.pixels() == 0);
-  const auto whole = renderer.backend().upload(scene);
-  INFO(std::string(renderer.name));
-  CHECK(renderer.render(cut.scenes(), camera).colour == renderer.render(whole, camera).colour);
-}
-
-TEST_CASE_TEMPLATE("pages: a complete cut of goal 0 has the bits of the scene", B, Serial, Cpu) {
-  const TemporaryFolder folder;
-  const Scene scene = ordered_scene(6000);
-  const PagedScene pages = pages_of(folder, scene);
-  using Raster = AxisSharedThreshold<FloatCholesky>;
-  for_each_type(AllSorts(),
-                [&](auto sort) { check_goal_0<B, decltype(sort), Raster, Ellipse>(scene, pages); });
-  for_each_type(AllBounds(),
-                [&](auto bounds) { check_goal_0<B, EarlySort, Raster, decltype(bounds)>(scene, pages); });
-}
-
 TEST_CASE("pages: goal 0 has the bits of the scene through any lens and of two placed scenes") {
   const TemporaryFolder folder;
   const Scene scene = ordered_scene(6000);

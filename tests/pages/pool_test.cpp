@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <doctest/doctest.h>
+#include <sys/resource.h>
 
 #include <swiftgs/cpu.hpp>
 #include <swiftgs/error.hpp>
@@ -76,6 +77,13 @@ TEST_CASE("pages: views from many sides within little memory have no holes and k
   }
 }
 
+/// How often the system has had this thread wait: for a lock, a file or a time.
+long waits() {
+  rusage usage{};
+  REQUIRE(::getrusage(RUSAGE_THREAD, &usage) == 0);
+  return usage.ru_nvcsw;
+}
+
 TEST_CASE("pages: a cut never waits for a source that stands still") {
   const auto source = TestSource::of(ordered_scene(5000));
   const PagedScene pages = open(source);
@@ -93,7 +101,9 @@ TEST_CASE("pages: a cut never waits for a source that stands still") {
   const std::vector<View> views = front();
   Cut cut;
   while (stopped == 0) cut = pool.cut(all_of(views), {.pixels = 0});
+  const long before = waits();
   for (int i = 0; i < 100; ++i) cut = pool.cut(all_of(views), {.pixels = 0});  // hangs here if one waits
+  CHECK(waits() == before);
   CHECK(stopped == 1);
   CHECK(cut.late() == cut.missing());
   CHECK(cut.scenes().size() == 1);
