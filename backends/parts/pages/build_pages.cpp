@@ -9,7 +9,6 @@
 #include <swiftgs/edit/origin.hpp>
 #include <swiftgs/edit/select.hpp>
 #include <swiftgs/error.hpp>
-#include <swiftgs/frame/half.hpp>
 #include <swiftgs/io/capture.hpp>
 #include <swiftgs/io/replace_file.hpp>
 #include <swiftgs/pages/build_pages.hpp>
@@ -141,7 +140,7 @@ class Builder {
       if (options_.order) {
         std::vector<std::uint32_t> order(count);
         std::iota(order.begin(), order.end(), 0u);
-        pages::order_by_halves(all.scene.means, order, options_.page_size, chunk_size);
+        pages::order_by_halves(all.scene.means, order, options_.page_size, chunk_size, threads_);
         all.scene = subset(all.scene, order);
         for (std::uint32_t& number : order) number = all.ids[number];
         all.ids = std::move(order);
@@ -171,10 +170,6 @@ class Builder {
 
   Subtree join(Subtree a, Subtree b) {
     Nodes nodes = pages::merge(a.nodes, b.nodes, threads_);
-    // A node is no Gaussian that somebody trained: halves hold it well enough. Pages need not keep the sign
-    // of 0, so that none has one: nodes read from a page are those that were written.
-    for (float& value : nodes.scene.sh_rest)
-      value = to_float(to_half(std::clamp(value, -65504.0f, 65504.0f))) + 0.0f;
     Page page;
     page.left = a.page, page.right = b.page, page.first = writer_.page(a.page).first;
     for (const std::uint32_t child : {a.page, b.page})

@@ -4,10 +4,12 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <span>
 
 #include <glm/matrix.hpp>
 
 #include <swiftgs/edit/rotation.hpp>
+#include <swiftgs/frame/half.hpp>
 #include <swiftgs/tools/parallel.hpp>
 
 #include "nodes.hpp"
@@ -115,6 +117,9 @@ class Block {
     for (std::size_t i = 0; i < count_; ++i) {
       if (gone_[i] != 0) continue;
       merged_[i] ? write_merged(out, to, moments_[i]) : copy(out, to, member_[i]);
+      // Pages need not keep the sign of 0, so no node has one: those read from a page are those written.
+      for (float& value : std::span(out.scene.sh_rest).subspan(each_ * to, each_))
+        value = to_float(to_half(std::clamp(value, -65504.0f, 65504.0f))) + 0.0f;
       ++to;
     }
   }
@@ -242,7 +247,7 @@ Nodes merge(const Nodes& left, const Nodes& right, int threads) {
   const std::size_t each = 3 * std::size_t(sh_rest_count(all.scene.sh_degree));
   std::vector<std::uint32_t> order(count);
   std::iota(order.begin(), order.end(), 0u);
-  order_by_halves(all.scene.means, order, count, block_size);
+  order_by_halves(all.scene.means, order, count, block_size, threads);
 
   const std::size_t blocks = (count + block_size - 1) / block_size;
   const auto members = [&](std::size_t k) {

@@ -25,12 +25,14 @@ struct Nodes {
 int longest_axis(std::vector<vec3> means);
 
 /// Puts `order`, some of `means`, in the order of a kd tree: halves at a multiple of `page` where that leaves
-/// both some, else at a multiple of `least`, down to `least`. Ties keep the order of indices.
+/// both some, else at a multiple of `least`, down to `least`. Ties keep the order of indices, and the result
+/// does not depend on `threads`.
 void order_by_halves(const std::vector<vec3>& means, std::span<std::uint32_t> order, std::size_t page,
-                     std::size_t least);
+                     std::size_t least, int threads);
 
 /// Half as many nodes, rounded up, for those of `left` and `right`. Neighbours merge, those first whose
-/// picture changes least. The result does not depend on `threads`.
+/// picture changes least. Harmonics are rounded to halves: a node is no Gaussian that somebody trained. The
+/// result does not depend on `threads`.
 Nodes merge(const Nodes& left, const Nodes& right, int threads);
 
 /// Sets `finest` and `errors` of a page by its nodes.

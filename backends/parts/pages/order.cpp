@@ -3,6 +3,8 @@
 #include <utility>
 #include <vector>
 
+#include <swiftgs/tools/parallel.hpp>
+
 #include "nodes.hpp"
 
 namespace swiftgs::pages {
@@ -20,7 +22,7 @@ int longest_axis(std::vector<vec3> means) {
 }
 
 void order_by_halves(const std::vector<vec3>& means, std::span<std::uint32_t> order, std::size_t page,
-                     std::size_t least) {
+                     std::size_t least, int threads) {
   const std::size_t unit = order.size() > page ? page : least;
   if (order.size() <= unit) return;
   const std::size_t units = (order.size() + unit - 1) / unit, left = (units + 1) / 2 * unit;
@@ -33,8 +35,11 @@ void order_by_halves(const std::vector<vec3>& means, std::span<std::uint32_t> or
                      const float x = means[a][axis], y = means[b][axis];
                      return x != y ? x < y : a < b;
                    });
-  order_by_halves(means, order.first(left), page, least);
-  order_by_halves(means, order.subspan(left), page, least);
+  const auto order_half = [&](std::size_t half) {
+    const auto of_half = half == 0 ? order.first(left) : order.subspan(left);
+    order_by_halves(means, of_half, page, least, (threads + 1) / 2);
+  };
+  for_each_index(2, std::min(threads, 2), order_half);
 }
 
 }  // namespace swiftgs::pages
