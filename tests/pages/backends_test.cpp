@@ -36,23 +36,30 @@ SWIFTGS_CONTRACT("pages: a complete cut of goal 0 has the bits of the scene") {
 }
 
 #if defined(SWIFTGS_TEST_CUDA)
-/// Work of a stream that ends when the gate is opened, by itself after half a minute.
+/// Work of a stream that ends when the gate opens: with it, or by itself after five minutes.
 class Gate {
  public:
-  explicit Gate(cudaStream_t stream) {
+  explicit Gate(const Stream& stream) : stream_(stream) {
     check_cuda(cudaLaunchHostFunc(
-                   stream, [](void* gate) { static_cast<Gate*>(gate)->stand(); }, this),
+                   stream.get(), [](void* gate) { static_cast<Gate*>(gate)->stand(); }, this),
                "cudaLaunchHostFunc");
   }
+  ~Gate() {
+    open_ = true;
+    cudaStreamSynchronize(stream_.get());
+  }
+  Gate(const Gate&) = delete;
+  Gate& operator=(const Gate&) = delete;
+
   bool is_closed() const { return !open_; }
-  void open() { open_ = true; }
 
  private:
   void stand() {
-    for (int k = 0; k < 30'000 && !open_; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    for (int k = 0; k < 300'000 && !open_; ++k) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     open_ = true;
   }
 
+  const Stream& stream_;
   std::atomic<bool> open_ = false;
 };
 
@@ -74,14 +81,15 @@ SWIFTGS_CASE_ON("pages: cuts bring and forget pages while the device draws", Cud
   Cuda backend_of_frames(drawing.get(), memory_of(drawing.get())),
       uploader(uploading.get(), memory_of(uploading.get()));
   PagePool<Cuda> pool(backend_of_frames, pages, {.bytes = 2'000'000, .waiting = 200'000}, &uploader);
-  Gate gate(drawing.get());
+  Gate gate(drawing);
   std::size_t forgotten = 0;
   for (const Camera& camera : builtin_cameras(40, width, height)) {
     const std::vector<View> views{view_of(camera)};
     for (int frame = 0; frame < 5; ++frame) {
       const std::size_t resident = pool.resident();
       const std::uint64_t uploads = pool.uploads();
-      const Cut cut = pool.cut(all_of(views), {.pixels = 0.5});  // opens the gate here if it waits
+      const Cut cut =
+          pool.cut(all_of(views), {.pixels = 0.5});  // waits here, if it does, until the gate opens
       check_no_hole(cut, pages, views);
       forgotten += resident + std::size_t(pool.uploads() - uploads) - pool.resident();
       std::this_thread::sleep_for(std::chrono::milliseconds(5));
@@ -90,8 +98,6 @@ SWIFTGS_CASE_ON("pages: cuts bring and forget pages while the device draws", Cud
   CHECK(gate.is_closed());
   CHECK(pool.uploads() > 20);
   CHECK(forgotten > 0);
-  gate.open();
-  drawing.wait();
 }
 #endif
 
