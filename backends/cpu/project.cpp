@@ -3,7 +3,7 @@
 #include <utility>
 
 #include <swiftgs/cpu/stages.hpp>
-#include <swiftgs/frame/placed_scene.hpp>
+#include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/project/chunks.hpp>
 #include <swiftgs/project/project.hpp>
 

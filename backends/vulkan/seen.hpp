@@ -8,8 +8,8 @@
 #include <cstdint>
 #include <vector>
 
-#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/placing.hpp>
+#include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/frame/tiles.hpp>
 #include <swiftgs/frame/views.hpp>
 #include <swiftgs/plane/attributes.hpp>

@@ -20,6 +20,7 @@
 #include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/placing.hpp>
 #include <swiftgs/frame/span.hpp>
+#include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/frame/views.hpp>
 #include <swiftgs/memory/scene_arrays.hpp>
 #include <swiftgs/pick.hpp>

@@ -27,6 +27,7 @@
 #include <swiftgs/frame/backend.hpp>
 #include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/stages.hpp>
+#include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/functor/blend.hpp>
 #include <swiftgs/functor/stage_table.hpp>
 #include <swiftgs/lens/view.hpp>

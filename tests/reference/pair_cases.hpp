@@ -11,6 +11,7 @@
 
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/frame/placed_scene.hpp>
+#include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/lens/view.hpp>
 #include <swiftgs/scene.hpp>
 

@@ -28,6 +28,7 @@
 #include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/span.hpp>
 #include <swiftgs/frame/stages.hpp>
+#include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/lens/view.hpp>
 #include <swiftgs/memory/scene_arrays.hpp>
 #include <swiftgs/pick.hpp>

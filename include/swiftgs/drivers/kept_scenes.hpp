@@ -15,6 +15,7 @@
 #include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/render_input.hpp>
 #include <swiftgs/frame/span.hpp>
+#include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/memory/scene_arrays.hpp>
 #include <swiftgs/scene.hpp>
 

@@ -16,6 +16,7 @@
 #include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/raster.hpp>
 #include <swiftgs/frame/span.hpp>
+#include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/frame/views.hpp>
 
 namespace swiftgs {

@@ -17,6 +17,7 @@
 #include <swiftgs/frame/passes.hpp>
 #include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/stages.hpp>
+#include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/frame/tiles.hpp>
 #include <swiftgs/frame/views.hpp>
 

@@ -15,6 +15,7 @@
 #include <swiftgs/frame/rendering_model.hpp>
 #include <swiftgs/frame/span.hpp>
 #include <swiftgs/frame/srgb.hpp>
+#include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/frame/views.hpp>
 
 namespace swiftgs {

@@ -12,6 +12,7 @@
 #include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/span.hpp>
 #include <swiftgs/frame/stages.hpp>
+#include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/frame/views.hpp>
 
 namespace swiftgs {

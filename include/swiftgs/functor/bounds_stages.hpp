@@ -9,9 +9,9 @@
 #include <swiftgs/frame/backend.hpp>
 #include <swiftgs/frame/bounds.hpp>
 #include <swiftgs/frame/frame_plan.hpp>
-#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/placing.hpp>
 #include <swiftgs/frame/splats.hpp>
+#include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/project/project.hpp>
 
 namespace swiftgs {

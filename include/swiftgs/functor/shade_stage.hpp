@@ -8,8 +8,8 @@
 #include <swiftgs/frame/api.hpp>
 #include <swiftgs/frame/backend.hpp>
 #include <swiftgs/frame/frame_plan.hpp>
-#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/splats.hpp>
+#include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/project/colour.hpp>
 #include <swiftgs/project/project.hpp>
 

@@ -8,9 +8,9 @@
 #include <swiftgs/frame/lens.hpp>
 #include <swiftgs/frame/math.hpp>
 #include <swiftgs/frame/passes.hpp>
-#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/scene_view.hpp>
 #include <swiftgs/frame/splats.hpp>
+#include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/frame/tiles.hpp>
 #include <swiftgs/frame/view_constants.hpp>
 #include <swiftgs/frame/views.hpp>

@@ -16,6 +16,7 @@
 #include <swiftgs/frame/raster.hpp>
 #include <swiftgs/frame/sort.hpp>
 #include <swiftgs/frame/splats.hpp>
+#include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/frame/views.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
 #include <swiftgs/sort/early.hpp>

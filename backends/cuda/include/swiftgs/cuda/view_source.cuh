@@ -3,8 +3,8 @@
 
 #include <cstdint>
 
-#include <swiftgs/frame/placed_scene.hpp>
 #include <swiftgs/frame/raster.hpp>
+#include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/frame/views.hpp>
 
 namespace swiftgs::kernels {

@@ -18,6 +18,7 @@
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame/learnt.hpp>
 #include <swiftgs/frame/placed_scene.hpp>
+#include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/mpi/counters.hpp>
 #include <swiftgs/mpi/direct_link.hpp>
 #include <swiftgs/mpi/identity.hpp>
