@@ -224,7 +224,7 @@ class Contributions {
   explicit Contributions(B backend)
       : stages_(std::move(backend), {bounds_stages<B, Ellipse>(), {}, common_stages<B>()},
                 std::make_unique<SortStageOf<B, EarlySort, Ellipse>>()) {
-    use_memory_of(stages_.backend(), sums_, plan_memory_.views, plan_memory_.scenes);
+    use_memory_of(stages_.backend(), sums_, plan_memory_);
   }
 
   /// Sets all sums to 0.

@@ -92,7 +92,7 @@ class RecordedFrames {
     check_models(scenes);
     for (const View& view : views_.each) check_shown(scenes, view);
     check_ready(b);
-    scenes_ = store_scenes(b, scenes, views_.each, scene_storage_, ViewAccess::stored);
+    scenes_ = store_scenes(b, scenes, views_.each, memory_.scenes, ViewAccess::stored);
   }
 
   /// The placed scenes that `record(renderer, report)` renders, in memory of the backend, until the next
@@ -141,7 +141,7 @@ class RecordedFrames {
     record_scenes(renderer, scenes_, report, before_raster);
   }
 
-  static auto buffers(auto& self) { return std::tie(self.view_storage_, self.scene_storage_); }
+  static auto buffers(auto& self) { return std::tie(self.memory_); }
 
  private:
   template <class BeforeRaster>
@@ -158,7 +158,7 @@ class RecordedFrames {
     renderer.stages().run(frame, hooks);
     if constexpr (B::reaches_host_memory)
       if (report->overflowed != 0) return;  // its lists were not made
-    renderer.note({LastFrame::Kind::recorded, views_, parts_.owners(), {}});
+    renderer.note({LastFrame::Kind::recorded, views_, memory_.planned.owners(), {}});
   }
 
   /// Takes what to reserve for. Nothing is reserved until `reserve` ends.
@@ -170,7 +170,7 @@ class RecordedFrames {
     models_.clear();
     for (const PlacedScene& placed : scenes.each()) models_.push_back(placed.scene.model);
     scenes_ =
-        store_scenes(b, scenes, views_.each, scene_storage_, alone_ ? ViewAccess::any : ViewAccess::stored);
+        store_scenes(b, scenes, views_.each, memory_.scenes, alone_ ? ViewAccess::any : ViewAccess::stored);
   }
 
   /// A frame of `scenes` that reports to `report`. Throws `InvalidArgument` if nothing is reserved, and
@@ -186,16 +186,15 @@ class RecordedFrames {
 
   void take_views(B& b, Span<const View> views, const auto& scenes) {
     for (const View& view : views) validate(view), detail::check_tiles(view);
-    PanoramaParts parts;
-    ModelledViews modelled;
-    views = modelled.of(parts.of(views), scenes);
+    PlannedViews planned;
+    views = planned.of(views, scenes);
     if (reserved_) check_suits(views);
     check_ready(b);
     const bool through_lens = reserved_ && views_.through_lens;
     views_ = {};
-    views_ = store_views(b, views, view_storage_, ViewAccess::stored);
+    views_ = store_views(b, views, memory_.views, ViewAccess::stored);
     views_.through_lens |= through_lens;
-    parts_ = std::move(parts);
+    memory_.planned = std::move(planned);
   }
 
   /// Stored views follow the models of the scenes that were reserved for.
@@ -232,11 +231,9 @@ class RecordedFrames {
     return same && attribute_count(a) == attribute_count(b);
   }
 
-  ViewStorage<B> view_storage_;
-  SceneStorage<B> scene_storage_;
-  Views views_;          ///< in `view_storage_`
-  StoredScenes scenes_;  ///< in `scene_storage_`
-  PanoramaParts parts_;
+  PlanMemory<B> memory_;
+  Views views_;                         ///< in `memory_`
+  StoredScenes scenes_;                 ///< likewise
   bool alone_ = false;                  ///< whether the reservation was for a scene alone
   std::vector<RenderingModel> models_;  ///< of the scenes of the reservation
   std::optional<Reservation> reserved_;

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include <swiftgs/error.hpp>
@@ -48,7 +49,7 @@ inline void blend_in_linear_light(View& view) {
 }
 
 /// `view` with its request, and nothing left to the scenes of its frame but what may differ among them, which
-/// `eye` finds. Throws `InvalidArgument` as `ModelledViews`.
+/// `eye` finds. Throws `InvalidArgument` as `PlannedViews`.
 inline View modelled(View view, const auto& shown, std::size_t v) {
   const RenderingModel common = common_model(shown, view, v);
   view.request = view.asked();
@@ -66,19 +67,26 @@ inline View modelled(View view, const auto& shown, std::size_t v) {
 }
 }  // namespace detail
 
-/// Views as their scenes were trained to be drawn, where conventions leave it to them.
-class ModelledViews {
+/// Views as a frame draws them: panoramas in parts, and all as their scenes were trained to be drawn where
+/// conventions leave it to them.
+class PlannedViews {
  public:
-  /// Copies of `views`, which hold until the next call. Throws `InvalidArgument` if a view leaves the
-  /// kind of colours to scenes of both kinds, and if one with an occluder is ordered by distance.
+  /// Copies of `views`, which hold until the next call. Throws `InvalidArgument` as `PanoramaParts`, if a
+  /// view leaves the kind of colours to scenes of both kinds, and if one with an occluder is ordered by
+  /// distance.
   Span<const View> of(Span<const View> views, const auto& scenes) {
+    const Span<const View> parts = parts_.of(views);
     views_.clear();
-    for (std::size_t v = 0; v < views.size; ++v)
-      views_.push_back(detail::modelled(views[v], scenes.shown(views[v]), v));
+    for (std::size_t v = 0; v < parts.size; ++v)
+      views_.push_back(detail::modelled(parts[v], scenes.shown(parts[v]), v));
     return {views_.data(), views_.size()};
   }
 
+  /// As `PanoramaParts::owners`.
+  Span<const std::uint32_t> owners() const { return parts_.owners(); }
+
  private:
+  PanoramaParts parts_;
   std::vector<View> views_;
 };
 
@@ -159,10 +167,11 @@ struct FramePlan {
 /// Memory of plans. What a plan points to holds until the next plan that uses the same memory.
 template <class B>
 struct PlanMemory {
-  PanoramaParts parts;
-  ModelledViews modelled;  ///< of the views in `parts`
+  PlannedViews planned;
   ViewStorage<B> views;
   SceneStorage<B> scenes;
+
+  static auto buffers(auto& self) { return std::tie(self.views, self.scenes); }
 };
 
 /// Plans a frame of valid views: cuts panoramas, gives views their requests and the models of their scenes,
@@ -171,7 +180,7 @@ struct PlanMemory {
 template <class B, class Choose>
 FramePlan plan_frame(B& b, const PlacedScenes& scenes, Span<const View> views, PlanMemory<B>& memory,
                      const Choose& choose) {
-  views = memory.modelled.of(memory.parts.of(views), scenes);
+  views = memory.planned.of(views, scenes);
   check_ready(b);
   const StoredScenes stored = store_scenes(b, scenes, views, memory.scenes);
   return FramePlan(store_views(b, choose(stored, views), memory.views), stored);

@@ -36,7 +36,7 @@ class FrameRenderer {
  public:
   FrameRenderer(B backend, const StageTable<B>& table, std::unique_ptr<SortStage<B>> sort)
       : stages_(std::move(backend), table, std::move(sort)) {
-    use_memory_of(this->backend(), plan_memory_.views, plan_memory_.scenes);
+    use_memory_of(this->backend(), plan_memory_);
   }
 
   B& backend() { return stages_.backend(); }
@@ -54,12 +54,10 @@ class FrameRenderer {
   void render_into(const PlacedScenes& scenes, Span<const View> views, FrameHooks& hooks) {
     for (const View& view : views) validate(view);
     last_ = {};
-    FrameKey key;
-    FramePlan plan = plan_frame(backend(), scenes, views, plan_memory_,
-                                [&](const StoredScenes& stored, Span<const View> cut) {
-                                  key = FrameKey::of(stored, cut);
-                                  return may_gain_by_coarse_tiles() ? tiles_.choose(key, cut) : cut;
-                                });
+    FramePlan plan = plan_frame(
+        backend(), scenes, views, plan_memory_, [&](const StoredScenes& stored, Span<const View> cut) {
+          return tiles_.choose(FrameKey::of(stored, cut), cut, may_gain_by_coarse_tiles());
+        });
     if constexpr (B::reaches_host_memory) {
       stages_.run(plan, hooks);
       report_ = stages_.report(plan);
@@ -72,9 +70,9 @@ class FrameRenderer {
       });
       stages_.set_intersections(report_.intersections);
     }
-    tiles_.learn(key, report_.visible);
+    tiles_.learn(report_.visible);
     gaussians_ = plan.scenes.gaussians();
-    last_ = {LastFrame::Kind::drawn, plan.views, plan_memory_.parts.owners(), plan.scenes};
+    last_ = {LastFrame::Kind::drawn, plan.views, plan_memory_.planned.owners(), plan.scenes};
   }
   void render_into(const PlacedScenes& scenes, Span<const View> views) {
     NoHooks none;
@@ -98,9 +96,8 @@ class FrameRenderer {
     b.wait();
     last_ = {};
     stages_.trim();
-    trim_parts(b, plan_memory_.views, plan_memory_.scenes);
+    trim_parts(b, plan_memory_);
     if constexpr (requires { b.trim(); }) b.trim();
-    plan_memory_.parts = {}, plan_memory_.modelled = {};
     tiles_ = {}, capacity_ = {}, coarse_capacity_ = {};
   }
 
@@ -108,7 +105,7 @@ class FrameRenderer {
   /// so far, and are empty after `trim`.
   StageMemory memory() const {
     StageMemory memory = stages_.memory();
-    memory.project += bytes_of(plan_memory_.views, plan_memory_.scenes);
+    memory.project += bytes_of(plan_memory_);
     return memory;
   }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include <swiftgs/error.hpp>
@@ -95,13 +96,14 @@ inline TileGrid coarse(const View& view) {
 class TileChoice {
  public:
   /// The views of a frame, with coarser tiles if the frame before had the same `key` and would have gained by
-  /// them. They hold until the next call.
-  Span<const View> choose(const FrameKey& key, Span<const View> views) {
-    if (key != key_) return views;
+  /// them; never unless they `may_gain`. They hold until the next call.
+  Span<const View> choose(const FrameKey& key, Span<const View> views, bool may_gain) {
+    if (key != key_) key_ = key, visible_.reset();
+    if (!may_gain || !visible_) return views;
     std::uint64_t pixels = 0;
     for (const View& view : views)
       pixels += std::uint64_t(view.frame.width) * std::uint64_t(view.frame.height);
-    if (!coarse_tiles_gain(visible_, pixels)) return views;
+    if (!coarse_tiles_gain(*visible_, pixels)) return views;
     // All views have tiles of one side.
     coarse_.clear();
     for (const View& view : views) {
@@ -112,12 +114,12 @@ class TileChoice {
     return {coarse_.data(), coarse_.size()};
   }
 
-  /// A frame with this key showed so many splats.
-  void learn(const FrameKey& key, std::uint64_t visible) { key_ = key, visible_ = visible; }
+  /// The frame that it chose for last showed so many splats.
+  void learn(std::uint64_t visible) { visible_ = visible; }
 
  private:
   FrameKey key_;
-  std::uint64_t visible_ = 0;
+  std::optional<std::uint64_t> visible_;  ///< of the last frame with this key
   std::vector<View> coarse_;
 };
 

@@ -47,7 +47,7 @@ struct View {
   TileGrid grid{};     ///< covers `frame`
   FrameView frame{};
   ShownScenes shows{};
-  // As of `Conventions`: `ModelledViews` takes what is left to the scenes from them.
+  // As of `Conventions`: `PlannedViews` take what is left to the scenes from them.
   bool order_of_scenes = false, colours_of_scenes = false;
   Request request{};  ///< `asked`, in a planned frame
   ColourSpace colours = ColourSpace::srgb;

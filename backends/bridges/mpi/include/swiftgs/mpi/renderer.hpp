@@ -141,8 +141,8 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   static constexpr int most_ranks = 65535;
 
   static auto parts(auto& self) {
-    return std::tie(self.plan_memory_.views, self.plan_memory_.scenes, self.shares_, self.colours_,
-                    self.exchange_, self.strip_storage_, self.strip_footprints_, self.frames_);
+    return std::tie(self.plan_memory_, self.shares_, self.colours_, self.exchange_, self.strip_storage_,
+                    self.strip_footprints_, self.frames_);
   }
 
   /// Points on the backend's clock between stages.
@@ -274,8 +274,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   FramePlan project_part(const PlacedScenes& part, Span<const View> views, RankCounters& mine) {
     FramePlan plan =
         plan_frame(backend(), part, views, plan_memory_, [&](const StoredScenes&, Span<const View> cut) {
-          key_ = FrameKey::of({}, cut);
-          return one_.may_gain_by_coarse_tiles() ? tiles_.choose(key_, cut) : cut;
+          return tiles_.choose(FrameKey::of({}, cut), cut, one_.may_gain_by_coarse_tiles());
         });
     mine.gaussians = plan.scenes.gaussians();
     const std::uint32_t rows = plan.views.tiles.rows;
@@ -306,7 +305,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     for (Strip& strip : strips_)
       for (ViewStrip& view_strip : strip.view_strips) {
         const View& part = plan.views[view_strip.view];
-        view_strip.view = owner_of(plan_memory_.parts.owners(), view_strip.view);
+        view_strip.view = owner_of(plan_memory_.planned.owners(), view_strip.view);
         view_strip.first_column = part.left() - views[view_strip.view].left();
       }
     exchange_.prepare_strips(backend(), strips_, shares_, colours_, {offers_.data(), offers_.size()},
@@ -411,7 +410,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
       taken.push_back(rank.strip_ns);
     }
     counters_ = std::move(counters);
-    tiles_.learn(key_, counters_.visible());
+    tiles_.learn(counters_.visible());
     strip_plan_->learn({taken.data(), taken.size()});
     complete_ = true;
   }
@@ -427,8 +426,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   SplatExchange<B> exchange_;
   StripFrames<B> frames_;
   std::optional<StripPlan> strip_plan_;
-  TileChoice tiles_;
-  FrameKey key_;               ///< of the views alone
+  TileChoice tiles_;           ///< by the views alone
   std::vector<View> views_;    ///< of cameras
   std::vector<Strip> strips_;  ///< of all ranks
   std::vector<Offer> offers_;  ///< from each rank
