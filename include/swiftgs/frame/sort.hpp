@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <tuple>
 #include <utility>
 
 #include <swiftgs/error.hpp>
@@ -97,6 +98,20 @@ template <class B>
 struct IntersectionScratch;
 template <class B>
 struct GroupScratch;
+
+/// Intersections with keys to sort them by, and the memory that their emission works in.
+template <class B, class Key>
+struct KeyedIntersections {
+  IntersectionScratch<B> emission;
+  Pairs<B, Key> intersections;
+
+  void reserve(B& b, const Reservation& reserved) {
+    reserve_parts(b, reserved, emission);
+    intersections.reset_exactly(reserved.capacity.intersections);
+    reserve_sort(b, reserved.capacity.intersections);
+  }
+  static auto buffers(auto& self) { return std::tie(self.emission, self.intersections); }
+};
 
 /// Throws `InvalidArgument` if footprints do not have as many intersections as they say.
 inline void check_sum(std::uint64_t said, std::uint64_t sum) {

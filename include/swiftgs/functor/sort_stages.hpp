@@ -82,17 +82,7 @@ Count emit_intersections(B& b, const SortJob& job, const Bounds& bounds, const s
 
 /// Memory that grouping works in.
 template <class B>
-struct GroupScratch {
-  IntersectionScratch<B> emission;
-  Pairs<B, std::uint32_t> intersections;
-
-  void reserve(B& b, const Reservation& reserved) {
-    reserve_parts(b, reserved, emission);
-    intersections.reset_exactly(reserved.capacity.intersections);
-    reserve_sort(b, reserved.capacity.intersections);
-  }
-  static auto buffers(auto& self) { return std::tie(self.emission, self.intersections); }
-};
+struct GroupScratch : KeyedIntersections<B, std::uint32_t> {};
 
 /// Lists for every tile the splats that may touch it, in the given order: emits the intersections in that
 /// order and sorts them by tile alone, stably and by as few bits as the tiles need. Backends overload this.

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <tuple>
+#include <cstdint>
+#include <string_view>
 
 #include <swiftgs/frame/sort.hpp>
 
@@ -13,17 +14,7 @@ struct StandardSort {
   static constexpr std::string_view name = "standard";
 
   template <class B>
-  struct Scratch {
-    IntersectionScratch<B> emission;
-    Pairs<B, std::uint64_t> intersections;
-
-    void reserve(B& b, const Reservation& reserved) {
-      reserve_parts(b, reserved, emission);
-      intersections.reset_exactly(reserved.capacity.intersections);
-      reserve_sort(b, reserved.capacity.intersections);
-    }
-    static auto buffers(auto& self) { return std::tie(self.emission, self.intersections); }
-  };
+  using Scratch = KeyedIntersections<B, std::uint64_t>;
 
   template <class B, class Bounds>
   void build(B& b, const SortJob& job, const Bounds& bounds, Scratch<B>& scratch, TileLists<B>& lists) {
