@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cstddef>
 
+#include <swiftgs/cuda/features.hpp>
 #include <swiftgs/cuda/launch.cuh>
-#include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/cuda/view_source.cuh>
 #include <swiftgs/plane/attribute_stage.hpp>
 

@@ -2,6 +2,7 @@
 #include <cstdint>
 
 #include <swiftgs/contribution.hpp>
+#include <swiftgs/cuda/features.hpp>
 #include <swiftgs/cuda/launch.cuh>
 
 #include "lane_blender.cuh"

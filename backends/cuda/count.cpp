@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <swiftgs/cuda/stages.hpp>
+#include <swiftgs/cuda/features.hpp>
 #include <swiftgs/functor/count_on_host.hpp>
 
 namespace swiftgs {

@@ -2,9 +2,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <swiftgs/cuda/features.hpp>
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/raster_block.cuh>
-#include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/cuda/warp.cuh>
 #include <swiftgs/pick.hpp>
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cuda_fp16.h>
 
-#include <swiftgs/cuda/stages.hpp>
+#include <swiftgs/cuda/features.hpp>
 
 #include "block.cuh"
 #include "planes.hpp"

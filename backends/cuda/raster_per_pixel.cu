@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <swiftgs/cuda/features.hpp>
 #include <swiftgs/cuda/launch.cuh>
-#include <swiftgs/cuda/stages.hpp>
 #include <swiftgs/raster/per_pixel.hpp>
 
 #include "block.cuh"
-#include "exponents.hpp"
+#include "other_exponents.hpp"
 
 namespace swiftgs {
 

@@ -17,7 +17,7 @@
 
 #include "blending.hpp"
 #include "cuda/exact_square.hpp"
-#include "exponents.hpp"
+#include "other_exponents.hpp"
 #include "policies/random_splats.hpp"
 #include "sh_words.hpp"
 

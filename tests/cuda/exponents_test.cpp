@@ -12,6 +12,7 @@
 
 #include "blending.hpp"
 #include "cuda/exact_square.hpp"
+#include "other_exponents.hpp"
 #include "policies/random_splats.hpp"
 
 using namespace swiftgs;

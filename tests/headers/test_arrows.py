@@ -1,17 +1,25 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Features include the frame; the frame includes no feature, and a policy only policies. Reads the include graph of the
-headers."""
+"""Features include the frame; the frame includes no feature, and a policy only policies. A frame of `Cuda` includes no
+feature that it does without. Reads the include graph."""
 import fnmatch
 import pathlib
 import re
 import sys
 
-ROOT = pathlib.Path(__file__).resolve().parents[2] / "include/swiftgs"
+TREE = pathlib.Path(__file__).resolve().parents[2]
+ROOT, CUDA = TREE / "include/swiftgs", TREE / "backends/cuda"
 
 CORE = ["frame/frame_renderer.hpp"]
 # The most that a reader of the frame has to read. Lower them when the frame shrinks.
 MOST_FILES, MOST_LINES = 29, 4320
+
+# A frame of `Cuda` starts at these files of the headers and of the backend, and includes none of what stands beside it.
+OF_HEADERS = "frame/frame_renderer.hpp bounds/ellipse.hpp sort/early.hpp raster/axis_shared.hpp".split()
+OF_CUDA = ("include/swiftgs/cuda/stages.hpp cuda.cu memory.cpp stages.cu shade.cu sort.cu raster_order.cu "
+           "raster_float_cholesky.cu").split()
+BESIDE_CUDA = ["features.hpp", "other_exponents.hpp", "pick*.cuh", "sum.cuh", "split.hpp", "per_pixel.hpp"]
+MOST_CUDA_FILES, MOST_CUDA_LINES = 85, 11850
 
 FEATURES = {
     "drivers": ["drivers/*", "renderer.hpp", "any_renderer.hpp", "contribution.hpp", "pick.hpp"],
@@ -52,6 +60,35 @@ def closure(headers):
     return by
 
 
+def cuda_closure():
+    """Each file of the library that a frame of `Cuda` includes."""
+    roots = [TREE / "include", CUDA / "include"]
+    queue = [ROOT / name for name in OF_HEADERS] + [CUDA / name for name in OF_CUDA]
+    for path in queue:
+        for mark, name in re.findall(r'^#include ([<"])([^>"]+)[>"]', path.read_text(), re.M):
+            found = [root / name for root in ([path.parent] if mark == '"' else []) + roots if (root / name).exists()]
+            queue += [header for header in found[:1] if header not in queue]
+    return queue
+
+
+def wrong_of_cuda(paths):
+    """What is wrong with the files of a frame of `Cuda`."""
+    without = [pattern for feature in ("drivers", "planes", "loops over functors", "files, edits and judges", "pages")
+               for pattern in FEATURES[feature]]
+    named = [str(path.relative_to(ROOT)) if ROOT in path.parents else path.name for path in paths]
+    wrong = [f"a frame of Cuda includes {name}" for name in named
+             if any(fnmatch.fnmatch(name, pattern) for pattern in without)
+             or any(fnmatch.fnmatch(name.split("/")[-1], pattern) for pattern in BESIDE_CUDA)]
+    return wrong + too_many("a frame of Cuda", paths, MOST_CUDA_FILES, MOST_CUDA_LINES)
+
+
+def too_many(who, paths, most_files, most_lines):
+    lines = sum(path.read_text().count("\n") for path in paths)
+    if len(paths) <= most_files and lines <= most_lines:
+        return []
+    return [f"{who} includes {len(paths)} files of {lines} lines, expected at most {most_files} of {most_lines}"]
+
+
 def way(by, header):
     return header if by[header] is None else f"{way(by, by[header])} > {header}"
 
@@ -83,10 +120,9 @@ def main():
         for name in sorted(found.symmetric_difference(expected.split())):
             wrong.append(f"{feature} {'include' if name in found else 'do not include'} frame/{name}.hpp, expected "
                          f"{expected}")
-    lines = sum((ROOT / header).read_text().count("\n") for header in core)
-    if len(core) > MOST_FILES or lines > MOST_LINES:
-        wrong.append(f"the frame includes {len(core)} headers of {lines} lines, expected at most {MOST_FILES} of {MOST_LINES}")
-    print("\n".join(wrong) or f"{len(core)} headers of {lines} lines")
+    wrong += too_many("the frame", [ROOT / header for header in core], MOST_FILES, MOST_LINES)
+    wrong += wrong_of_cuda(cuda_closure())
+    print("\n".join(wrong) or f"{len(core)} headers of the frame, {len(cuda_closure())} files of a frame of Cuda")
     return 1 if wrong else 0
 
 

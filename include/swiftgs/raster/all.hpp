@@ -3,6 +3,7 @@
 
 #include <swiftgs/raster/axis_shared.hpp>
 #include <swiftgs/raster/per_pixel.hpp>
+#include <swiftgs/raster/split.hpp>
 #include <swiftgs/tools/policy_lists.hpp>
 
 namespace swiftgs {

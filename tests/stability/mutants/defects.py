@@ -134,7 +134,7 @@ DEFECTS = [
         ("exponential off by 1e-6 of log2_e",
          "std::exp2(-(u * u + v * v){+ * (1 + 1e-6f)+})",
          "moves alpha by at most 1e-6 / e, three roundings of ten that the gate allows")),
-    *defects("raster", I + "raster/exponents.hpp",
+    *defects("raster", I + "raster/split.hpp",
         ("float-split from the mean",
          "FloatSplit(const SplatShape& s, vec2 centre) : centre_([-centre) {-]{+s.mean) {\n    centre = s.mean;+}"),
         ("float-split without the cut at 0", "return s[- < 0 ? 0 : s-];"),

@@ -4,7 +4,7 @@
 /// @file
 /// The backend `Cuda`, for programs.
 
-#include <swiftgs/cuda/stages.hpp>
+#include <swiftgs/cuda/features.hpp>
 #include <swiftgs/drivers/bound_renderer.hpp>
 
 namespace swiftgs {

@@ -26,6 +26,7 @@
 #include <swiftgs/memory/host_scene.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
 #include <swiftgs/raster/per_pixel.hpp>
+#include <swiftgs/raster/split.hpp>
 
 namespace swiftgs {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 /// @file
-/// The overloads of each stage for `Cuda`.
+/// The stages of a frame of `Cuda`, as overloads. `<swiftgs/cuda/features.hpp>` has those of features.
 
 #include <cstddef>
 #include <cstdint>
@@ -19,6 +19,7 @@
 #include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/frame/views.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
+#include <swiftgs/raster/exponents.hpp>
 #include <swiftgs/sort/early.hpp>
 
 namespace swiftgs {
@@ -108,46 +109,14 @@ void group_by_tile(Cuda& cuda, const SortJob& job, const Bounds& bounds, const s
   job.footprints.views.tiles.key_bits() <= 16 ? group(scratch.narrow) : group(scratch.wide);
 }
 
-struct PerPixel;
-/// One thread per pixel, splats in shared memory.
-SWIFTGS_API void rasterize(Cuda& cuda, PerPixel, const RasterJob& job);
-/// Terms in shared memory, eight splats at a time (SwiftGS, section 5.1).
-SWIFTGS_API void rasterize(Cuda& cuda, AxisShared<HalfSplit>, const RasterJob& job);
-SWIFTGS_API void rasterize(Cuda& cuda, AxisSharedThreshold<HalfSplit>, const RasterJob& job);
 /// Terms in registers, one warp per warp block of 8x8 pixels.
-SWIFTGS_API void rasterize(Cuda& cuda, AxisShared<FloatSplit>, const RasterJob& job);
-SWIFTGS_API void rasterize(Cuda& cuda, AxisSharedThreshold<FloatSplit>, const RasterJob& job);
 SWIFTGS_API void rasterize(Cuda& cuda, AxisShared<FloatCholesky>, const RasterJob& job);
 SWIFTGS_API void rasterize(Cuda& cuda, AxisSharedThreshold<FloatCholesky>, const RasterJob& job);
 
-/// Warps of these four rasterizers test each listed splat once. Threads of the other rasterizers evaluate it
-/// at every pixel.
-template <>
-inline constexpr bool may_gain_by_coarse_tiles<Cuda, AxisShared<FloatSplit>> = true;
-template <>
-inline constexpr bool may_gain_by_coarse_tiles<Cuda, AxisSharedThreshold<FloatSplit>> = true;
+/// Warps test each listed splat once. Threads of rasterizers without warps evaluate it at every pixel.
 template <>
 inline constexpr bool may_gain_by_coarse_tiles<Cuda, AxisShared<FloatCholesky>> = true;
 template <>
 inline constexpr bool may_gain_by_coarse_tiles<Cuda, AxisSharedThreshold<FloatCholesky>> = true;
-
-struct AttributeRow;
-struct SplatAttributes;
-/// One thread per splat.
-SWIFTGS_API void gather_attributes(Cuda& cuda, const SplatAttributes& from, const StoredScenes& scenes,
-                                   const Views& views, AttributeRow* to);
-
-/// Downloads what `job` was rasterized from, and counts on all cores of the host. Waits.
-SWIFTGS_API FrameCounted count_frame(const Cuda& cuda, const RasterJob& job,
-                                     void (*count)(const RasterJob&, const RasterBlocks&, std::size_t));
-
-struct PickJob;
-/// One warp per pixel, eight pixels of a row in a thread block.
-SWIFTGS_API void pick_pixels(Cuda& cuda, const PickJob& job);
-
-struct ContributionJob;
-/// One warp per warp block, with the bits of every weight that `AxisSharedThreshold<FloatCholesky>` blends
-/// with.
-SWIFTGS_API void add_contributions(Cuda& cuda, const ContributionJob& job);
 
 }  // namespace swiftgs
