@@ -29,10 +29,6 @@
 #endif
 #endif
 
-namespace swiftgs::test {
-std::atomic<std::size_t> own_allocations{0};
-}  // namespace swiftgs::test
-
 using namespace swiftgs;
 using namespace swiftgs::test;
 

@@ -56,18 +56,31 @@ bool unavailable_backend() {
 template <class B>
 inline constexpr bool on_host = std::is_same_v<B, Serial> || std::is_same_v<B, Cpu>;
 
+/// Whether policies of `B` are constants of few shaders. Software compiles a shader for each combination of
+/// constants, so tests take combinations that differ.
+template <class B>
+inline constexpr bool has_shaders = false;
+#if defined(SWIFTGS_TEST_VULKAN)
+template <>
+inline constexpr bool has_shaders<Vulkan> = true;
+#endif
+
 }  // namespace swiftgs::test
 
-/// Types of a TEST_CASE_TEMPLATE: the backends of hosts, and all of this build.
+/// Types of a TEST_CASE_TEMPLATE: the backends of hosts, and all of this build. With `Vulkan` it has no
+/// others, whose cases other programs have.
+#if defined(SWIFTGS_TEST_VULKAN)
+#define SWIFTGS_TEST_HOSTS
+#define SWIFTGS_TEST_BACKENDS swiftgs::Vulkan
+TYPE_TO_STRING(swiftgs::Vulkan);
+#else
 #define SWIFTGS_TEST_HOSTS swiftgs::Serial, swiftgs::Cpu
 #if defined(SWIFTGS_TEST_CUDA)
 #define SWIFTGS_TEST_BACKENDS SWIFTGS_TEST_HOSTS, swiftgs::Cuda
 TYPE_TO_STRING(swiftgs::Cuda);
-#elif defined(SWIFTGS_TEST_VULKAN)
-#define SWIFTGS_TEST_BACKENDS swiftgs::Vulkan
-TYPE_TO_STRING(swiftgs::Vulkan);
 #else
 #define SWIFTGS_TEST_BACKENDS SWIFTGS_TEST_HOSTS
+#endif
 #endif
 
 TYPE_TO_STRING(swiftgs::Serial);

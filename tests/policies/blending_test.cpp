@@ -34,6 +34,11 @@ template <class B, class F>
 void with_each(const F& f) {
   with_each_raster<B, Tested>(f);
 }
+/// Of long lists, for which `Vulkan` has more shaders.
+template <class B, class F>
+void with_some(const F& f) {
+  with_each_raster<B, Tested, SomeRastersOf<B>>(f);
+}
 
 /// How much more than a host a backend may differ from double. A device differs from `Serial` by as much as
 /// that differs from double.
@@ -305,7 +310,7 @@ SplatSet veils(int count, double opacity) {
 
 SWIFTGS_BLENDING("images of many splats are those of Serial with either rule of stopping") {
   for (const Conventions& conventions : {Conventions::gsplat(), Conventions::inria()})
-    with_each<B>([&](const BoundRaster<B>& raster) {
+    with_some<B>([&](const BoundRaster<B>& raster) {
       CHECK(check_against_serial(backend, raster, usual_splats(6000, 200, 150, 12), 200, 150,
                                  {.rules = blend_rules(conventions)}) > 1000);
     });

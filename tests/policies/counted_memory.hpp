@@ -21,7 +21,7 @@
 namespace swiftgs::test {
 
 /// Allocations of the memory that backends of hosts have of their own. allocation_test.cpp counts them.
-extern std::atomic<std::size_t> own_allocations;
+inline std::atomic<std::size_t> own_allocations{0};
 
 /// Blocks that a hook has given out, and which allocation it refuses.
 class CountedBlocks {

@@ -92,11 +92,16 @@ struct Case {
   using SortPolicy = Sort;
 };
 #define SWIFTGS_SORTS_ON(B) Case<B, StandardSort>, Case<B, EarlySort>, Case<B, AdaptiveSort>
+#if defined(SWIFTGS_TEST_VULKAN)
+#define SWIFTGS_SORTS_ON_HOSTS
+#define SWIFTGS_SORTS_ON_BACKENDS Case<Vulkan, EarlySort>
+#else
 #define SWIFTGS_SORTS_ON_HOSTS SWIFTGS_SORTS_ON(Serial), SWIFTGS_SORTS_ON(Cpu)
 #if defined(SWIFTGS_TEST_CUDA)
 #define SWIFTGS_SORTS_ON_BACKENDS SWIFTGS_SORTS_ON_HOSTS, SWIFTGS_SORTS_ON(Cuda)
 #else
 #define SWIFTGS_SORTS_ON_BACKENDS SWIFTGS_SORTS_ON_HOSTS
+#endif
 #endif
 
 }  // namespace swiftgs::test

@@ -39,12 +39,23 @@ struct BoundRaster : RasterStage<B> {
   }
 };
 
+/// Rasterizers that differ on a backend. With shaders `PerPixel` is `AxisShared<FloatCholesky>`.
+template <class B>
+using RastersOf =
+    std::conditional_t<has_shaders<B>, decltype(detail::with_axis_shared(TypeList<>(), AllExponents())),
+                       AllRasters>;
+/// Those for tests of what surrounds them. With shaders they are two constants: two that differ in both.
+template <class B>
+using SomeRastersOf =
+    std::conditional_t<has_shaders<B>, TypeList<AxisShared<FloatSplit>, AxisSharedThreshold<FloatCholesky>>,
+                       AllRasters>;
+
 /// Calls f(raster) with the `BoundRaster` of each rasterizer, or of what `As` makes of it.
-template <class B, template <class> class As = std::type_identity_t, class F>
+template <class B, template <class> class As = std::type_identity_t, class Rasters = RastersOf<B>, class F>
 void with_each_raster(const F& f) {
   std::vector<BoundRaster<B>> rasters;
-  for_each_raster(
-      [&]<class Raster>(Raster) { rasters.push_back(BoundRaster<B>::template of<As<Raster>>()); });
+  for_each_type(Rasters(),
+                [&]<class Raster>(Raster) { rasters.push_back(BoundRaster<B>::template of<As<Raster>>()); });
   for (const BoundRaster<B>& raster : rasters) {
     CAPTURE(raster.name);
     f(raster);
@@ -60,10 +71,10 @@ BoundRenderer<B> renderer_with(const RasterStage<B>& raster, B backend = test::m
           std::make_unique<SortStageOf<B, Sort, Bounds>>()};
 }
 
-/// Calls f(renderer, name) with a renderer of each rasterizer and the rasterizer's name.
+/// Calls f(renderer, name) with a renderer of each of `SomeRastersOf` and the rasterizer's name.
 template <class B, class F>
 void with_each_renderer(const F& f) {
-  with_each_raster<B>([&](const BoundRaster<B>& raster) {
+  with_each_raster<B, std::type_identity_t, SomeRastersOf<B>>([&](const BoundRaster<B>& raster) {
     BoundRenderer<B> renderer = renderer_with<B>(raster);
     f(renderer, raster.name);
   });
