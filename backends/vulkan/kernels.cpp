@@ -29,7 +29,6 @@ namespace {
 #include "shade.comp.hpp"
 #include "sort_count.comp.hpp"
 #include "sort_move.comp.hpp"
-#include "sort_scan.comp.hpp"
 #include "store_image.comp.hpp"
 #include "tile_sums.comp.hpp"
 // clang-format on

@@ -8,11 +8,11 @@
 
 namespace swiftgs::vulkan {
 
-#define SWIFTGS_VULKAN_KERNELS(f)                                                                      \
-  f(fill) f(copy) f(project) f(project_lens) f(compact) f(footprints) f(settle) f(tile_sums) f(emit)   \
-      f(sort_count) f(sort_scan) f(sort_move) f(ranges_clear) f(ranges) f(shade) f(attributes)         \
-          f(attributes_ray) f(raster) f(raster_long) f(pick) f(load_image) f(store_image) f(copy_rows) \
-              f(bound_chunks) f(probe)
+#define SWIFTGS_VULKAN_KERNELS(f)                                                                    \
+  f(fill) f(copy) f(project) f(project_lens) f(compact) f(footprints) f(settle) f(tile_sums) f(emit) \
+      f(sort_count) f(sort_move) f(ranges_clear) f(ranges) f(shade) f(attributes) f(attributes_ray)  \
+          f(raster) f(raster_long) f(pick) f(load_image) f(store_image) f(copy_rows) f(bound_chunks) \
+              f(probe)
 
 /// The shaders, by the names of their files.
 enum class Kernel : std::uint32_t {

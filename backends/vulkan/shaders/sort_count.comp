@@ -4,14 +4,16 @@
 #include "common.glsl"
 #include "sort.glsl"
 
-// Counts the pairs of each part by digit.
+// Counts the pairs of each part and of each run of parts by digit.
 layout(constant_id = 3) const uint KEY_WORDS = 1u;
 
 layout(push_constant, scalar) uniform Push {
   Uints keys;
-  Uints numbers;  // by digit, then by part
+  Uints numbers;    // of parts, by digit
+  Uints sums;       // of runs of parts, by digit
+  Uints next_sums;  // those of the next pass, to be cleared
   Count count;
-  uint shift, mask;
+  uint run, shift, mask;
 };
 
 shared uint number_of_digit[DIGITS];
@@ -28,6 +30,11 @@ void main() {
   [[unroll]] for (uint k = 0u; k < EACH; ++k)
     if (part * PART + k * THREADS + thread() < n) atomicAdd(number_of_digit[(words[k] >> (shift & 31u)) & mask], 1u);
   barrier();
-  if (part < parts)
-    for (uint d = thread(); d < DIGITS; d += THREADS) numbers.at[d * parts + part] = number_of_digit[d];
+  if (part >= parts) return;
+  for (uint d = thread(); d < DIGITS; d += THREADS) {
+    const uint number = number_of_digit[d], of_run = part / run * DIGITS + d;
+    numbers.at[part * DIGITS + d] = number;
+    if (number != 0u) atomicAdd(sums.at[of_run], number);
+    if (part % run == 0u) next_sums.at[of_run] = 0u;
+  }
 }

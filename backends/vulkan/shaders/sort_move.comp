@@ -10,12 +10,11 @@ layout(constant_id = 3) const uint KEY_WORDS = 1u;
 
 layout(push_constant, scalar) uniform Push {
   Uints keys;
-  Uints numbers;  // as sort_scan.comp leaves them
-  Uints totals;
+  Uints numbers, sums;  // as sort_count.comp leaves them
   uvec2 values;
   Uints keys_to, values_to;
   Count count;
-  uint shift, mask;
+  uint run, shift, mask;
 };
 
 const uint SUBGROUPS = THREADS / SUBGROUP;
@@ -25,6 +24,14 @@ shared uint places_of[SUBGROUPS * DIGITS];
 shared uint to_global[DIGITS];  // what leads from a digit's places within the part to those in all
 shared uint exchanged[PART];
 
+// Adds up what rows from `first` to `end` have of digit `d`.
+uint sum_of_rows(Uints rows, uint first, uint end, uint d) {
+  uint sum = 0u;
+  for (; first < end; first += 8u)
+    [[unroll]] for (uint k = 0u; k < 8u; ++k) sum += first + k < end ? rows.at[(first + k) * DIGITS + d] : 0u;
+  return sum;
+}
+
 uint ones(uvec4 lanes) { return bitCount(lanes.x) + bitCount(lanes.y); }
 
 void main() {
@@ -33,14 +40,6 @@ void main() {
   const uint size = min(n - part * PART, PART);
   for (uint d = thread(); d < SUBGROUPS * DIGITS; d += THREADS) places_of[d] = 0u;
 
-  // Issue these loads first; they are used last.
-  const uint DIGITS_EACH = DIGITS / THREADS;
-  uint of_all_parts[DIGITS_EACH], of_earlier_parts[DIGITS_EACH];
-  [[unroll]] for (uint k = 0u; k < DIGITS_EACH; ++k) {
-    const uint d = k * THREADS + thread();
-    of_all_parts[k] = totals.at[d];
-    of_earlier_parts[k] = numbers.at[d * parts + part];
-  }
   const uint first = gl_SubgroupID * SUBGROUP * EACH + gl_SubgroupInvocationID;  // in the part
   uint words[EACH], others[EACH], to[EACH];
   [[unroll]] for (uint k = 0u; k < EACH; ++k) {
@@ -50,6 +49,14 @@ void main() {
       words[k] = word_at(keys, KEY_WORDS, i, shift >> 5);
       if (KEY_WORDS == 2u) others[k] = word_at(keys, KEY_WORDS, i, 1u - (shift >> 5));
     }
+  }
+  // While the pairs are loaded.
+  const uint DIGITS_EACH = DIGITS / THREADS;
+  uint of_all_parts[DIGITS_EACH], of_earlier_parts[DIGITS_EACH];
+  [[unroll]] for (uint k = 0u; k < DIGITS_EACH; ++k) {
+    const uint d = k * THREADS + thread(), own_run = part / run, before_run = sum_of_rows(sums, 0u, own_run, d);
+    of_all_parts[k] = before_run + sum_of_rows(sums, own_run, (parts + run - 1u) / run, d);
+    of_earlier_parts[k] = before_run + sum_of_rows(numbers, own_run * run, part, d);
   }
   barrier();
 
