@@ -72,7 +72,10 @@ void store_colour(RasterView view, uvec2 at, vec4 colour) {
   if (view.format <= rgba_float) {
     const uint channels = view.format == rgb_float ? 3u : 4u;
     Floats p = floats_of(view.colour, at, channels);
-    for (uint c = 0u; c < channels; ++c) p.at[c] = colour[c];
+    p.at[0] = colour.r;
+    p.at[1] = colour.g;
+    p.at[2] = colour.b;
+    if (channels == 4u) p.at[3] = colour.a;
   } else if (view.format == rgba_half) {
     Uints p = words_of(view.colour, at, 2u);
     p.at[0] = to_half(colour.x) | (to_half(colour.y) << 16);

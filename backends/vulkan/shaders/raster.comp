@@ -4,15 +4,13 @@
 #include "common.glsl"
 #include "raster.glsl"
 
-// A subgroup tests a splat a lane against its block and queues those that touch it. It blends as many as it has lanes at
-// a time, in groups: the alphas of a group do not wait for each other, and pixels test once a group whether they stop.
+// A subgroup tests a splat a lane against its block and keeps the ids of those that touch it. It blends as many as it has
+// lanes at a time, in groups: the alphas of a group do not wait for each other, and pixels test once a group whether they
+// stop.
 
 const uint NONE = 0xffffffffu, SUMS = ATTRIBUTES == 0u ? 1u : ATTRIBUTES;
 
-// Two halves: one is filled while the other is blended.
-const uint QUEUE = 2u * SUBGROUP;
-shared vec4 exponents[QUEUE], rests[QUEUE], shades[QUEUE];
-shared uint queued_ids[QUEUE];
+bool needs_ids() { return CONTRIBUTES || PICKS || ATTRIBUTES != 0u || ALONG_RAY; }
 
 // The depth of splat `id` along the ray of a pixel, `place` from the middle of the image.
 float ray_depth_at(uint id, vec2 place) {
@@ -53,7 +51,8 @@ void main() {
   const ivec2 first_pixel = ivec2(grid.first_column, grid.first_row) * grid.side + ivec2(block);
   const vec2 first_centre = vec2(first_pixel) + 0.5;
   const vec2 first_place = first_centre - views.at[0].middle;
-  const uint tile = tile_number(grid, first_pixel.x / grid.side, first_pixel.y / grid.side);
+  const int log2_side = findMSB(grid.side);
+  const uint tile = tile_number(grid, first_pixel.x >> log2_side, first_pixel.y >> log2_side);
   const uint begin = ranges.at[2u * tile], end = ranges.at[2u * tile + 1u];
   if (begin > end) return;  // as of `TileRange::undrawn`
   if (lists == other_lists && end - begin >= long_list) return;
@@ -77,8 +76,10 @@ void main() {
   uint next_id = id_at(begin, end), later_id = id_at(begin + SUBGROUP, end);
   ShapeWords next_shape;
   if (begin < end) next_shape = shapes.at[next_id];
-  uint waiting = 0u, front = 0u, blended = 0u;
+  // Ids of `waiting` splats, one in each lane from the first on.
+  uint waiting_id = 0u, waiting = 0u, blended = 0u;
   for (uint from = begin; from < end || waiting != 0u; from += SUBGROUP) {
+    uint following_id = 0u;  // of those behind as many as there are lanes
     if (from < end) {
       const uint id = next_id;
       const Shape shape = shape_of(next_shape);
@@ -87,40 +88,30 @@ void main() {
       later_id = id_at(from + 2u * SUBGROUP, end);
       const bool touches = from + lane < end && box_touched(shape, first_centre);
       const uvec4 touching = subgroupBallot(touches);
-      if (touches) {
-        const uint slot = (front + waiting + subgroupBallotExclusiveBitCount(touching)) % QUEUE;
-        const Terms terms = terms_of(shape, first_centre, alpha_max);
-        exponents[slot] = terms.exponent;
-        rests[slot] = terms.rest;
-        queued_ids[slot] = id;
-      }
+      if (lane < waiting) exchange(lane, waiting_id);
+      if (touches) exchange(waiting + subgroupBallotExclusiveBitCount(touching), id);
       waiting += subgroupBallotBitCount(touching);
+      share_in_subgroup();
+      waiting_id = exchanged(lane);
+      following_id = exchanged(lane + SUBGROUP);
+      share_in_subgroup();
       if (waiting < SUBGROUP && from + SUBGROUP < end) continue;
     }
 
-    const uint count = min(waiting, SUBGROUP);
-    share_in_subgroup();
-    {
-      const uint slot = front + lane;
-      vec4 shade = vec4(0.0);
-      if (lane >= count) queued_ids[slot] = 0u;
-      else shade = HAS_COLOURS ? colours.at[queued_ids[slot]] : vec4(1.0);
-      shades[slot] = shade;
-      // Neither a hidden splat nor what fills the last group is shown.
-      if (!(shade.w > 0.0)) {
-        exponents[slot] = no_terms().exponent;
-        rests[slot] = no_terms().rest;
-      }
+    const uint count = min(waiting, SUBGROUP), id = lane < count ? waiting_id : 0u;
+    ShapeWords shape = ShapeWords(vec4(0.0), vec4(0.0));
+    vec4 shade = vec4(0.0);
+    if (lane < count) {
+      shape = shapes.at[id];
+      shade = HAS_COLOURS ? colours.at[id] : vec4(1.0);
     }
-    share_in_subgroup();
+    enqueue(shape, shade, first_centre, alpha_max);
 
-    for (uint of_group = front; of_group < front + count; of_group += GROUP) {
+    for (uint of_group = 0u; of_group < count; of_group += GROUP) {
       Group group[EACH];
-      [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
-        const Terms terms = Terms(exponents[of_group + k], rests[of_group + k]);
-        [[unroll]] for (uint p = 0u; p < EACH; ++p)
-          group[p].weight[k] = alpha_of(terms, vec2(place_of(p)), least);
-      }
+      evaluate(of_group, least, group);
+      uint ids_of_group[GROUP];
+      [[unroll]] for (uint k = 0u; k < GROUP; ++k) ids_of_group[k] = needs_ids() ? subgroupShuffle(id, of_group + k) : NONE;
 
       bool some_stop = false, occluded[EACH];
       [[unroll]] for (uint p = 0u; p < EACH; ++p) {
@@ -130,7 +121,7 @@ void main() {
             if (group[p].weight[k] == 0.0) continue;
             // Depths along the ray do not ascend in a list: the pixel skips a hidden splat.
             const bool hidden =
-                (ALONG_RAY ? ray_depth_at(queued_ids[of_group + k], first_place + vec2(place_of(p))) : shades[of_group + k].w) >=
+                (ALONG_RAY ? ray_depth_at(ids_of_group[k], first_place + vec2(place_of(p))) : shades[of_group + k].w) >=
                 occluded_from[p];
             occluded[p] = occluded[p] || (hidden && !ALONG_RAY);
             if (hidden || occluded[p]) group[p].weight[k] = 0.0;
@@ -151,8 +142,8 @@ void main() {
 
       [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
         const vec4 shade = shades[of_group + k];
-        const uint id = CONTRIBUTES || PICKS || ATTRIBUTES != 0u ? queued_ids[of_group + k] : NONE;
-        Floats row = Floats(element(uvec2(attributes), id, 4u * ATTRIBUTES));
+        const uint of_splat = ids_of_group[k];
+        Floats row = Floats(element(uvec2(attributes), of_splat, 4u * ATTRIBUTES));
         uint low_bits = 0u, high_bits = 0u;
         [[unroll]] for (uint p = 0u; p < EACH; ++p) {
           add(pixels[p], group[p].weight[k], shade);
@@ -161,11 +152,11 @@ void main() {
           if (PICKS && w > 0.0) {
             const float behind = group[p].left[k + 1u] * all[p].transmittance;
             if (w > weight_of_largest[p]) {
-              largest[p] = id;
+              largest[p] = of_splat;
               weight_of_largest[p] = w;
             }
-            if (first[p] == NONE && behind < views.at[0].first_below) first[p] = id;
-            if (median[p] == NONE && behind < 0.5) median[p] = id;
+            if (first[p] == NONE && behind < views.at[0].first_below) first[p] = of_splat;
+            if (median[p] == NONE && behind < 0.5) median[p] = of_splat;
           }
           if (CONTRIBUTES) {
             const uint parts = uint(w * alpha_max * 2147483648.0);
@@ -173,11 +164,11 @@ void main() {
             high_bits += parts >> 16;
           }
         }
-        if (CONTRIBUTES && of_group + k < front + count) contribute(gaussians.at[id], low_bits, high_bits);
+        if (CONTRIBUTES && of_group + k < count) contribute(gaussians.at[of_splat], low_bits, high_bits);
       }
     }
     waiting -= count;
-    front ^= SUBGROUP;
+    waiting_id = following_id;
     blended += count;
     bool all_stopped = true;
     [[unroll]] for (uint p = 0u; p < EACH; ++p) all_stopped = all_stopped && pixels[p].limit < 0.0;

@@ -15,9 +15,6 @@ const uint RING = 2048u;
 shared uint ring[RING];
 uint front = 0u, found = 0u, visited;
 
-// Splats that a subgroup blends next.
-shared vec4 exponents[THREADS], rests[THREADS], shades[THREADS];
-
 // Colour and transmittance of pixels behind the segments that are composited, and of each segment of a round; the
 // transmittance of a pixel that stopped is negative.
 shared vec4 composited[PIXELS], segments[SUBGROUPS * PIXELS];
@@ -63,25 +60,15 @@ Found found_at(uint k, bool exists) {
 
 // Blends `count` splats from the `from`-th found on, by a subgroup, which loads them a step ahead.
 void blend(uint from, uint count, vec2 first_centre, inout Pixel pixels[EACH]) {
-  const uint lane = gl_SubgroupInvocationID, first = gl_SubgroupID * SUBGROUP, slot = first + lane;
+  const uint lane = gl_SubgroupInvocationID, first = gl_SubgroupID * SUBGROUP;
   Found next = found_at(from + lane, lane < count);
   for (uint k = 0u; k < count; k += SUBGROUP) {
-    const vec4 shade = next.shade;
-    Terms terms = no_terms();
-    if (shade.w > 0.0) terms = terms_of(shape_of(next.shape), first_centre, alpha_max);
+    const Found splat = next;
     next = found_at(from + k + SUBGROUP + lane, k + SUBGROUP + lane < count);
-    share_in_subgroup();
-    exponents[slot] = terms.exponent;
-    rests[slot] = terms.rest;
-    shades[slot] = shade;
-    share_in_subgroup();
+    enqueue(splat.shape, splat.shade, first_centre, alpha_max);
     for (uint of_group = first; of_group < first + min(count - k, SUBGROUP); of_group += GROUP) {
       Group group[EACH];
-      [[unroll]] for (uint n = 0u; n < GROUP; ++n) {
-        const Terms queued = Terms(exponents[of_group + n], rests[of_group + n]);
-        [[unroll]] for (uint p = 0u; p < EACH; ++p)
-          group[p].weight[n] = alpha_of(queued, vec2(place_of(p)), least);
-      }
+      evaluate(of_group, least, group);
       bool some_stop = false;
       [[unroll]] for (uint p = 0u; p < EACH; ++p) some_stop = weigh(pixels[p], group[p], alpha_max) || some_stop;
       if (some_stop) {
@@ -123,7 +110,8 @@ void main() {
   const uvec2 block = uvec2(number % columns, number / columns) * SIDE;
   const ivec2 first_pixel = ivec2(grid.first_column, grid.first_row) * grid.side + ivec2(block);
   const vec2 first_centre = vec2(first_pixel) + 0.5;
-  const uint tile = tile_number(grid, first_pixel.x / grid.side, first_pixel.y / grid.side);
+  const int log2_side = findMSB(grid.side);
+  const uint tile = tile_number(grid, first_pixel.x >> log2_side, first_pixel.y >> log2_side);
   const uint end = ranges.at[2u * tile + 1u];
   visited = ranges.at[2u * tile];
 
