@@ -51,10 +51,24 @@ vec3 vector_at(uvec2 data, uint i, uint stride) {
   return vec3(row.at[0], row.at[1], row.at[2]);
 }
 
+// `x` times 2^100, also on devices that take denormal numbers for zeros.
+float times_2_to_100(float x) {
+  const uint bits = floatBitsToUint(x), mantissa = bits & 0x7fffffu;
+  if ((bits & 0x7f800000u) != 0u) return x * 1.2676506002282294e30;
+  return ((bits >> 31u) != 0u ? -1.7763568394002505e-15 : 1.7763568394002505e-15) * float(mantissa);
+}
+
 // Of any length: zeros are the identity.
 vec4 normalised(vec4 q) {
+  const uvec4 sizes = floatBitsToUint(q) & 0x7fffffffu;  // they ascend with the magnitudes
+  const uint most = max(max(sizes.x, sizes.y), max(sizes.z, sizes.w));
+  if (most == 0u) return vec4(1.0, 0.0, 0.0, 0.0);
+  // A device may divide by an inverse, which must be a normal number.
+  if (most < 0x20000000u)  // 2^-63
+    q = vec4(times_2_to_100(q.x), times_2_to_100(q.y), times_2_to_100(q.z), times_2_to_100(q.w));
+  else if (most > 0x5f000000u)  // 2^63
+    q *= 7.888609052210118e-31;
   const float largest = max(max(abs(q.x), abs(q.y)), max(abs(q.z), abs(q.w)));
-  if (largest == 0.0) return vec4(1.0, 0.0, 0.0, 0.0);
   const vec4 r = q / largest;
   const FloatPair squared = add(add(two_product(r.x, r.x), two_product(r.y, r.y)),
                                 add(two_product(r.z, r.z), two_product(r.w, r.w)));
