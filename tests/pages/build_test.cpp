@@ -87,12 +87,13 @@ TEST_CASE("pages: an opacity above 1 is refused by its Gaussian") {
 TEST_CASE("pages: little memory and many threads make the same file") {
   const TemporaryFolder folder;
   const Scene scene = ordered_scene(20000);
-  PageBuildOptions options = small_pages();
-  options.threads = 1, options.memory = 64 << 20;
-  build_pages(scene, folder / "a.sgp", options);
-  options.threads = 3, options.memory = 4 << 20;
-  build_pages(scene, folder / "b.sgp", options);
-  CHECK(content_of(folder / "a.sgp") == content_of(folder / "b.sgp"));
+  const auto built = [&](int threads, std::size_t memory, bool order) {
+    build_pages(scene, folder / "a.sgp",
+                {.page_size = 256, .order = order, .memory = memory, .threads = threads});
+    return content_of(folder / "a.sgp");
+  };
+  CHECK((built(1, 64 << 20, false) == built(3, 4 << 20, false)));
+  CHECK((built(1, 4 << 20, true) == built(3, 4 << 20, true)));
 }
 
 TEST_CASE("pages: a parent has half as many nodes of about the same mass and mean") {
@@ -194,6 +195,48 @@ TEST_CASE("pages: a build that is refused leaves nothing behind") {
   CHECK(files_in(folder.path()).empty());
 }
 
+TEST_CASE("pages: a build cancelled before its first page leaves nothing and progress of others rises to 1") {
+  const TemporaryFolder folder;
+  write_scene(folder / "a.ply", ordered_scene(3000));
+  const auto mode = [&](const char* name) {
+    return unsigned(std::filesystem::status(folder / name).permissions());
+  };
+  PageBuildOptions options = small_pages();
+  options.progress = [](double) { return false; };
+  CHECK_THROWS_WITH_AS(build_pages({folder / "a.ply"}, folder / "a.sgp", options),
+                       (folder / "a.sgp: cancelled").c_str(), Cancelled);
+  CHECK(files_in(folder.path()) == std::set<std::string>{"a.ply"});
+  std::vector<double> told{0};
+  options.progress = [&](double part) {
+    CHECK(mode("a.sgp.unfinished") + mode("a.sgp.unfinished.steps") == 2 * 0600);
+    return told.push_back(part), true;
+  };
+  build_pages({folder / "a.ply"}, folder / "a.sgp", options);
+  CHECK(told.size() > 12);
+  told.push_back(1);
+  CHECK(std::is_sorted(told.begin(), told.end()));
+  CHECK(mode("a.sgp") == mode("a.ply"));
+  std::filesystem::permissions(folder / "a.sgp", std::filesystem::perms(0640));
+  build_pages({folder / "a.ply"}, folder / "a.sgp", small_pages());
+  CHECK(mode("a.sgp") == 0640);
+}
+
+TEST_CASE("pages: files that no build made are refused and left as they are") {
+  for (const std::string name : {"a.sgp.unfinished", "a.sgp.unfinished.steps"})
+    for (const bool linked : {false, true}) {
+      const TemporaryFolder folder;
+      folder.write(name, "notes, longer than a header");
+      if (linked) std::filesystem::create_hard_link(folder / name, folder / "other");
+      const std::string expected =
+          linked ? "a regular file of this user with one name" : "what a build of pages left";
+      CHECK_THROWS_WITH_AS(build_pages(ordered_scene(500), folder / "a.sgp", small_pages()),
+                           ((folder / name).string() + ": expected none, or " + expected).c_str(),
+                           InvalidArgument);
+      CHECK(content_of(folder / name) == "notes, longer than a header");
+      CHECK(files_in(folder.path()).size() == (linked ? 2 : 1));
+    }
+}
+
 TEST_CASE("pages: files of a build lie beside what a link leads to") {
   const TemporaryFolder folder;
   const int file = ::open((folder / "a.sgp").c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0600);
@@ -232,7 +275,7 @@ Scene resumed_scene() {
   return scene;
 }
 
-TEST_CASE("pages: a build that is killed anywhere goes on and writes the bytes of an undisturbed one") {
+TEST_CASE("pages: a build that is killed anywhere twice resumes and writes the bytes of a whole one") {
   const TemporaryFolder folder;
   const Scene scene = resumed_scene();
   const std::string old = "what was there";
@@ -244,8 +287,10 @@ TEST_CASE("pages: a build that is killed anywhere goes on and writes the bytes o
     for (const double part : {0.3, 0.4, 0.55, 0.8, 1.0}) {
       folder.write("a.sgp", old);
       PageBuildOptions killed = options;
-      killed.progress = [part](double done) { return done < part || ::raise(SIGKILL) == 0; };
-      CHECK(WIFSIGNALED(status_of([&] { build_pages(scene, folder / "a.sgp", killed); })));
+      for (const double until : {part, (part + 1) / 2}) {
+        killed.progress = [until](double done) { return done < until || ::raise(SIGKILL) == 0; };
+        CHECK(WTERMSIG(status_of([&] { build_pages(scene, folder / "a.sgp", killed); })) == SIGKILL);
+      }
       CHECK(content_of(folder / "a.sgp") == old);
       const BuiltPages built = build_pages(scene, folder / "a.sgp", options);
       INFO("order ", order, ", part ", part);
@@ -260,10 +305,10 @@ TEST_CASE("pages: a build that is killed anywhere goes on and writes the bytes o
   }
 }
 
-TEST_CASE("pages: a build whose disk is full goes on where there is room again") {
+TEST_CASE("pages: a build whose disk is full or whose file has no place resumes where it has") {
   const TemporaryFolder folder;
   const Scene scene = resumed_scene();
-  build_pages(scene, folder / "whole.sgp", small_pages());
+  const std::size_t pages = build_pages(scene, folder / "whole.sgp", small_pages()).pages;
   const int status = status_of([&] {
     ::signal(SIGXFSZ, SIG_IGN);
     const rlimit most{2'000'000, 2'000'000};
@@ -273,6 +318,12 @@ TEST_CASE("pages: a build whose disk is full goes on where there is room again")
   CHECK(WEXITSTATUS(status) == 3);
   CHECK(build_pages(scene, folder / "a.sgp", small_pages()).resumed > 10);
   CHECK((content_of(folder / "a.sgp") == content_of(folder / "whole.sgp")));
+  PageBuildOptions options = small_pages();
+  options.progress = [&](double) { return std::filesystem::create_directories(folder / "b.sgp/in"), true; };
+  CHECK_THROWS_AS(build_pages(scene, folder / "b.sgp", options), FileError);
+  std::filesystem::remove_all(folder / "b.sgp");
+  CHECK(build_pages(scene, folder / "b.sgp", small_pages()).resumed == pages);
+  CHECK((content_of(folder / "b.sgp") == content_of(folder / "whole.sgp")));
 }
 
 TEST_CASE("pages: what an unfinished build left is used only where it is whole and of the same build") {
@@ -283,10 +334,14 @@ TEST_CASE("pages: what an unfinished build left is used only where it is whole a
   const std::string whole = content_of(folder / "whole.sgp");
   PageBuildOptions cancelled = options;
   cancelled.progress = [](double done) { return done < 0.8; };
-  CHECK_THROWS_AS(build_pages(scene, folder / "a.sgp", cancelled), Cancelled);
+  CHECK_THROWS_WITH_AS(build_pages(scene, folder / "a.sgp", cancelled),
+                       doctest::Contains("steps remain: the same build resumes"), Cancelled);
   const std::string names[]{"a.sgp.unfinished", "a.sgp.unfinished.steps"};
   std::string left[]{content_of(folder / names[0]), content_of(folder / names[1])};
   CHECK(is_page_file(folder / names[0]) == false);
+  cancelled.progress = [](double done) { return done > 0.34; };  // while it looks at what is left
+  CHECK_THROWS_AS(build_pages(scene, folder / "a.sgp", cancelled), Cancelled);
+  CHECK((content_of(folder / names[0]) == left[0] && content_of(folder / names[1]) == left[1]));
   // Builds on what is left, of which one file is another.
   const auto built_on = [&](int file, const std::string& content, const Scene& of,
                             const PageBuildOptions& by) {
@@ -313,7 +368,7 @@ TEST_CASE("pages: what an unfinished build left is used only where it is whole a
   CHECK(files_in(folder.path()) == std::set<std::string>{"a.sgp", "whole.sgp"});
 
   const std::string note =
-      (folder / "a.sgp").string() + ".unfinished had other Gaussians or options: it began anew.";
+      (folder / "a.sgp").string() + ".unfinished was of other Gaussians, options or version: it began anew.";
   Scene other = scene;
   other.opacities.back() *= 0.5f;
   PageBuildOptions larger = options;
@@ -323,6 +378,12 @@ TEST_CASE("pages: what an unfinished build left is used only where it is whole a
     CHECK(built.resumed == 0);
     CHECK(built.notes == std::vector<std::string>{note});
   }
+  // Steps of one build behind the key of another, as of another algorithm.
+  larger.progress = [](double done) { return done < 0.8; };
+  CHECK_THROWS_AS(build_pages(scene, folder / "b.sgp", larger), Cancelled);
+  larger.progress = {};
+  left[1].replace(0, 16, content_of(folder / "b.sgp.unfinished.steps"), 0, 16);
+  CHECK(built_on(1, left[1], scene, larger).resumed == 0);
   build_pages(scene, folder / "b.sgp", larger);
   CHECK((content_of(folder / "a.sgp") == content_of(folder / "b.sgp")));
 }

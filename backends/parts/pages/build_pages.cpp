@@ -109,7 +109,7 @@ class Builder {
   template <class Make>
   Subtree found_or(std::size_t count, const Make& make) {
     const std::size_t leaves = (count + options_.page_size - 1) / options_.page_size;
-    if (!writer_.skip(2 * leaves - 1)) return make();
+    if (!writer_.take_found(2 * leaves - 1)) return make();
     tell_written(count);
     const std::uint32_t root = writer_.pages() - 1;
     return {root, writer_.nodes(root)};
@@ -187,15 +187,22 @@ class Builder {
   Progress progress_;
 };
 
-/// Tells apart what the file depends on. Without `order` the memory is no part of it.
+/// Tells apart what the file depends on: Gaussians, options, and the algorithm, for which `build_version` and
+/// the compiler stand. Without `order` the memory is no part of it.
 std::uint64_t key_of(Gathered& gathered, const PageBuildOptions& options) {
   const Scene& like = gathered.like();
   std::ostringstream text;
-  text << version << ' ' << options.page_size << ' ' << (options.order ? options.memory : 0) << ' '
-       << like.sh_degree << ' ' << text_of(like.model) << std::hexfloat << ' ' << like.origin.x << ' '
-       << like.origin.y << ' ' << like.origin.z;
+  text << version << ' ' << pages::build_version << ' ' << __VERSION__ << ' ' << options.page_size << ' '
+       << (options.order ? options.memory : 0) << ' ' << like.sh_degree << ' ' << text_of(like.model)
+       << std::hexfloat << ' ' << like.origin.x << ' ' << like.origin.y << ' ' << like.origin.z;
   const std::string all = text.str();
   return pages::checksum_of(std::as_bytes(std::span(all)), gathered.records().checksum());
+}
+
+std::string what_remains(const std::filesystem::path& out) {
+  const std::string file = out.string() + ".unfinished";
+  return "; " + file + " and " + file +
+         ".steps remain: the same build resumes with them, deleting both gives up";
 }
 
 /// `gather(gathered, progress)` gives the Gaussians.
@@ -207,13 +214,15 @@ BuiltPages build(const std::filesystem::path& out, const PageBuildOptions& optio
   if (io::is_stream(out))
     detail::refuse(out.string(),
                    ": expected a file, found a pipe or a device: a page file is not written front to back");
+  PageWriter writer(out);  // refuses before large files are read
   const auto part_of_progress = [&](double begin, double end) -> Progress {
-    return [&options, begin, end, out](double part) {
-      if (options.progress && !options.progress(begin + part * (end - begin))) throw Cancelled(out.string());
+    return [&, begin, end](double part) {
+      if (options.progress && !options.progress(begin + part * (end - begin)))
+        throw Cancelled(out.string(), writer.leaves_files() ? what_remains(out) : "");
       return true;
     };
   };
-  constexpr double read = 0.3;  // part of the time that reading takes, roughly
+  constexpr double read = 0.3, found = 0.35;  // parts of the time that pass until then, roughly
   const std::filesystem::path folder = io::target_of(out).parent_path();
   Gathered gathered(folder.empty() ? "." : folder, options.model);
   BuiltPages built;
@@ -221,11 +230,12 @@ BuiltPages build(const std::filesystem::path& out, const PageBuildOptions& optio
   built.gaussians = gathered.records().size();
   if (built.gaussians == 0) detail::refuse(out.string(), ": no Gaussians, expected one or more");
   const Scene like = gathered.like();
-  PageWriter writer(out, key_of(gathered, options), built.gaussians, like);
+  writer.begin(key_of(gathered, options), built.gaussians, like, part_of_progress(read, found));
   built.resumed = writer.found();
   if (writer.began_anew())
-    built.notes.push_back(out.string() + ".unfinished had other Gaussians or options: it began anew.");
-  Builder builder(options, like, built.gaussians, writer, part_of_progress(read, 1));
+    built.notes.push_back(out.string() +
+                          ".unfinished was of other Gaussians, options or version: it began anew.");
+  Builder builder(options, like, built.gaussians, writer, part_of_progress(found, 1));
   builder.build(std::move(gathered.records()));
   built.pages = writer.pages();
   for (std::uint32_t i = 0; i < writer.pages(); ++i) built.leaves += writer.page(i).is_leaf();

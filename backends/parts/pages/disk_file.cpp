@@ -22,7 +22,10 @@ DiskFile::DiskFile(std::filesystem::path path, int descriptor)
 }
 
 DiskFile::DiskFile(const std::filesystem::path& path)
-    : DiskFile(path, ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666)) {}
+    : DiskFile(path, ::open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0600)) {
+  lock();
+  is_temporary_ = size() == 0;
+}
 
 DiskFile DiskFile::unnamed_in(const std::filesystem::path& folder) {
 #if defined(O_TMPFILE)
@@ -36,10 +39,14 @@ DiskFile DiskFile::unnamed_in(const std::filesystem::path& folder) {
 }
 
 DiskFile::DiskFile(DiskFile&& other) noexcept
-    : path_(std::move(other.path_)), descriptor_(std::exchange(other.descriptor_, -1)) {}
+    : path_(std::move(other.path_)),
+      descriptor_(std::exchange(other.descriptor_, -1)),
+      is_temporary_(other.is_temporary_) {}
 
 DiskFile::~DiskFile() {
-  if (descriptor_ >= 0) ::close(descriptor_);
+  if (descriptor_ < 0) return;
+  if (is_temporary_) ::unlink(path_.c_str());
+  ::close(descriptor_);
 }
 
 void DiskFile::fail() const {
@@ -47,11 +54,14 @@ void DiskFile::fail() const {
 }
 
 void DiskFile::lock() {
-  const bool taken = ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+  const bool taken = ::flock(descriptor_, LOCK_EX | LOCK_NB) != 0;
+  if (taken && errno != EWOULDBLOCK) fail();
   struct stat file;
   if (::fstat(descriptor_, &file) != 0) fail();
   if (taken || file.st_nlink == 0)
     detail::refuse(path_.string(), ": another build writes it, expected one at a time");
+  if (!S_ISREG(file.st_mode) || file.st_nlink != 1 || file.st_uid != ::geteuid())
+    detail::refuse(path_.string(), ": expected none, or a regular file of this user with one name");
 }
 
 std::uint64_t DiskFile::size() const {
@@ -84,7 +94,14 @@ void DiskFile::write(std::uint64_t offset, std::span<const std::byte> bytes) {
 }
 
 void DiskFile::close() {
-  if (::close(std::exchange(descriptor_, -1)) != 0) fail();
+  if (::fdatasync(descriptor_) != 0 || ::close(std::exchange(descriptor_, -1)) != 0) fail();
+}
+
+void sync_folder(const std::filesystem::path& folder) noexcept {
+  const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  ::fsync(descriptor);
+  ::close(descriptor);
 }
 
 }  // namespace swiftgs::pages

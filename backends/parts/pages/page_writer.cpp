@@ -2,6 +2,7 @@
 #include "page_writer.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <string>
 #include <system_error>
@@ -51,7 +52,7 @@ std::vector<std::byte> content_of(Page& page, const Scene& scene, std::span<cons
   return content;
 }
 
-/// Of a parent; all Gaussians of a leaf are where they are. @units{bytes}
+/// Bytes of `spread` that a step stores. A leaf stores none: its spread is 0.
 std::size_t spread_bytes(const Page& page) { return page.is_leaf() ? 0 : page.count * sizeof(float); }
 
 std::uint64_t aligned(std::uint64_t offset) { return (offset + alignment - 1) / alignment * alignment; }
@@ -61,49 +62,79 @@ std::span<const std::byte> bytes_of(const T& value) {
   return std::as_bytes(std::span(&value, 1));
 }
 
+template <class T>
+std::span<std::byte> writable_bytes_of(T& value) {
+  return std::as_writable_bytes(std::span(&value, 1));
+}
+
 std::filesystem::path with_suffix(std::filesystem::path path, const char* suffix) { return path += suffix; }
+
+/// The first bytes of OUT.unfinished.steps.
+struct StepsHeader {
+  std::array<char, 8> magic{'S', 'G', 'S', 'T', 'E', 'P', 'S', '\n'};
+  std::uint64_t key = 0;
+};
+
+bool begins_as_steps(const DiskFile& file) {
+  StepsHeader header;
+  if (file.size() < sizeof header) return false;
+  file.read(0, writable_bytes_of(header));
+  return header.magic == StepsHeader().magic;
+}
 
 }  // namespace
 
-PageWriter::PageWriter(const std::filesystem::path& out, std::uint64_t key, std::uint64_t gaussians,
-                       const Scene& like)
+PageWriter::PageWriter(const std::filesystem::path& out)
     : place_(io::target_of(out)),
       steps_(with_suffix(place_, ".unfinished.steps")),
-      file_(with_suffix(place_, ".unfinished")),
-      sh_degree_(like.sh_degree),
-      end_(sizeof(FileHeader)) {
-  steps_.lock();
+      file_(with_suffix(place_, ".unfinished")) {
+  const auto refuse = [](const DiskFile& file) {
+    detail::refuse(file.path().string(), ": expected none, or what a build of pages left");
+  };
+  if (steps_.size() == 0 && file_.size() != 0) refuse(file_);
+  if (steps_.size() != 0 && !begins_as_steps(steps_)) refuse(steps_);
+}
+
+void PageWriter::begin(std::uint64_t key, std::uint64_t gaussians, const Scene& like,
+                       const Progress& progress) {
+  const std::string model = text_of(like.model);
+  if (model.size() > FileHeader().model.size())
+    throw InvalidArgument("pages: the rendering model is '" + model + "', expected fewer letters");
+  key_ = key, sh_degree_ = like.sh_degree;
   state_.name = file_.path().string(), state_.gaussians = gaussians;
   state_.model = like.model, state_.origin = like.origin;
-  find(key);
+  end_ = sizeof(FileHeader), steps_end_ = sizeof(StepsHeader);
+  find(progress);
+  set_temporary(found_ == 0);
+  if (found_ == 0) {
+    file_.resize(0), steps_.resize(0);  // no old step stands behind the new key
+    steps_.write(0, bytes_of(StepsHeader{.key = key_}));
+  }
   file_.resize(end_), steps_.resize(steps_end_);
   file_.write(0, bytes_of(FileHeader{.magic = {}}));
 }
 
-PageWriter::~PageWriter() {
-  if (is_finished_ || !state_.pages.empty()) return;
-  std::error_code ignored;  // a destructor must not throw
-  std::filesystem::remove(file_.path(), ignored), std::filesystem::remove(steps_.path(), ignored);
-}
-
-void PageWriter::find(std::uint64_t key) {
+void PageWriter::find(const Progress& progress) {
   const std::uint64_t steps_size = steps_.size(), file_size = file_.size();
-  std::uint64_t found_key = key;
-  steps_end_ = sizeof key;
-  if (steps_size >= sizeof key) steps_.read(0, std::as_writable_bytes(std::span(&found_key, 1)));
-  began_anew_ = found_key != key;
-  if (began_anew_ || steps_size < sizeof key) return steps_.write(0, bytes_of(key));
+  if (steps_size == 0) return;
+  StepsHeader header;
+  steps_.read(0, writable_bytes_of(header));
+  began_anew_ = header.key != key_;
+  if (began_anew_) return;
   std::vector<std::byte> spread, content;
   for (Page page; steps_size - steps_end_ >= sizeof page;) {
-    steps_.read(steps_end_, std::as_writable_bytes(std::span(&page, 1)));
+    progress(double(steps_end_) / double(steps_size));
+    steps_.read(steps_end_, writable_bytes_of(page));
     const std::uint64_t spread_begin = steps_end_ + sizeof page,
                         spread_end = spread_begin + spread_bytes(page);
     std::uint64_t checksum = 0;
     if (spread_end + sizeof checksum > steps_size) break;
     spread.resize(spread_bytes(page));
     steps_.read(spread_begin, spread);
-    steps_.read(spread_end, std::as_writable_bytes(std::span(&checksum, 1)));
-    if (checksum != checksum_of(spread, checksum_of(bytes_of(page)))) break;
+    steps_.read(spread_end, writable_bytes_of(checksum));
+    const std::size_t number = state_.pages.size();
+    if (checksum != checksum_of_step(page, spread) || page.bytes != content_size(page)) break;
+    if (!page.is_leaf() && (page.left >= number || page.right >= number)) break;
     if (page.offset != aligned(end_) || page.offset + page.bytes > file_size) break;
     content.resize(page.bytes);
     file_.read(page.offset, content);
@@ -114,7 +145,15 @@ void PageWriter::find(std::uint64_t key) {
   found_ = state_.pages.size();
 }
 
-bool PageWriter::skip(std::size_t pages) {
+std::uint64_t PageWriter::checksum_of_step(const Page& page, std::span<const std::byte> spread) const {
+  return checksum_of(spread, checksum_of(bytes_of(page), key_));
+}
+
+void PageWriter::set_temporary(bool temporary) {
+  steps_.set_temporary(temporary), file_.set_temporary(temporary);
+}
+
+bool PageWriter::take_found(std::size_t pages) {
   if (added_ + pages > found_) return false;
   added_ += pages;
   return true;
@@ -139,13 +178,14 @@ std::uint32_t PageWriter::add(Page page, const Nodes& nodes, std::span<const std
   // The step comes last: whoever finds it finds the content.
   spread_.push_back(steps_end_ + sizeof page);
   std::vector<std::byte> step(sizeof page + spread.size() + sizeof(std::uint64_t));
-  const std::uint64_t checksum = checksum_of(spread, checksum_of(bytes_of(page)));
+  const std::uint64_t checksum = checksum_of_step(page, spread);
   std::memcpy(step.data(), &page, sizeof page);
   if (!spread.empty()) std::memcpy(step.data() + sizeof page, spread.data(), spread.size());
   std::memcpy(step.data() + sizeof page + spread.size(), &checksum, sizeof checksum);
   steps_.write(steps_end_, step);
   end_ = page.offset + page.bytes, steps_end_ += step.size();
   state_.pages.push_back(page);
+  set_temporary(false);
   return std::uint32_t(added_++);
 }
 
@@ -155,8 +195,6 @@ std::uint64_t PageWriter::finish(std::uint32_t page_size) {
     header.sh_degree = std::max<std::uint32_t>(header.sh_degree, page.sh_degree);
   header.origin = {state_.origin.x, state_.origin.y, state_.origin.z};
   const std::string model = text_of(state_.model);
-  if (model.size() > header.model.size())
-    throw InvalidArgument("pages: the rendering model is '" + model + "', expected fewer letters");
   std::copy(model.begin(), model.end(), header.model.begin());
   header.table = end_;
   const auto table = std::as_bytes(std::span(state_.pages));
@@ -168,11 +206,11 @@ std::uint64_t PageWriter::finish(std::uint32_t page_size) {
   file_.close();
   try {
     io::put_in_place(file_.path(), place_);
-    is_finished_ = true;
-    std::filesystem::remove(steps_.path());
   } catch (const std::system_error& error) {
     throw FileError(error.code(), place_.string());
   }
+  sync_folder(place_.has_parent_path() ? place_.parent_path() : ".");
+  steps_.set_temporary(true);
   return header.file_size;
 }
 

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/pages/paged_scene.hpp>
 #include <swiftgs/scene.hpp>
 
@@ -16,22 +17,28 @@
 namespace swiftgs::pages {
 
 /// Writes a page file, which gets its name when it is whole. Until then it is OUT.unfinished, and
-/// OUT.unfinished.steps has what else a build needs to go on: of every page its row of the table, how far its
-/// nodes are from their Gaussians, and a checksum of both. Both files stay where a build ends early. The next
-/// one with the same key begins with the pages that are whole. Throws `FileError`.
+/// OUT.unfinished.steps has what else a build needs to resume: a key, and of every page its row of the table,
+/// how far its nodes are from their Gaussians, and a checksum of key and both. Both files stay where a build
+/// ends early, unless they have no page. The next one with the same key begins with the pages that are whole.
+/// Throws `FileError`.
 class PageWriter {
  public:
-  /// `key` tells Gaussians and options apart, and `like` has model and origin. Throws `InvalidArgument`
-  /// while another build writes the file.
-  PageWriter(const std::filesystem::path& out, std::uint64_t key, std::uint64_t gaussians, const Scene& like);
-  /// Removes both files if they have no page.
-  ~PageWriter();
+  /// Opens and locks both files. Throws `InvalidArgument` while another build writes them, or if no build
+  /// made them.
+  explicit PageWriter(const std::filesystem::path& out);
+
+  /// Finds the pages of an earlier build. `key` tells apart what pages depend on, and `like` has model and
+  /// origin. What `progress` throws leaves the files as they are. Throws `InvalidArgument` for a model whose
+  /// text the header cannot hold.
+  void begin(std::uint64_t key, std::uint64_t gaussians, const Scene& like, const Progress& progress);
 
   std::size_t found() const { return found_; }     ///< pages that an earlier build had written
-  bool began_anew() const { return began_anew_; }  ///< since one had another key
+  bool began_anew() const { return began_anew_; }  ///< Leftovers had another key and were discarded
+  /// Whether files would remain if the build ended now.
+  bool leaves_files() const { return !steps_.is_temporary(); }
 
   /// Whether the next `pages`, those of one subtree, were found. They then count as added.
-  bool skip(std::size_t pages);
+  bool take_found(std::size_t pages);
   /// Nodes of a page, and Gaussians of a leaf.
   Nodes nodes(std::uint32_t page) const;
 
@@ -47,17 +54,21 @@ class PageWriter {
 
  private:
   /// Takes over pages from the files until one is not whole.
-  void find(std::uint64_t key);
+  void find(const Progress& progress);
+  /// Of a step. Only builds of the same key accept it.
+  std::uint64_t checksum_of_step(const Page& page, std::span<const std::byte> spread) const;
+  void set_temporary(bool temporary);
 
   std::filesystem::path place_;
-  DiskFile steps_, file_;
-  int sh_degree_;
+  DiskFile steps_, file_;  ///< in this order: who has locked the steps has both files
+  std::uint64_t key_ = 0;
+  int sh_degree_ = 0;
   PagedScene::State state_;            ///< with the rows of all pages
   std::vector<std::uint64_t> spread_;  ///< of each page, where its spread lies in `steps_`
-  std::uint64_t end_;                  ///< of the contents
+  std::uint64_t end_ = 0;              ///< of the contents
   std::uint64_t steps_end_ = 0;
   std::size_t found_ = 0, added_ = 0;
-  bool began_anew_ = false, is_finished_ = false;
+  bool began_anew_ = false;
 };
 
 }  // namespace swiftgs::pages

@@ -69,7 +69,7 @@ void write_pages(const PagesOptions& options) {
   std::vector<std::string> said;
   say_notes(out, built.notes, said);
   if (built.resumed != 0)
-    std::printf("%s: went on behind %zu pages of an unfinished build\n", out.c_str(), built.resumed);
+    std::printf("%s: resumed after %zu pages of an unfinished build\n", out.c_str(), built.resumed);
   std::printf("%s: %zu Gaussians in %zu pages, and %zu above them, %.1f MB, %.1f s\n", out.c_str(),
               std::size_t(built.gaussians), built.leaves, built.pages - built.leaves,
               1e-6 * double(built.bytes),
@@ -82,7 +82,7 @@ stand for them. Pages are ranges of the scene, so its neighbours in the file sho
 space. --order makes them so; the order of Gaussians at equal depths then is another.
 
 Beside OUT it takes 240 bytes a Gaussian, twice that with --order. A build that ends early leaves
-OUT.unfinished and OUT.unfinished.steps: the same command goes on with them.
+OUT.unfinished and OUT.unfinished.steps: the same command resumes with them, deleting both gives up.
 
 Examples:
   swiftgs pages garden.spz garden.sgp --order

@@ -28,10 +28,12 @@ namespace swiftgs {
 /// than before. Return false to cancel. It is called in the thread that called the reader or writer.
 using Progress = std::function<bool(double part)>;
 
-/// A `Progress` returned false. Nothing was read; the file to write is as it was before.
+/// A `Progress` returned false. Nothing was read; the file to write is as it was before. The message ends
+/// with `remains`, what else is left.
 class SWIFTGS_API Cancelled : public detail::ErrorAs<std::runtime_error> {
  public:
-  explicit Cancelled(const std::string& file) : ErrorAs(ErrorCode::cancelled, file + ": cancelled") {}
+  explicit Cancelled(const std::string& file, const std::string& remains = {})
+      : ErrorAs(ErrorCode::cancelled, file + ": cancelled" + remains) {}
 };
 
 /// What of `model` is not as a scene has it that says nothing; empty if nothing is.

@@ -42,13 +42,14 @@ struct BuiltPages {
 /// when it is whole.
 ///
 /// A build that ends early, by a signal, a full disk or `progress`, leaves `out`.unfinished and
-/// `out`.unfinished.steps. The same call reads the sources again and goes on behind the last page that is
-/// whole there; the file has the bytes of an undisturbed build. With other Gaussians or options it begins
-/// anew and notes that.
+/// `out`.unfinished.steps if it has written a page. The same call reads the sources again and resumes after
+/// the last page that is whole there; the file has the bytes of an undisturbed build. With other Gaussians or
+/// options, or by another version of the library, it begins anew and notes that. Deleting both gives up.
 ///
 /// Throws `InvalidArgument` for an option that is not valid, sources without Gaussians, with features or of
-/// several rendering models, and while another build writes `out`; `CapacityError` beyond 2^32 - 1 Gaussians;
-/// what `read_scene` throws, `Cancelled`, and `FileError` if something cannot be written.
+/// several rendering models, while another build writes `out`, and if files that no build made have the names
+/// of those that it leaves; `CapacityError` beyond 2^32 - 1 Gaussians; what `read_scene` throws, `Cancelled`,
+/// and `FileError` if something cannot be written.
 SWIFTGS_API BuiltPages build_pages(const std::vector<std::filesystem::path>& sources,
                                    const std::filesystem::path& out, const PageBuildOptions& options = {});
 
