@@ -101,7 +101,7 @@ class Block {
         if (costs[k] < cost_[k] || (lost && costs[k] == cost_[k]))
           cost_[k] = costs[k], partner_[k] = i;
         else if (lost)
-          partner_[k] = none;  // all others cost as much as the lost one or more
+          partner_[k] = none;  // all others cost at least as much as the lost partner
       }
     }
     return steps;

@@ -37,9 +37,10 @@ void order_by_halves(const std::vector<vec3>& means, std::span<std::uint32_t> or
                    });
   const auto order_half = [&](std::size_t half) {
     const auto of_half = half == 0 ? order.first(left) : order.subspan(left);
-    order_by_halves(means, of_half, page, least, (threads + 1) / 2);
+    order_by_halves(means, of_half, page, least, half == 0 ? (threads + 1) / 2 : std::max(1, threads / 2));
   };
-  for_each_index(2, std::min(threads, 2), order_half);
+  constexpr std::size_t worth_a_thread = 8192;
+  for_each_index(2, order.size() < worth_a_thread ? 1 : std::min(threads, 2), order_half);
 }
 
 }  // namespace swiftgs::pages
