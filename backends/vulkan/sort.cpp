@@ -38,8 +38,7 @@ struct Counts {
   /// Takes memory for `pairs`, and clears the first set.
   Counts(Vulkan& b, Commands& commands, std::size_t pairs) {
     const std::size_t part = commands.sort_part(pairs), parts = (pairs + part - 1) / part;
-    const auto log2_parts = int(std::bit_width(parts));
-    run = std::uint32_t(1) << log2_parts / 2;
+    run = std::uint32_t(1) << std::bit_width(parts) / 2;
     const std::size_t of_runs = sort_digits * ((parts + run - 1) / run), of_parts = sort_digits * parts;
     if (of_parts + 2 * of_runs > 0x7fffffff)
       throw CapacityError("pairs to sort", pairs, 0x7fffffff / (3 * sort_digits) * part);

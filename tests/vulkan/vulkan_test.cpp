@@ -240,6 +240,7 @@ SWIFTGS_VULKAN_CASE("vulkan: sort_pairs is a stable sort by the low bits alone")
     for (const int bits : {1, 7, 16, 31, 32}) check(count, bits, std::uint32_t());
     check(count, 44, std::uint64_t());
   }
+  check((1 << 20) + 3073, 8, std::uint32_t());  // as devices sort a million pairs and more
 }
 
 SWIFTGS_VULKAN_CASE("vulkan: splats that are wider than a thread of lavapipe has rounds are listed whole") {

@@ -63,13 +63,13 @@ vec4 normalised(vec4 q) {
   const uvec4 sizes = floatBitsToUint(q) & 0x7fffffffu;  // they ascend with the magnitudes
   const uint most = max(max(sizes.x, sizes.y), max(sizes.z, sizes.w));
   if (most == 0u) return vec4(1.0, 0.0, 0.0, 0.0);
-  // A device may divide by an inverse, which must be a normal number.
+  // First to where a power of two and its inverse are normal numbers.
   if (most < 0x20000000u)  // 2^-63
     q = vec4(times_2_to_100(q.x), times_2_to_100(q.y), times_2_to_100(q.z), times_2_to_100(q.w));
   else if (most > 0x5f000000u)  // 2^63
     q *= 7.888609052210118e-31;
   const float largest = max(max(abs(q.x), abs(q.y)), max(abs(q.z), abs(q.w)));
-  const vec4 r = q / largest;
+  const vec4 r = q * uintBitsToFloat(0x7f000000u - (floatBitsToUint(largest) & 0x7f800000u));  // exact
   const FloatPair squared = add(add(two_product(r.x, r.x), two_product(r.y, r.y)),
                                 add(two_product(r.z, r.z), two_product(r.w, r.w)));
   const FloatPair inverse = inverse_root(squared);
