@@ -16,6 +16,7 @@
 #include <swiftgs/bounds/ellipse.hpp>
 #include <swiftgs/raster/axis_shared.hpp>
 #include <swiftgs/raster/per_pixel.hpp>
+#include <swiftgs/raster/split.hpp>
 #include <swiftgs/renderer.hpp>
 #include <swiftgs/serial.hpp>
 #include <swiftgs/sort/early.hpp>
