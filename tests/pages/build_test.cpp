@@ -342,7 +342,7 @@ TEST_CASE("pages: what an unfinished build left is used only where it is whole a
   cancelled.progress = [](double done) { return done > 0.34; };  // while it looks at what is left
   CHECK_THROWS_AS(build_pages(scene, folder / "a.sgp", cancelled), Cancelled);
   CHECK((content_of(folder / names[0]) == left[0] && content_of(folder / names[1]) == left[1]));
-  // Builds on what is left, of which one file is another.
+  // Builds where an earlier build left these files, one of them with other content.
   const auto built_on = [&](int file, const std::string& content, const Scene& of,
                             const PageBuildOptions& by) {
     folder.write(names[1 - file], left[1 - file]), folder.write(names[file], content);

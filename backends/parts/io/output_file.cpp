@@ -32,17 +32,6 @@ fs::path beside(const fs::path& path) {
   throw fs::filesystem_error("linkat", path, std::error_code(errno, std::generic_category()));
 }
 
-/// Permissions that a file gets where `path` is made.
-fs::perms new_permissions(const fs::path& path) {
-  UnfinishedFile file(path);
-  std::FILE* const made = file.open();
-  struct stat status;
-  if (!made || ::fstat(::fileno(made), &status) != 0)
-    throw fs::filesystem_error("open", path, std::error_code(errno, std::generic_category()));
-  std::fclose(made);
-  return fs::perms(status.st_mode) & fs::perms::mask;
-}
-
 /// Where /proc shows an open file.
 std::string name_of(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
 
@@ -63,8 +52,18 @@ fs::path target_of(const fs::path& path) {
 void put_in_place(const fs::path& from, const fs::path& to) {
   std::error_code none;
   const fs::file_status before = fs::status(to, none);
-  fs::permissions(from, fs::exists(before) ? before.permissions() : new_permissions(to));
+  if (fs::exists(before)) fs::permissions(from, before.permissions());
   fs::rename(from, to);
+}
+
+fs::perms new_permissions(const fs::path& path) {
+  UnfinishedFile file(path);
+  std::FILE* const made = file.open();
+  struct stat status;
+  if (!made || ::fstat(::fileno(made), &status) != 0)
+    throw fs::filesystem_error("open", path, std::error_code(errno, std::generic_category()));
+  std::fclose(made);
+  return fs::perms(status.st_mode) & fs::perms::mask;
 }
 
 bool is_stream(const fs::path& path) {

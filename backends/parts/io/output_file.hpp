@@ -44,9 +44,12 @@ class UnfinishedFile {
 /// What `path` leads to by way of links, whether it is there or not. Throws `FileError` for too many.
 SWIFTGS_API std::filesystem::path target_of(const std::filesystem::path& path);
 
-/// Renames `from` to `to`, with the permissions of the file that it replaces, or else of a new one. Throws
+/// Renames `from` to `to`, with the permissions of the file that it replaces, if there is one. Throws
 /// `std::filesystem::filesystem_error`.
 SWIFTGS_API void put_in_place(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// Permissions that a file gets where `path` is made. Throws likewise.
+SWIFTGS_API std::filesystem::perms new_permissions(const std::filesystem::path& path);
 
 /// Whether `path` is written to as it is.
 SWIFTGS_API bool is_stream(const std::filesystem::path& path);

@@ -187,8 +187,8 @@ class Builder {
   Progress progress_;
 };
 
-/// Tells apart what the file depends on: Gaussians, options, and the algorithm, for which `build_version` and
-/// the compiler stand. Without `order` the memory is no part of it.
+/// A number for all that the bytes of the file depend on: the Gaussians, the options, and the algorithm, of
+/// which `build_version` and the compiler are part. Without `order` they do not depend on the memory.
 std::uint64_t key_of(Gathered& gathered, const PageBuildOptions& options) {
   const Scene& like = gathered.like();
   std::ostringstream text;
@@ -199,10 +199,9 @@ std::uint64_t key_of(Gathered& gathered, const PageBuildOptions& options) {
   return pages::checksum_of(std::as_bytes(std::span(all)), gathered.records().checksum());
 }
 
-std::string what_remains(const std::filesystem::path& out) {
-  const std::string file = out.string() + ".unfinished";
-  return "; " + file + " and " + file +
-         ".steps remain: the same build resumes with them, deleting both gives up";
+std::string what_remains(const PageWriter& writer) {
+  return "; " + writer.unfinished().string() + " and " + writer.steps().string() +
+         " remain: the same build resumes with them, deleting both gives up";
 }
 
 /// `gather(gathered, progress)` gives the Gaussians.
@@ -218,13 +217,12 @@ BuiltPages build(const std::filesystem::path& out, const PageBuildOptions& optio
   const auto part_of_progress = [&](double begin, double end) -> Progress {
     return [&, begin, end](double part) {
       if (options.progress && !options.progress(begin + part * (end - begin)))
-        throw Cancelled(out.string(), writer.leaves_files() ? what_remains(out) : "");
+        throw Cancelled(out.string(), writer.leaves_files() ? what_remains(writer) : "");
       return true;
     };
   };
   constexpr double read = 0.3, found = 0.35;  // parts of the time that pass until then, roughly
-  const std::filesystem::path folder = io::target_of(out).parent_path();
-  Gathered gathered(folder.empty() ? "." : folder, options.model);
+  Gathered gathered(writer.folder(), options.model);
   BuiltPages built;
   gather(gathered, part_of_progress(0, read), built.notes);
   built.gaussians = gathered.records().size();
@@ -233,8 +231,8 @@ BuiltPages build(const std::filesystem::path& out, const PageBuildOptions& optio
   writer.begin(key_of(gathered, options), built.gaussians, like, part_of_progress(read, found));
   built.resumed = writer.found();
   if (writer.began_anew())
-    built.notes.push_back(out.string() +
-                          ".unfinished was of other Gaussians, options or version: it began anew.");
+    built.notes.push_back(writer.unfinished().string() +
+                          " was of other Gaussians, options or version: it began anew.");
   Builder builder(options, like, built.gaussians, writer, part_of_progress(found, 1));
   builder.build(std::move(gathered.records()));
   built.pages = writer.pages();

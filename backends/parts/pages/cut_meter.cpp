@@ -159,7 +159,7 @@ class Comparison {
   bool page_failed_ = false;
 };
 
-/// A view without its memory and the numbers of its tiles, neither of which changes what it shows.
+/// A view without what an estimate does not depend on: its memory, its request, and the numbers of its tiles.
 View without_memory(View view) {
   view.shows = {}, view.request = {};
   view.frame = {.width = view.frame.width, .height = view.frame.height};

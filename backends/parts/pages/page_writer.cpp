@@ -205,11 +205,13 @@ std::uint64_t PageWriter::finish(std::uint32_t page_size) {
   file_.write(0, bytes_of(header));
   file_.close();
   try {
+    if (!std::filesystem::exists(place_))  // the file was made for this user alone
+      std::filesystem::permissions(file_.path(), io::new_permissions(place_));
     io::put_in_place(file_.path(), place_);
   } catch (const std::system_error& error) {
     throw FileError(error.code(), place_.string());
   }
-  sync_folder(place_.has_parent_path() ? place_.parent_path() : ".");
+  sync_folder(folder());
   steps_.set_temporary(true);
   return header.file_size;
 }

@@ -34,6 +34,10 @@ class PageWriter {
 
   std::size_t found() const { return found_; }     ///< pages that an earlier build had written
   bool began_anew() const { return began_anew_; }  ///< Leftovers had another key and were discarded
+  /// The two files, and the folder where they lie.
+  const std::filesystem::path& unfinished() const { return file_.path(); }
+  const std::filesystem::path& steps() const { return steps_.path(); }
+  std::filesystem::path folder() const { return place_.has_parent_path() ? place_.parent_path() : "."; }
   /// Whether files would remain if the build ended now.
   bool leaves_files() const { return !steps_.is_temporary(); }
 
