@@ -4,21 +4,20 @@
 
 namespace swiftgs {
 
-namespace kernels {
 namespace {
-template <bool threshold>
-void rasterize_cholesky(Cuda& cuda, const char* name, const RasterJob& job) {
-  if (sums_or_picks(job) || keeps_faint(job)) return rasterize_planes<threshold>(cuda, name, job);
-  rasterize_colour<CholeskyExponent, threshold>(cuda, name, job);
-}
+/// Whether kernels of colour and of depths of means draw all of `job`.
+bool is_of_colour(const RasterJob& job) { return !kernels::sums_or_picks(job) && !kernels::keeps_faint(job); }
 }  // namespace
-}  // namespace kernels
 
 void rasterize(Cuda& cuda, AxisShared<FloatCholesky>, const RasterJob& job) {
-  kernels::rasterize_cholesky<false>(cuda, "rasterize axis-shared-float-cholesky", job);
+  const char* const name = "rasterize axis-shared-float-cholesky";
+  is_of_colour(job) ? kernels::rasterize_colour<kernels::CholeskyExponent, false>(cuda, name, job)
+                    : kernels::rasterize_planes<false>(cuda, name, job);
 }
 void rasterize(Cuda& cuda, AxisSharedThreshold<FloatCholesky>, const RasterJob& job) {
-  kernels::rasterize_cholesky<true>(cuda, "rasterize axis-shared-threshold-float-cholesky", job);
+  const char* const name = "rasterize axis-shared-threshold-float-cholesky";
+  is_of_colour(job) ? kernels::rasterize_colour<kernels::CholeskyExponent, true>(cuda, name, job)
+                    : kernels::rasterize_planes<true>(cuda, name, job);
 }
 
 }  // namespace swiftgs

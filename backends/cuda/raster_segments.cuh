@@ -49,13 +49,11 @@ void rasterize_warps(Cuda& cuda, const char* name, const RasterJob& job) {
     const WorkQueues work_queues = WorkQueues::of<typename Planes::template Joined<pixels_of_warp_block>>(
         cuda, input.raster_blocks.size() * warps_of_raster_block);
     const bool shared = WorkQueues::are_shared(cuda) && sizeof(Shared) <= cuda.shared_memory();
-    const auto launch_warps = [&](auto warps) {
-      launch(name, warps, blocks_of(input.raster_blocks), raster_threads, cuda.stream(), input,
-             shared ? work_queues : work_queues.closed());
-    };
+    auto warps = raster_warps<Exponent, threshold, Planes, true, ViewSource>;
     if constexpr (Planes::few)
-      if (!shared) return launch_warps(raster_warps<Exponent, threshold, Planes, false, ViewSource>);
-    launch_warps(raster_warps<Exponent, threshold, Planes, true, ViewSource>);
+      if (!shared) warps = raster_warps<Exponent, threshold, Planes, false, ViewSource>;
+    launch(name, warps, blocks_of(input.raster_blocks), raster_threads, cuda.stream(), input,
+           shared ? work_queues : work_queues.closed());
     if (!shared) return;
     const auto segments = raster_segments<Exponent, threshold, Planes, ViewSource>;
     const BlockShape block(segment_threads, sizeof(Shared));
