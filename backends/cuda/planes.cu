@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include "along_ray.cuh"
 #include "pick.cuh"
 #include "planes.hpp"
 #include "raster_segments.cuh"

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <swiftgs/cuda/features.hpp>
 
+#include "along_ray.cuh"
 #include "other_exponents.hpp"
 #include "planes.hpp"
 #include "raster_segments.cuh"

@@ -18,7 +18,8 @@ MOST_FILES, MOST_LINES = 29, 4325
 OF_HEADERS = "frame/frame_renderer.hpp bounds/ellipse.hpp sort/early.hpp raster/axis_shared.hpp".split()
 OF_CUDA = ("include/swiftgs/cuda/stages.hpp cuda.cu memory.cpp stages.cu shade.cu sort.cu raster_order.cu "
            "raster_float_cholesky.cu").split()
-BESIDE_CUDA = ["features.hpp", "other_exponents.hpp", "pick*.cuh", "sum.cuh", "split.hpp", "per_pixel.hpp"]
+BESIDE_CUDA = ["along_ray.cuh", "features.hpp", "other_exponents.hpp", "pick*.cuh", "sum.cuh", "split.hpp",
+               "per_pixel.hpp"]
 MOST_CUDA_FILES, MOST_CUDA_LINES = 85, 11850
 
 FEATURES = {
