@@ -104,7 +104,8 @@ struct Atlas {
 
 /// The gaps, being NaN, become black.
 void save(const char* path, const Atlas& atlas) {
-  Frame frame{.width = atlas_width, .height = atlas_height, .colour = {}, .alpha = {}, .depth = {}};
+  Frame frame;
+  frame.width = atlas_width, frame.height = atlas_height;
   for (const Atlas::Pixel& p : atlas.pixels)
     for (const Half channel : {p.r, p.g, p.b}) frame.colour.push_back(to_float(channel));
   write_png(path, frame);

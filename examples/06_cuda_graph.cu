@@ -100,7 +100,8 @@ Frame download(cudaStream_t stream, const Planes& planes) {
                              cudaMemcpyDeviceToHost, stream),
              "cudaMemcpyAsync");
   check_cuda(cudaStreamSynchronize(stream), "cudaStreamSynchronize");
-  Frame frame{.width = width, .height = height, .colour = {}, .alpha = {}, .depth = {}};
+  Frame frame;
+  frame.width = width, frame.height = height;
   for (const uchar4 p : pixels)
     for (const int channel : {p.x, p.y, p.z}) frame.colour.push_back(float(channel) / 255);
   return frame;

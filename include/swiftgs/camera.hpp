@@ -5,7 +5,7 @@
 #include <string>
 
 #include <swiftgs/error.hpp>
-#include <swiftgs/frame.hpp>
+#include <swiftgs/frame/frame_view.hpp>
 #include <swiftgs/frame/lens.hpp>
 #include <swiftgs/frame/math.hpp>
 

@@ -14,7 +14,7 @@
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/error.hpp>
-#include <swiftgs/frame.hpp>
+#include <swiftgs/frame/frame_view.hpp>
 #include <swiftgs/frame/math.hpp>
 
 namespace swiftgs {

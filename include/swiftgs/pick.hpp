@@ -9,8 +9,8 @@
 #include <cstdint>
 
 #include <swiftgs/error.hpp>
-#include <swiftgs/frame.hpp>
 #include <swiftgs/frame/backend.hpp>
+#include <swiftgs/frame/frame_view.hpp>
 #include <swiftgs/frame/raster.hpp>
 #include <swiftgs/frame/splats.hpp>
 #include <swiftgs/frame/tiles.hpp>

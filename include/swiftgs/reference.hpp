@@ -13,8 +13,8 @@
 
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
-#include <swiftgs/frame.hpp>
 #include <swiftgs/frame/api.hpp>
+#include <swiftgs/frame/frame_view.hpp>
 #include <swiftgs/frame/math.hpp>
 #include <swiftgs/frame/placing.hpp>
 #include <swiftgs/frame/span.hpp>

@@ -56,11 +56,9 @@ TEST_CASE("bench judge: what is cut at three sigma is compared with such a refer
 
 TEST_CASE("bench judge: without a reference there are no errors and a photograph still counts") {
   const Fixture f;
-  const Frame grey{f.camera.width,
-                   f.camera.height,
-                   std::vector<float>(3 * std::size_t(f.camera.width) * std::size_t(f.camera.height), 0.5f),
-                   {},
-                   {}};
+  Frame grey;
+  grey.width = f.camera.width, grey.height = f.camera.height;
+  grey.colour.assign(3 * grey.pixels(), 0.5f);
   Image photo{f.camera.width, f.camera.height, 3, grey.colour};
   for (float& value : photo.pixels) value = 0.6f;
   Judge judge = f.judge(photo);

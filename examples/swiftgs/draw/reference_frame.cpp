@@ -16,11 +16,9 @@ namespace swiftgs::cli {
 namespace {
 
 Frame as_floats(const ReferenceFrame& from, bool with_alpha) {
-  Frame frame{.width = from.width,
-              .height = from.height,
-              .colour = {from.colour.begin(), from.colour.end()},
-              .alpha = {},
-              .depth = {}};
+  Frame frame;
+  frame.width = from.width, frame.height = from.height;
+  frame.colour.assign(from.colour.begin(), from.colour.end());
   if (with_alpha) frame.alpha.assign(from.alpha.begin(), from.alpha.end());
   return frame;
 }

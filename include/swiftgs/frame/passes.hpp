@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cstddef>
 
-#include <swiftgs/frame.hpp>
+#include <swiftgs/frame/frame_view.hpp>
 #include <swiftgs/frame/math.hpp>
 #include <swiftgs/frame/span.hpp>
 #include <swiftgs/frame/views.hpp>

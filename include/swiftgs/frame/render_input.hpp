@@ -10,7 +10,7 @@
 #include <type_traits>
 
 #include <swiftgs/error.hpp>
-#include <swiftgs/frame.hpp>
+#include <swiftgs/frame/frame_view.hpp>
 #include <swiftgs/frame/math.hpp>
 #include <swiftgs/frame/rendering_model.hpp>
 #include <swiftgs/frame/scene_view.hpp>

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include <swiftgs/error.hpp>
-#include <swiftgs/frame.hpp>
+#include <swiftgs/frame/frame_view.hpp>
 #include <swiftgs/frame/math.hpp>
 #include <swiftgs/frame/rendering_model.hpp>
 #include <swiftgs/frame/span.hpp>

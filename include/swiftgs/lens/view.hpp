@@ -9,7 +9,7 @@
 #include <swiftgs/camera.hpp>
 #include <swiftgs/conventions.hpp>
 #include <swiftgs/error.hpp>
-#include <swiftgs/frame.hpp>
+#include <swiftgs/frame/frame_view.hpp>
 #include <swiftgs/frame/math.hpp>
 #include <swiftgs/frame/tiles.hpp>
 #include <swiftgs/frame/view_constants.hpp>

@@ -8,7 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <swiftgs/frame.hpp>
+#include <swiftgs/frame/frame_view.hpp>
 #include <swiftgs/frame/math.hpp>
 #include <swiftgs/frame/passes.hpp>
 #include <swiftgs/frame/raster.hpp>

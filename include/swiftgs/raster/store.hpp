@@ -7,7 +7,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include <swiftgs/frame.hpp>
+#include <swiftgs/frame/frame_view.hpp>
 #include <swiftgs/frame/half.hpp>
 #include <swiftgs/frame/math.hpp>
 #include <swiftgs/frame/srgb.hpp>

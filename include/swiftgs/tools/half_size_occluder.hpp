@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <swiftgs/error.hpp>
-#include <swiftgs/frame.hpp>
+#include <swiftgs/frame/frame_view.hpp>
 
 namespace swiftgs {
 
