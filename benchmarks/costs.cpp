@@ -21,7 +21,7 @@
 
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/cpu.hpp>
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 #include <swiftgs/swiftgs.hpp>
 #if defined(SWIFTGS_TEST_CUDA)
 #include <swiftgs/cuda.hpp>

@@ -20,7 +20,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 #include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/serial.hpp>

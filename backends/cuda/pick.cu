@@ -6,7 +6,7 @@
 #include <swiftgs/cuda/launch.cuh>
 #include <swiftgs/cuda/raster_block.cuh>
 #include <swiftgs/cuda/warp.cuh>
-#include <swiftgs/pick.hpp>
+#include <swiftgs/drivers/pick.hpp>
 
 #include "exponents.hpp"
 

@@ -5,10 +5,10 @@
 #include <utility>
 
 #include <swiftgs/contribution.hpp>
+#include <swiftgs/drivers/pick.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame/float_pair.hpp>
 #include <swiftgs/functor/count_on_host.hpp>
-#include <swiftgs/pick.hpp>
 #include <swiftgs/vulkan/stages.hpp>
 
 #include "commands.hpp"

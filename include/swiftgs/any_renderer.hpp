@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <swiftgs/camera.hpp>
+#include <swiftgs/drivers/pick.hpp>
 #include <swiftgs/drivers/render_settings.hpp>
 #include <swiftgs/drivers/statistics.hpp>
 #include <swiftgs/frame.hpp>
@@ -23,7 +24,6 @@
 #include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/frame/views.hpp>
 #include <swiftgs/memory/scene_arrays.hpp>
-#include <swiftgs/pick.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs {

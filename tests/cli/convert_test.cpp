@@ -7,7 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 #include <swiftgs/io/scene_file.hpp>
 
 #include "cli/command.hpp"

@@ -8,7 +8,7 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 #include <swiftgs/io/image.hpp>
 #include <swiftgs/io/scene_file.hpp>
 #include <swiftgs/metrics.hpp>

@@ -6,7 +6,7 @@
 #include <cstdlib>
 
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 
 #include "cuda/device.hpp"
 #include "policies/contribution_sums.hpp"

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 
 #include "cuda/device.hpp"
 #include "cuda/graph.hpp"

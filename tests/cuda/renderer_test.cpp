@@ -7,7 +7,7 @@
 
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 
 #include "cuda/device.hpp"
 #include "policies/views.hpp"

@@ -10,7 +10,7 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 
 #include "policies/random_splats.hpp"
 

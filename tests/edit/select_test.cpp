@@ -8,7 +8,7 @@
 
 #include <doctest/doctest.h>
 
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 #include <swiftgs/tools/scene_part.hpp>
 
 #include "policies/random_splats.hpp"

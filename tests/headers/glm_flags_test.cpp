@@ -10,7 +10,7 @@
 
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/cpu.hpp>
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/swiftgs.hpp>
 

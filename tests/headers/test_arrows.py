@@ -23,13 +23,13 @@ BESIDE_CUDA = ["along_ray.cuh", "features.hpp", "other_exponents.hpp", "pick*.cu
 MOST_CUDA_FILES, MOST_CUDA_LINES = 85, 11850
 
 FEATURES = {
-    "drivers": ["drivers/*", "renderer.hpp", "any_renderer.hpp", "contribution.hpp", "pick.hpp"],
+    "drivers": ["drivers/*", "renderer.hpp", "any_renderer.hpp", "contribution.hpp"],
     "planes": ["plane/*"],
     "lenses": ["lens/*", "camera*.hpp", "conventions.hpp", "default_view.hpp"],
     "projection": ["project/*"],
     "loops over functors": ["functor/*"],
     "policies": ["bounds/*", "sort/*", "raster/*"],
-    "files, edits and judges": ["io/*", "edit/*", "edit.hpp", "stress.hpp", "reference.hpp", "metrics.hpp", "c/*"],
+    "files, edits and judges": ["io/*", "edit/*", "stress.hpp", "reference.hpp", "metrics.hpp", "c/*"],
     "pages": ["pages/*"],
     "scenes in memory": ["memory/*", "scene.hpp", "serial.hpp"],
     "tools": ["tools/*"],

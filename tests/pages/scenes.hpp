@@ -7,7 +7,7 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 #include <swiftgs/pages/build_pages.hpp>
 #include <swiftgs/pages/paged_scene.hpp>
 

@@ -20,7 +20,7 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/any_renderer.hpp>
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 #include <swiftgs/project/project.hpp>
 #include <swiftgs/swiftgs.hpp>
 

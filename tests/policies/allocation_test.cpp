@@ -12,7 +12,7 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 #include <swiftgs/memory/scene_arrays.hpp>
 
 #include "policies/arrays_on.hpp"

@@ -15,7 +15,7 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 #include <swiftgs/edit/pruning.hpp>
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/reference.hpp>

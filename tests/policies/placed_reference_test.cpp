@@ -11,7 +11,7 @@
 #include <doctest/doctest.h>
 
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 
 #include "policies/hooked.hpp"
 #include "policies/lenses.hpp"

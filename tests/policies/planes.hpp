@@ -13,8 +13,8 @@
 
 #include <doctest/doctest.h>
 
+#include <swiftgs/drivers/pick.hpp>
 #include <swiftgs/frame.hpp>
-#include <swiftgs/pick.hpp>
 #include <swiftgs/reference.hpp>
 #include <swiftgs/renderer.hpp>
 

@@ -16,7 +16,7 @@
 
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/builtin_scene.hpp>
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 
 #include "policies/arrays_on.hpp"
 #include "policies/hooked.hpp"

@@ -14,7 +14,7 @@
 #include <swiftgs/bounds/all.hpp>
 #include <swiftgs/builtin_scene.hpp>
 #include <swiftgs/conventions.hpp>
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 #include <swiftgs/frame/bounds.hpp>
 #include <swiftgs/lens/view.hpp>
 #include <swiftgs/plane/attribute_stage.hpp>

@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <cstring>
 
+#include <swiftgs/drivers/pick.hpp>
 #include <swiftgs/drivers/statistics.hpp>
-#include <swiftgs/pick.hpp>
 
 #include "error.hpp"
 #include "objects.hpp"

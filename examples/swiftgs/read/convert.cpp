@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 #include <swiftgs/edit/pruning.hpp>
 #include <swiftgs/io/replace_file.hpp>
 #include <swiftgs/io/scene_file.hpp>

@@ -5,7 +5,7 @@
 #include <variant>
 #include <vector>
 
-#include <swiftgs/edit.hpp>
+#include <swiftgs/edit/all.hpp>
 
 namespace swiftgs::cli {
 

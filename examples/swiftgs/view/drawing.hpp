@@ -10,8 +10,8 @@
 
 #include <swiftgs/any_renderer.hpp>
 #include <swiftgs/camera.hpp>
+#include <swiftgs/drivers/pick.hpp>
 #include <swiftgs/io/scene_list.hpp>
-#include <swiftgs/pick.hpp>
 #include <swiftgs/scene.hpp>
 
 #include "draw/page_frames.hpp"

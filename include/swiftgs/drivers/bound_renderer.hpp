@@ -14,6 +14,7 @@
 #include <swiftgs/camera.hpp>
 #include <swiftgs/drivers/kept_scenes.hpp>
 #include <swiftgs/drivers/measure.hpp>
+#include <swiftgs/drivers/pick.hpp>
 #include <swiftgs/drivers/picker.hpp>
 #include <swiftgs/drivers/recorded_frames.hpp>
 #include <swiftgs/drivers/render_settings.hpp>
@@ -31,7 +32,6 @@
 #include <swiftgs/frame/stored_scenes.hpp>
 #include <swiftgs/lens/view.hpp>
 #include <swiftgs/memory/scene_arrays.hpp>
-#include <swiftgs/pick.hpp>
 #include <swiftgs/scene.hpp>
 
 namespace swiftgs {

@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
+#include <swiftgs/drivers/pick.hpp>
 #include <swiftgs/error.hpp>
 #include <swiftgs/frame/frame_renderer.hpp>
 #include <swiftgs/frame/views.hpp>
-#include <swiftgs/pick.hpp>
 
 namespace swiftgs {
 

@@ -13,6 +13,7 @@
 
 #include <swiftgs/bounds/all.hpp>
 #include <swiftgs/contribution.hpp>
+#include <swiftgs/drivers/pick.hpp>
 #include <swiftgs/drivers/statistics.hpp>
 #include <swiftgs/frame/api.hpp>
 #include <swiftgs/frame/bounds.hpp>
@@ -21,7 +22,6 @@
 #include <swiftgs/frame/sort.hpp>
 #include <swiftgs/frame/splats.hpp>
 #include <swiftgs/functor/bounds_stages.hpp>
-#include <swiftgs/pick.hpp>
 #include <swiftgs/plane/attribute_stage.hpp>
 #include <swiftgs/raster/all.hpp>
 #include <swiftgs/sort/early.hpp>
