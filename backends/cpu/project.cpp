@@ -62,7 +62,7 @@ std::size_t ProjectTask(const ViewConstants& camera, const SeveralScenes& scenes
     const std::size_t until = std::min(end, std::size_t(placed.first_chunk) + placed.chunks());
     for (; begin < until; ++begin) {
       const std::size_t chunk = begin - placed.first_chunk, i = chunk * chunk_size;
-      if (scene.chunks.empty() || !culler.hides(scene.chunks[chunk]))
+      if (scene.chunks.empty() || !culler.culls(scene.chunks[chunk]))
         project_chunk(v, placed, i, std::min(i + chunk_size, scene.size()), out);
     }
   }

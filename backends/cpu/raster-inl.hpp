@@ -174,7 +174,7 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
   RayState rays;
   Batch batch;
   Evaluated evaluated;
-  const bool some_hidden = job.colours.some_hidden(), counted = !kColours && job.counts;
+  const bool some_colourless = job.colours.some_colourless(), counted = !kColours && job.counts;
 
   for (std::size_t block = begin; block < end; ++block) {
     const PlacedRasterBlock place(job.views, blocks, block);
@@ -205,7 +205,7 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
         if (planes.sums) LoadAttributes(job.attributes, id, k, sums);
         Touched touched =
             exponent.Prepare(k, job.splats.shapes[id], place.first_centre, view.rules.log2_alpha_min);
-        if (some_hidden && is_hidden(job.colours.each[id])) touched = {0, 0};
+        if (some_colourless && is_colourless(job.colours.each[id])) touched = {0, 0};
         batch.group_masks[k] = touched.groups & live;
         if (counted) counts.rows_visited += std::uint64_t(std::popcount(touched.rows & live_rows));
       }

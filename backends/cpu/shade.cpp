@@ -97,12 +97,12 @@ HWY_INLINE hn::Vec<F32x4> SumBands(const HarmonicRow& row, const float (*HWY_RES
 
 /// Colours of `count` Gaussians of a scene, whose ids less `first_id` are their places in it. The basis is
 /// evaluated for one Gaussian per lane. The sum over coefficients takes one Gaussian at a time, because only
-/// its own coefficients lie together. Returns whether any splat is hidden.
+/// its own coefficients lie together. Returns whether any splat is colourless.
 bool ShadeRange(const ViewConstants& v, const SceneView& scene, const Tint& tint, std::uint32_t first_id,
                 const std::uint32_t* HWY_RESTRICT ids, const float* HWY_RESTRICT depths, std::size_t count,
                 SplatColour* HWY_RESTRICT colours) {
   const F32 d;
-  bool some_hidden = false;
+  bool some_colourless = false;
   const int degree = scene.sh_degree, coefficients = sh_rest_count(degree);
   const std::size_t row_bytes = 3 * std::size_t(coefficients) * size_of(scene.sh_rest.format);
   // 64 and 128 take as long: memory has no more to give.
@@ -141,14 +141,14 @@ bool ShadeRange(const ViewConstants& v, const SceneView& scene, const Tint& tint
       const vec3 colour(channel(0), channel(1), channel(2));
       const float depth = drawn_depth(v, scene, id, depths[first + k]);
       SplatColour splat = splat_colour(colour, depth);
-      if (is_hidden(splat)) {
+      if (is_colourless(splat)) {
         splat = large_splat_colour(v, scene, id, depth);
-        some_hidden = some_hidden || is_hidden(splat);
+        some_colourless = some_colourless || is_colourless(splat);
       }
       colours[first + k] = tinted(splat, tint);
     }
   }
-  return some_hidden;
+  return some_colourless;
 }
 
 }  // namespace swiftgs::HWY_NAMESPACE
@@ -162,9 +162,9 @@ HWY_EXPORT(ShadeRange);
 
 Shading<Cpu> shade(Cpu& cpu, const FramePlan& plan, const Splats<Cpu>& splats, Colours<Cpu>& colours) {
   constexpr std::size_t grain = 1024;
-  colours.each.reset(splats.count), colours.hidden.reset(1);
-  std::uint32_t* const hidden = colours.hidden.data();
-  *hidden = 0;
+  colours.each.reset(splats.count), colours.colourless.reset(1);
+  std::uint32_t* const colourless = colours.colourless.data();
+  *colourless = 0;
   const SeveralScenes scenes{plan.scenes.reachable(), std::uint32_t(plan.scenes.size())};
   const std::uint32_t* const ids = splats.gaussians.data();
   for_parts_of_views(cpu, splats.view(), grain, [&](std::size_t view, std::size_t begin, std::size_t end) {
@@ -177,10 +177,10 @@ Shading<Cpu> shade(Cpu& cpu, const FramePlan& plan, const Splats<Cpu>& splats, C
       if (HWY_DYNAMIC_DISPATCH(ShadeRange)(eye(plan.views[view].camera, placed), placed.scene, placed.tint,
                                            first, ids + begin, splats.depths.data() + begin, until - begin,
                                            colours.each.data() + begin))
-        std::atomic_ref(*hidden).store(1, std::memory_order_relaxed);
+        std::atomic_ref(*colourless).store(1, std::memory_order_relaxed);
     }
   });
-  return Shading<Cpu>({{colours.each.data(), splats.count}, hidden});
+  return Shading<Cpu>({{colours.each.data(), splats.count}, colourless});
 }
 
 }  // namespace swiftgs

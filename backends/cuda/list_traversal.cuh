@@ -83,7 +83,7 @@ class ListTraversal {
         first_centre_(first_centre),
         rules_(&rules),
         queue_(&queue),
-        some_hidden_(job.colours.some_hidden()),
+        some_colourless_(job.colours.some_colourless()),
         at_(range.begin) {
     // Load shapes one step ahead, and their ids two.
     next_id_ = load_id(at_), later_id_ = load_id(at_ + warp_size);
@@ -168,7 +168,7 @@ class ListTraversal {
   }
   __device__ bool touches(std::uint32_t id, const SplatShape& shape) const {
     return box_touched(shape, first_centre_, float(warp_block_side)) &&
-           !(some_hidden_ && is_hidden(job_->colours.each[id]));
+           !(some_colourless_ && is_colourless(job_->colours.each[id]));
   }
   __device__ bool segment_has_ended() const {
     return begun_ >= halves_of_first_segment && begun_ % halves_of_segment == 0;
@@ -179,7 +179,7 @@ class ListTraversal {
   vec2 first_centre_;
   const BlendRules* rules_;
   TermsQueue<Exponent>* queue_;
-  bool some_hidden_;
+  bool some_colourless_;
   std::uint32_t at_, next_id_, later_id_;
   SplatShape next_shape_;
   // Splats queued so far: `begun_` halves and `waiting_` more.

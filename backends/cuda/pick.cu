@@ -49,7 +49,7 @@ __global__ void __launch_bounds__(pick_threads) pick_pixels(const __grid_constan
     bool touched = false;
     if (first + threadIdx.x < range.end) {
       const std::uint32_t id = job.lists.ids[first + threadIdx.x];
-      const float depth = job.colours[id].depth;  // 0 of hidden splats
+      const float depth = job.colours[id].depth;  // 0 of colourless splats
       shape = load_shape(job.splats, id);
       touched = depth > 0 && box_touched(shape, first_centre, float(raster_block_side));
       batch.depths[threadIdx.x] = depth, batch.gaussians[threadIdx.x] = job.splats.gaussians[id];

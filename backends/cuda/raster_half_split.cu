@@ -64,7 +64,8 @@ __global__ void __launch_bounds__(block_threads)
       const SplatShape s = load_shape(job.splats, id);
       batch.shapes.data()[threadIdx.x] = s;
       const float4 colour = load_colour(job, id);
-      batch.cutoffs[threadIdx.x] = is_hidden(colour) ? make_float2(-1, 0) : make_float2(s.cutoff, s.opacity);
+      batch.cutoffs[threadIdx.x] =
+          is_colourless(colour) ? make_float2(-1, 0) : make_float2(s.cutoff, s.opacity);
       batch.colours[threadIdx.x] = colour;
     } else {
       batch.cutoffs[threadIdx.x] = make_float2(-1, 0);

@@ -41,7 +41,7 @@ __global__ void __launch_bounds__(block_threads, resident_blocks(planes ? 6 : 8,
       batch.from_means[threadIdx.x] = make_float2(from_mean.x, from_mean.y);
       const float4 colour = load_colour(job, id);
       float4 factor = FactorExponent::prepare(s);
-      if (!box_touched(s, mine.first_centre(), raster_block_side) || is_hidden(colour)) factor.w = 0;
+      if (!box_touched(s, mine.first_centre(), raster_block_side) || is_colourless(colour)) factor.w = 0;
       batch.factors[threadIdx.x] = factor;
       batch.colours[threadIdx.x] = colour;
     }

@@ -173,7 +173,7 @@ template <class ViewSource, class Scenes>
 __global__ void __launch_bounds__(shade_threads)
     shade(const __grid_constant__ ViewSource views, const __grid_constant__ Scenes scenes,
           const LastCounters<FrameCounts> counts, const __grid_constant__ SplatsView all,
-          SplatColour* colours, std::uint32_t* hidden) {
+          SplatColour* colours, std::uint32_t* colourless) {
   __shared__ float4 shared[shade_warps][warp_size * rest_pitch(max_sh_degree)];
   float4* const rest = shared[threadIdx.x / warp_size];
   const std::size_t splats =
@@ -209,10 +209,10 @@ __global__ void __launch_bounds__(shade_threads)
     const vec3 rgb = of_one ? colour_of(scene, lead, sh0, own, direction)
                             : colour_of(scene.sh_degree, FloatWords<0>(), sh0, own, direction);
     SplatColour colour = splat_colour(rgb, depth);
-    if (is_hidden(colour)) colour = large_splat_colour(seen.camera, scene, i, depth);
+    if (is_colourless(colour)) colour = large_splat_colour(seen.camera, scene, i, depth);
     if (first + lane_index() < splats) {
       colours[at] = tinted(colour, seen.tint);
-      if (is_hidden(colour)) *hidden = 1;
+      if (is_colourless(colour)) *colourless = 1;
     }
     __syncwarp();  // before the coefficients are overwritten
   }
@@ -223,11 +223,11 @@ Shading<Cuda> shade(Cuda& cuda, const FramePlan& plan, const Splats<Cuda>& splat
   const std::size_t most = splats.pending ? splats.shapes.size() : splats.count;
   SplatsView all = splats.view();
   all.shapes.size = most;
-  colours.each.reset(most), colours.hidden.reset(1);
-  std::uint32_t* hidden = splats.pending.hidden;
-  if (!hidden) {
-    hidden = colours.hidden.data();
-    cuda.clear(hidden, sizeof *hidden);
+  colours.each.reset(most), colours.colourless.reset(1);
+  std::uint32_t* colourless = splats.pending.colourless;
+  if (!colourless) {
+    colourless = colours.colourless.data();
+    cuda.clear(colourless, sizeof *colourless);
   }
   const unsigned blocks = std::min(blocks_for(most, kernels::shade_threads),
                                    unsigned(cuda.multiprocessors() * kernels::shade_blocks));
@@ -237,9 +237,9 @@ Shading<Cuda> shade(Cuda& cuda, const FramePlan& plan, const Splats<Cuda>& splat
         plan.views, plan.scenes,
         [&]<class ViewSource, class Scenes>(const ViewSource& views, const Scenes& scenes) {
           launch("shade", kernels::shade<ViewSource, Scenes>, blocks, kernels::shade_threads, fork.stream(),
-                 views, scenes, splats.pending.counts, all, colours.each.data(), hidden);
+                 views, scenes, splats.pending.counts, all, colours.each.data(), colourless);
         });
-  return Shading<Cuda>(std::move(fork), splats, colours.each.data(), hidden);
+  return Shading<Cuda>(std::move(fork), splats, colours.each.data(), colourless);
 }
 
 }  // namespace swiftgs

@@ -81,7 +81,7 @@ class TouchedSplats {
   /// Finds splats until there are `wanted`, or the list ends: at most `most`, or with a cluster the share of
   /// each block. Synchronises the group.
   __device__ void find(vec2 first_centre, std::uint32_t wanted) {
-    const bool some_hidden = job_.colours.some_hidden();
+    const bool some_colourless = job_.colours.some_colourless();
     const unsigned warp = threadIdx.x / warp_size;
     for (unsigned half = 0; count_ < wanted && at_ < end_; half ^= 1) {
       // Test. Load all shapes before the first is needed.
@@ -97,7 +97,7 @@ class TouchedSplats {
       for (unsigned k = 0; k < tests_of_thread; ++k) {
         bool touched = at_ + first_of_thread() + k * warp_size < end_ &&
                        box_touched(shapes[k], first_centre, float(warp_block_side));
-        if (some_hidden) touched = touched && !is_hidden(job_.colours.each[ids[k]]);
+        if (some_colourless) touched = touched && !is_colourless(job_.colours.each[ids[k]]);
         lanes[k] = __ballot_sync(whole_warp, touched);
       }
       if (lane_index() == 0)

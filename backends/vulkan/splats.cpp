@@ -163,10 +163,10 @@ Shading<Vulkan> shade(Vulkan& b, const FramePlan& plan, const Splats<Vulkan>& sp
                       Colours<Vulkan>& colours) {
   const SplatsView view = splats.view();
   const std::size_t n = view.size();
-  colours.each.reset(n), colours.hidden.reset(1);
+  colours.each.reset(n), colours.colourless.reset(1);
   SplatColour* const to = colours.each.data();
-  std::uint32_t* const hidden = colours.hidden.data();
-  vulkan::Commands(b).fill(hidden, 1, 0);
+  std::uint32_t* const colourless = colours.colourless.data();
+  vulkan::Commands(b).fill(colourless, 1, 0);
   // A launch beside each pass of the sort, which leaves most of the memory's rate idle.
   constexpr std::size_t least = 1 << 18, most_launches = 5;
   const std::size_t launches = std::clamp<std::size_t>(n / least, 1, most_launches);
@@ -185,11 +185,11 @@ Shading<Vulkan> shade(Vulkan& b, const FramePlan& plan, const Splats<Vulkan>& sp
       commands.run(vulkan::Kernel::shade, {},
                    vulkan::Push(vulkan::address(copied->seen), vulkan::reads(view.gaussians.data, n),
                                 vulkan::reads_views(view), vulkan::reads(view.depths.data, n),
-                                vulkan::shares(to, n), vulkan::shares(hidden, 1), view.count(),
+                                vulkan::shares(to, n), vulkan::shares(colourless, 1), view.count(),
                                 std::uint32_t(plan.scenes.size()), std::uint32_t(first)),
                    vulkan::Commands::Shape::of(std::min(each, n - first)));
     });
-  return Shading<Vulkan>(b, {{to, n}, hidden});
+  return Shading<Vulkan>(b, {{to, n}, colourless});
 }
 
 ColoursView Shading<Vulkan>::finish() {

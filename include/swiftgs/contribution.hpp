@@ -55,7 +55,7 @@ constexpr double weight_of_parts(std::uint64_t parts) { return double(parts) / d
 /// Input of the weights of one view. All pointers are to memory that the backend can reach.
 struct ContributionJob {
   /// Splats, lists and a view whose frame has a size and no planes. Colours tell only which splats are
-  /// hidden.
+  /// colourless.
   RasterJob raster;
   std::uint64_t* sums;  ///< @shape{Gaussians} parts, added to
 };
@@ -106,10 +106,10 @@ struct AddRasterBlockContributions {
     const TileRange range = place.list(raster);
     if (range.begin == range.end) return;
     Pixels pixels(place);
-    const bool some_hidden = raster.colours.some_hidden();
+    const bool some_colourless = raster.colours.some_colourless();
     for (std::uint32_t at = range.begin; at < range.end && pixels.live > 0; ++at) {
       const std::uint32_t id = raster.lists.ids[at];
-      if (some_hidden && is_hidden(raster.colours.each[id])) continue;
+      if (some_colourless && is_colourless(raster.colours.each[id])) continue;
       const std::uint64_t parts = pixels.blend(raster.splats.shapes[id], place.view.rules);
       if (parts == 0) continue;
       std::atomic_ref<std::uint64_t> sum(job.sums[raster.splats.gaussians[id]]);

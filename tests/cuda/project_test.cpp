@@ -256,17 +256,17 @@ SWIFTGS_DEVICE_CASE("cuda project: colours of a frame that is given up do not ge
   }
 }
 
-SWIFTGS_DEVICE_CASE("cuda project: whether a splat is hidden is said of each frame anew") {
+SWIFTGS_DEVICE_CASE("cuda project: whether a splat is colourless is said of each frame anew") {
   Stage stage;
   const DeviceScene usual = stage.backend.upload(random_scene(3000, 3, 10));
-  const DeviceScene hiding = stage.backend.upload(scene_with_hidden(3000, 10));
+  const DeviceScene overflowing = stage.backend.upload(scene_with_colourless(3000, 10));
   const Camera camera = forward_camera(320, 200);
-  const auto hides = [&](const DeviceScene& scene) {
+  const auto has_colourless = [&](const DeviceScene& scene) {
     const OneView frame(camera, Conventions::gsplat(), scene.view());
     Footprints<Cuda>& footprints = stage.footprints;
     project(stage.backend, frame.plan(), Ellipse{}, stage.scratch, stage.splats, footprints);
     const auto word = [&](Shading<Cuda> shading) {
-      return to_host(stage.backend, Span<const std::uint32_t>{shading.finish().hidden, 1}).at(0);
+      return to_host(stage.backend, Span<const std::uint32_t>{shading.finish().colourless, 1}).at(0);
     };
     const std::uint32_t counted_there = word(shade(stage.backend, frame.plan(), stage.splats, stage.colours));
     bin(stage.backend, frame.plan(), Ellipse{}, stage.splats, footprints);
@@ -274,7 +274,8 @@ SWIFTGS_DEVICE_CASE("cuda project: whether a splat is hidden is said of each fra
     CHECK(word(shade(stage.backend, frame.plan(), stage.splats, stage.colours)) == counted_there);
     return counted_there != 0;
   };
-  for (const bool hidden : {false, true, true, false, false}) CHECK(hides(hidden ? hiding : usual) == hidden);
+  for (const bool some : {false, true, true, false, false})
+    CHECK(has_colourless(some ? overflowing : usual) == some);
 }
 
 SWIFTGS_DEVICE_CASE("cuda project: tiles of splats whose number the host knows are found within limits") {

@@ -121,7 +121,7 @@ SWIFTGS_DEVICE_CASE("cuda raster pixels: a rasterizer of the caller draws every 
 }
 
 SWIFTGS_DEVICE_CASE("cuda raster pixels: counts are the host's where no threshold is near") {
-  // Each leaves a fifth, so that the sixth that shows ends every pixel. Two are hidden.
+  // Each leaves a fifth, so that the sixth that shows ends every pixel. Two are colourless.
   SplatSet splats;
   for (int i = 0; i < 20; ++i) splats.add(make_splat(10, 5, 3000, 3000, 0, 0.8), float(1 + i));
   splats.colours[0] = splats.colours[3] = SplatColour{};

@@ -57,26 +57,26 @@ Scene equal_depths() {
   return scene;
 }
 
-/// Takes from a splat what a float may hold of its colour, which hides it.
-void hide(Scene& scene, std::size_t i) {
+/// Gives a splat a colour that no float holds.
+void make_colourless(Scene& scene, std::size_t i) {
   scene.sh0[i] = vec3(3e38f), std::fill_n(scene.sh_rest.begin() + std::ptrdiff_t(45 * i), 45, 3e38f);
 }
 
-/// Splats as wide as the image, and hidden ones.
-Scene wide_and_hidden() {
+/// Splats as wide as the image, and colourless ones.
+Scene wide_and_colourless() {
   Scene scene = make_builtin_scene(500);
   for (std::size_t i = 0; i < scene.size(); i += 25) scene.scales[i] *= 300.0f;
-  for (std::size_t i = 3; i < scene.size(); i += 10) hide(scene, i);
+  for (std::size_t i = 3; i < scene.size(); i += 10) make_colourless(scene, i);
   return scene;
 }
 
-/// Before all others one that is hidden, the first of the part of `rank`.
-Scene hidden_on(std::size_t rank) {
+/// Before all others one that is colourless, the first of the part of `rank`.
+Scene colourless_on(std::size_t rank) {
   Scene scene = make_builtin_scene(300);
   for (std::size_t i = 0; i < scene.size(); ++i) scene.means[i].z = 5;
   const std::size_t i = ScenePart{rank, std::size_t(ranks_here().size())}.range(scene.size()).begin;
   scene.means[i] = vec3(0, 0, 4), scene.scales[i] = vec3(3), scene.opacities[i] = 0.9f;
-  hide(scene, i);
+  make_colourless(scene, i);
   return scene;
 }
 
@@ -111,13 +111,13 @@ TEST_CASE("mpi frames: all planes of every kind of scene and view have the bits 
       {"lenses", make_builtin_scene(3'000), {builtin_panorama(), fisheye, builtin_panorama()}},
       {"a model of its own", as_trained(), {wide}},
       {"equal depths", equal_depths(), {ahead}},
-      {"splats that are wide or hidden", wide_and_hidden(), {builtin_camera(200, 150)}},
+      {"splats that are wide or colourless", wide_and_colourless(), {builtin_camera(200, 150)}},
       {"unlike degrees", unlike_degrees(), {builtin_camera(120, 80)}},
       {"fewer rows of tiles than ranks", unlike_degrees(), {builtin_camera(200, 17)}},
       {"no Gaussians", {}, {builtin_camera(120, 80)}},
   };
   for (int rank = 0; rank < ranks_here().size(); ++rank)
-    cases.push_back({"one that is hidden on any rank", hidden_on(std::size_t(rank)), {ahead}});
+    cases.push_back({"one that is colourless on any rank", colourless_on(std::size_t(rank)), {ahead}});
   for (const Case& each : cases) {
     const std::string name = each.name;
     CAPTURE(name);

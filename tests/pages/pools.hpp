@@ -72,7 +72,7 @@ inline void check_no_hole(const Cut& cut, const PagedScene& pages, const std::ve
   CHECK(once.size() == drawn.size());
   for (const View& view : views)
     for (std::uint32_t i = 0; i < pages.pages().size; ++i)
-      if (pages.pages()[i].is_leaf() && !ChunkCuller(view.camera).hides(pages.pages()[i].bounds))
+      if (pages.pages()[i].is_leaf() && !ChunkCuller(view.camera).culls(pages.pages()[i].bounds))
         CHECK(once.contains(i));
 }
 

@@ -170,8 +170,8 @@ inline Shading<Addresses> shade(Addresses& b, const FramePlan& plan, const Splat
   const PlanHere frame(plan);
   Colours<Serial> made;
   (void)swiftgs::shade(b.serial, frame.plan, splats.splats, made);
-  std::swap(colours.each.memory(), made.each), std::swap(colours.hidden.memory(), made.hidden);
-  return Shading<Addresses>({{colours.each.data(), splats.count}, colours.hidden.data()});
+  std::swap(colours.each.memory(), made.each), std::swap(colours.colourless.memory(), made.colourless);
+  return Shading<Addresses>({{colours.each.data(), splats.count}, colours.colourless.data()});
 }
 template <BoundsPolicy Bounds>
 void bin(Addresses& b, const FramePlan& plan, const Bounds& bounds, Splats<Addresses>& splats,
@@ -220,7 +220,7 @@ void rasterize(Addresses& b, R, const RasterJob& job) {
     view.frame.occluder.data = here(view.frame.occluder.data);
   }
   RasterJob on_host = job;
-  on_host.splats = here(job.splats), on_host.colours = {here(job.colours.each), here(job.colours.hidden)};
+  on_host.splats = here(job.splats), on_host.colours = {here(job.colours.each), here(job.colours.colourless)};
   on_host.lists = {here(job.lists.ids), here(job.lists.ranges)};
   on_host.views = Views(views.data(), views.size());
   on_host.attributes.data = here(job.attributes.data);

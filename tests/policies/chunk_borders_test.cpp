@@ -168,16 +168,16 @@ Scene chunk_of(Random& random, const ViewConstants& view, Border border, const G
   return scene;
 }
 
-bool hides(Random& random, const ViewConstants& view, Border border, const Gaussian& g) {
+bool culls(Random& random, const ViewConstants& view, Border border, const Gaussian& g) {
   const Scene scene = chunk_of(random, view, border, g);
-  return ChunkCuller(view).hides(detail::bounds_of_chunk(swiftgs::view(scene), 0));
+  return ChunkCuller(view).culls(detail::bounds_of_chunk(swiftgs::view(scene), 0));
 }
 
 /// What chunks do that show one Gaussian at a border, in random views.
 struct Outcome {
   int pairs = 0;
-  int wrong = 0;   ///< hidden though their Gaussian is visible
-  int hidden = 0;  ///< of those whose Gaussian is a little beyond
+  int wrong = 0;   ///< culled though their Gaussian is visible
+  int culled = 0;  ///< of those whose Gaussian is a little beyond
 };
 
 Outcome outcome(LensModel model, int kind, int side, int rounds) {
@@ -188,11 +188,11 @@ Outcome outcome(LensModel model, int kind, int side, int rounds) {
     const ViewConstants view = odd_camera(random, Kind(kind), model);
     const std::optional<AtBorder> found = at_border(random, view, border);
     if (!found) continue;
-    ++out.pairs, out.wrong += hides(random, view, border, found->gaussian);
+    ++out.pairs, out.wrong += culls(random, view, border, found->gaussian);
     Gaussian beyond = found->gaussian;
     beyond.mean =
         world(view, moved_out(found->place, border, is_plane(border) ? 0.01 : 3 + 0.1 * found->reach));
-    out.hidden += hides(random, view, border, beyond);
+    out.culled += culls(random, view, border, beyond);
   }
   return out;
 }
@@ -201,7 +201,7 @@ Outcome outcome(LensModel model, int kind, int side, int rounds) {
 
 TEST_CASE(
     "chunks: those that show a Gaussian at a border of the view are kept and most a little beyond are "
-    "hidden") {
+    "culled") {
   for (const LensModel model :
        {LensModel::perspective, LensModel::fisheye, LensModel::orthographic, LensModel::equirectangular})
     for (int kind = 0; kind < int(Kind::kinds); ++kind)
@@ -215,7 +215,7 @@ TEST_CASE(
         const Outcome found = outcome(model, kind, side, rounds);
         CHECK(found.wrong == 0);
         CHECK(found.pairs > (pinhole ? 0.67 : 0.25) * rounds);
-        CHECK(found.hidden > (pinhole ? 0.5 : 0.05) * found.pairs);
+        CHECK(found.culled > (pinhole ? 0.5 : 0.05) * found.pairs);
       }
 }
 

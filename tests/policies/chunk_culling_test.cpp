@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 
-// Which chunks a view hides, through every lens, and what chunks hold.
+// Which chunks a view culls, through every lens, and what chunks hold.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -120,29 +120,29 @@ bool any_visible(const ViewConstants& view, const SceneView& scene) {
 
 }  // namespace
 
-TEST_CASE("chunks: no Gaussian of a hidden chunk is visible, and most chunks without one are hidden") {
+TEST_CASE("chunks: no Gaussian of a culled chunk is visible, and most chunks without one are culled") {
   for (const LensModel model : models) {
     CAPTURE(name_of(model));
     Random random(1);
-    int hidden = 0, without = 0;
+    int culled = 0, without = 0;
     for (int round = 0; round < 20'000; ++round) {
       CAPTURE(round);
       const ViewConstants camera = random_camera(random, model);
       const Scene scene = random_chunk(random, random_point(random, camera));
       const SceneView chunk = view(scene);
-      const bool hides = ChunkCuller(camera).hides(detail::bounds_of_chunk(chunk, 0));
+      const bool culls = ChunkCuller(camera).culls(detail::bounds_of_chunk(chunk, 0));
       const bool visible = any_visible(camera, chunk);
-      REQUIRE_FALSE((hides && visible));
-      hidden += hides, without += !visible;
+      REQUIRE_FALSE((culls && visible));
+      culled += culls, without += !visible;
     }
-    MESSAGE(hidden << " of " << without << " chunks without a visible Gaussian are hidden");
-    CHECK(hidden > without * 0.5);
+    MESSAGE(culled << " of " << without << " chunks without a visible Gaussian are culled");
+    CHECK(culled > without * 0.5);
     CHECK(without > 4'000);
     CHECK(without < 16'000);
   }
 }
 
-TEST_CASE("chunks: what is not a number hides nothing, and what cannot be seen is hidden") {
+TEST_CASE("chunks: what is not a number culls nothing, and what cannot be seen is culled") {
   const float nan = std::numeric_limits<float>::quiet_NaN(),
               infinity = std::numeric_limits<float>::infinity();
   for (const LensModel model : models) {
@@ -154,11 +154,11 @@ TEST_CASE("chunks: what is not a number hides nothing, and what cannot be seen i
     const OneView one(camera, Conventions::gsplat(), {});
     const ChunkCuller culler(one.view.camera);
     ChunkBounds bounds{.low = vec3(-1, -1, 3), .size = 0.1f, .high = vec3(1, 1, 4), .opacity = 0.5f};
-    CHECK_FALSE(culler.hides(bounds));
+    CHECK_FALSE(culler.culls(bounds));
     const auto with = [&](auto change) {
       ChunkBounds changed = bounds;
       change(changed);
-      return culler.hides(changed);
+      return culler.culls(changed);
     };
     CHECK_FALSE(with([&](ChunkBounds& b) { b.low.x = nan; }));
     CHECK_FALSE(with([&](ChunkBounds& b) { b.high.z = infinity; }));

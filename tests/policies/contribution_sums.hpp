@@ -45,7 +45,7 @@ inline bool close(const Sums& a, const Sums& b) {
 
 /// A scene of which a tenth is in front of the others, large, and of a colour that is not finite: of SH
 /// coefficients that are, but add up to more than the largest float.
-inline Scene scene_with_hidden(std::size_t count, std::uint64_t seed) {
+inline Scene scene_with_colourless(std::size_t count, std::uint64_t seed) {
   Scene scene = random_scene(count, 3, seed);
   for (std::size_t i = 0; i < count; i += 10) {
     scene.means[i] = vec3(0.01f * float(i % 7), 0, 1), scene.scales[i] = vec3(0.3f),

@@ -215,7 +215,7 @@ TEST_CASE_TEMPLATE("contribution: of placed scenes is each Gaussian's weight in 
 SWIFTGS_CONTRACT("contribution: a scene in placed pieces gets the bits of the whole") {
   const std::vector<Camera> cameras{forward_camera(131, 77), builtin_cameras(3, 192, 108)[1]};
   for (const Scene& scene :
-       {random_scene(3000, 1, 13), make_builtin_scene(8000), scene_with_hidden(2000, 16)}) {
+       {random_scene(3000, 1, 13), make_builtin_scene(8000), scene_with_colourless(2000, 16)}) {
     const auto uploaded = backend.upload(scene);
     const Sums expected = sums_of<B>(scene, cameras);
     CHECK(total(expected) > 1000);
@@ -265,7 +265,7 @@ SWIFTGS_CONTRACT("contribution: placed scenes that cannot be drawn are refused a
 }
 
 SWIFTGS_CONTRACT("contribution: Gaussians that frames hide get nothing and those behind them all") {
-  const Scene scene = scene_with_hidden(2000, 16);
+  const Scene scene = scene_with_colourless(2000, 16);
   const Camera camera = forward_camera(150, 93);
   Usual<B> renderer(std::move(backend));
   RenderSettings settings;

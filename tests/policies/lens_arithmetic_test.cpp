@@ -300,7 +300,7 @@ TEST_CASE("lens: panoramas are drawn in parts of an eighth of a turn or somewhat
   CHECK(panorama_part(camera_with({LensModel::fisheye, {}}, 4096, 2048)) == 0);
 }
 
-TEST_CASE("lens: a part of a panorama hides chunks at its other side, and none about a pole") {
+TEST_CASE("lens: a part of a panorama culls chunks at its other side, and none about a pole") {
   const Camera camera = camera_with({LensModel::equirectangular, {}}, 256, 128);
   FrameView frame{.width = 32, .height = 128};
   const View part =
@@ -312,11 +312,11 @@ TEST_CASE("lens: a part of a panorama hides chunks at its other side, and none a
     chunk.size = 0.05f, chunk.opacity = 0.9f;
     return chunk;
   };
-  CHECK(culler.hides(chunk_at({0, 0, -3})));
-  CHECK(culler.hides(chunk_at({-3, 0.5f, 0})));
-  CHECK_FALSE(culler.hides(chunk_at({1, 0.5f, 3})));
-  CHECK_FALSE(culler.hides(chunk_at({0, 3, 0})));
-  CHECK(culler.hides(chunk_at({1, 0.5f, 3e11f})));  // beyond the far plane
+  CHECK(culler.culls(chunk_at({0, 0, -3})));
+  CHECK(culler.culls(chunk_at({-3, 0.5f, 0})));
+  CHECK_FALSE(culler.culls(chunk_at({1, 0.5f, 3})));
+  CHECK_FALSE(culler.culls(chunk_at({0, 3, 0})));
+  CHECK(culler.culls(chunk_at({1, 0.5f, 3e11f})));  // beyond the far plane
 }
 
 TEST_CASE("lens: what cannot be is refused in words") {

@@ -142,7 +142,7 @@ SWIFTGS_CONTRACT("planes: long lists are those of the reference") {
 }
 
 SWIFTGS_CONTRACT("planes: splats of a colour that is not finite are in none and are not picked") {
-  const Scene scene = with_features(scene_with_hidden(400, 4), 3);
+  const Scene scene = with_features(scene_with_colourless(400, 4), 3);
   Scene without = scene;
   for (std::size_t i = 0; i < scene.size(); i += 10) without.opacities[i] = 0;
   const Camera camera = forward_camera(60, 44);

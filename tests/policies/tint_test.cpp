@@ -23,7 +23,7 @@ namespace {
 constexpr int channels = 2;
 constexpr float largest = std::numeric_limits<float>::max();
 
-/// Some colours below 0, and every seventh beyond the range of float, which hides the Gaussian.
+/// Some colours below 0, and every seventh beyond the range of float: those Gaussians are colourless.
 Scene scene_of_extremes(std::size_t count, std::uint64_t seed) {
   Scene scene = with_features(random_scene(count, 3, seed), channels);
   for (std::size_t i = 0; i < count; i += 3) scene.sh0[i] *= 5.0f;
@@ -97,7 +97,8 @@ SWIFTGS_CONTRACT("tint: colours are those of the reference for each SH degree") 
   }
 }
 
-SWIFTGS_CONTRACT("tint: colours alone change, and Gaussians stay hidden whose own colours are not finite") {
+SWIFTGS_CONTRACT(
+    "tint: colours alone change, and Gaussians stay colourless whose own colours are not finite") {
   Usual<B> renderer(test::make_backend<B>());
   const auto uploaded = backend.upload(scene_of_extremes(900, 5));
   const Camera camera = turned_camera(90, 70, 0.1, 0.2);

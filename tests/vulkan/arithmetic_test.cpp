@@ -100,11 +100,11 @@ TEST_CASE("vulkan arithmetic: products are split into the bits of a product that
   }
 }
 
-TEST_CASE("vulkan arithmetic: chunks that shaders hide are hidden by the library and few others are") {
+TEST_CASE("vulkan arithmetic: chunks that shaders cull are culled by the library and few others are") {
   const Scene scene = order_spatially(make_builtin_scene(100'000));
   const std::vector<ChunkBounds> chunks = chunk_bounds(view(scene));
   Random random(9);
-  std::size_t hidden = 0, found = 0;
+  std::size_t culled = 0, found = 0;
   for (int i = 0; i < 50; ++i) {
     Camera camera = builtin_camera(640, 360);
     camera.fx = camera.fy = random.scale(300, 20000);
@@ -117,15 +117,15 @@ TEST_CASE("vulkan arithmetic: chunks that shaders hide are hidden by the library
     const glsl::Eye eye = in_glsl(vulkan::Eye(constants));
     const auto in_shader = std::bit_cast<glsl::Culler>(vulkan::Culler(culler));
     for (const ChunkBounds& chunk : chunks) {
-      const bool expected = culler.hides(chunk);
-      const bool hides = glsl::hides(eye, in_shader, std::bit_cast<glsl::Chunk>(chunk));
-      REQUIRE((expected || !hides));
-      hidden += expected, found += hides;
+      const bool expected = culler.culls(chunk);
+      const bool culls = glsl::hides(eye, in_shader, std::bit_cast<glsl::Chunk>(chunk));
+      REQUIRE((expected || !culls));
+      culled += expected, found += culls;
     }
   }
-  MESSAGE(found, " of ", hidden, " hidden chunks of ", 50 * chunks.size(), " are hidden");
-  CHECK(hidden > 10 * chunks.size());
-  CHECK(found * 100 > hidden * 98);
+  MESSAGE(found, " of ", culled, " culled chunks of ", 50 * chunks.size(), " are culled");
+  CHECK(culled > 10 * chunks.size());
+  CHECK(found * 100 > culled * 98);
 }
 
 TEST_CASE("vulkan arithmetic: projection has the bits of the library but for ties of its rounding") {

@@ -40,7 +40,7 @@ class PagePlan::Eyes {
     error = 0;
     bool shown = false;
     for (std::size_t i = 0; i < eyes_.size(); ++i) {
-      if (cullers_[i].hides(page.bounds)) continue;
+      if (cullers_[i].culls(page.bounds)) continue;
       shown = true;
       if (page.is_leaf()) break;
       const double pixel = pixel_at(eyes_[i], page.bounds);

@@ -129,7 +129,7 @@ struct PickPixel {
     for (std::uint32_t at = range.begin; at < range.end; ++at) {
       const std::uint32_t id = job.lists.ids[at];
       const SplatShape& shape = job.splats.shapes[id];
-      if (is_hidden(job.colours[id]) || !row_touched(shape, first_x, centre.y)) continue;
+      if (is_colourless(job.colours[id]) || !row_touched(shape, first_x, centre.y)) continue;
       const float alpha = alpha_at(shape, centre, job.view.rules);
       if (alpha > 0 && !picker.offer(alpha, job.colours[id].depth, job.splats.gaussians[id])) break;
     }

@@ -15,13 +15,13 @@ namespace swiftgs {
 /// What a splat contributes, in one 16-byte load.
 struct alignas(16) SplatColour {
   vec3 rgb{0};      ///< in the scene's own values, 0 or more
-  float depth = 0;  ///< of the splat; 0 if the splat is hidden
+  float depth = 0;  ///< of the splat; 0 if the splat is colourless
 };
 
 /// Whether no pixel shows the splat: the colour of its Gaussian is not finite.
-SWIFTGS_HD inline bool is_hidden(const SplatColour& colour) { return !(colour.depth > 0); }
+SWIFTGS_HD inline bool is_colourless(const SplatColour& colour) { return !(colour.depth > 0); }
 
-/// Colour of a splat at `depth`, cut below at 0. A colour that is not finite hides the splat.
+/// Colour of a splat at `depth`, cut below at 0; the splat is colourless if it is not finite.
 SWIFTGS_HD inline SplatColour splat_colour(vec3 rgb, float depth) {
   const float most = 3.4028234663852886e38f;
   SplatColour colour{vec3(0), depth};
@@ -34,10 +34,10 @@ SWIFTGS_HD inline SplatColour splat_colour(vec3 rgb, float depth) {
 
 /// Finished colours of a frame's splats. `Shading::finish` gives them; rasterizers take them.
 struct ColoursView {
-  Span<const SplatColour> each;           ///< @shape{splats}
-  const std::uint32_t* hidden = nullptr;  ///< not 0 if a splat is hidden; null: none is
+  Span<const SplatColour> each;               ///< @shape{splats}
+  const std::uint32_t* colourless = nullptr;  ///< not 0 if a splat is colourless; null: none is
 
-  SWIFTGS_HD bool some_hidden() const { return hidden && *hidden != 0; }
+  SWIFTGS_HD bool some_colourless() const { return colourless && *colourless != 0; }
 };
 
 /// Colours that `shade` evaluates. A backend specialises this class if its `shade` returns before the colours
@@ -59,12 +59,12 @@ class [[nodiscard]] Shading {
 template <class B>
 struct Colours {
   typename B::template Buffer<SplatColour> each;
-  typename B::template Buffer<std::uint32_t> hidden;  ///< one word
+  typename B::template Buffer<std::uint32_t> colourless;  ///< one word
 
   void reserve(B&, const Reservation& reserved) {
-    each.reset_exactly(reserved.capacity.splats), hidden.reset_exactly(1);
+    each.reset_exactly(reserved.capacity.splats), colourless.reset_exactly(1);
   }
-  static auto buffers(auto& self) { return std::tie(self.each, self.hidden); }
+  static auto buffers(auto& self) { return std::tie(self.each, self.colourless); }
 };
 
 /// Where a projected Gaussian is and how far it reaches.

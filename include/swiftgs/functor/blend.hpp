@@ -76,7 +76,7 @@ struct BlendRasterBlock {
       const std::uint32_t id = job.lists.ids[at];
       const SplatShape& shape = job.splats.shapes[id];
       const SplatColour& colour = job.colours.each[id];
-      if (is_hidden(colour)) continue;
+      if (is_colourless(colour)) continue;
       typename R::Kernel kernel(shape, first_centre, view.rules);
       ++counts.intersections_visited;
       for (int row = 0; row < rows; ++row) {

@@ -22,24 +22,24 @@ struct SWIFTGS_API ShadeSplats {
   Scenes scenes;
   SplatsView splats;
   SplatColour* colours;
-  std::uint32_t* hidden;
+  std::uint32_t* colourless;
 
   SWIFTGS_HD void operator()(std::size_t i) const {
     const auto seen = scenes.see(views[splats.view(i)].camera, splats.gaussians[i]);
     const float depth = drawn_depth(seen.camera, seen.scene, seen.i, splats.depths[i]);
     SplatColour colour = splat_colour(project_colour(seen.camera, seen.scene, seen.i), depth);
-    if (is_hidden(colour)) colour = large_splat_colour(seen.camera, seen.scene, seen.i, depth);
-    if (is_hidden(colour)) note_hidden();
+    if (is_colourless(colour)) colour = large_splat_colour(seen.camera, seen.scene, seen.i, depth);
+    if (is_colourless(colour)) note_colourless();
     colours[i] = tinted(colour, seen.tint);
   }
 
  private:
   /// Several loops may run at once, and each may write.
-  SWIFTGS_HD void note_hidden() const {
+  SWIFTGS_HD void note_colourless() const {
 #if defined(__CUDA_ARCH__)
-    *hidden = 1;
+    *colourless = 1;
 #else
-    std::atomic_ref<std::uint32_t>(*hidden).store(1, std::memory_order_relaxed);
+    std::atomic_ref<std::uint32_t>(*colourless).store(1, std::memory_order_relaxed);
 #endif
   }
 };
@@ -54,13 +54,13 @@ struct SWIFTGS_API ClearWord {
 /// may run this beside it.
 template <FunctorBackend B>
 Shading<B> shade(B& b, const FramePlan& plan, const Splats<B>& splats, Colours<B>& colours) {
-  colours.each.reset(splats.count), colours.hidden.reset(1);
-  b.for_each(1, ClearWord{colours.hidden.data()});
+  colours.each.reset(splats.count), colours.colourless.reset(1);
+  b.for_each(1, ClearWord{colours.colourless.data()});
   with_scenes(plan.scenes, [&]<class Scenes>(const Scenes& scenes) {
     b.for_each(splats.count, ShadeSplats<Scenes>{plan.views.reachable(), scenes, splats.view(),
-                                                 colours.each.data(), colours.hidden.data()});
+                                                 colours.each.data(), colours.colourless.data()});
   });
-  return Shading<B>({{colours.each.data(), splats.count}, colours.hidden.data()});
+  return Shading<B>({{colours.each.data(), splats.count}, colours.colourless.data()});
 }
 
 }  // namespace swiftgs

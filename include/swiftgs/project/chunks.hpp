@@ -108,8 +108,8 @@ class ChunkCuller {
     blur_ = 1.002 * std::sqrt(double(view.blur));
   }
 
-  /// A number that is NaN, or an infinity that may reach the image, hides nothing.
-  SWIFTGS_HD bool hides(const ChunkBounds& chunk) const {
+  /// A number that is NaN, or an infinity that may reach the image, culls nothing.
+  SWIFTGS_HD bool culls(const ChunkBounds& chunk) const {
     const ViewConstants& v = *view_;
     const float opacity = v.opacity * chunk.opacity;
     if (opacity < v.alpha_min) return true;
@@ -129,12 +129,12 @@ class ChunkCuller {
       }
       return sum + (std::fabs(x) + std::fabs(y) + std::fabs(z)) * rounding;
     };
-    if (v.depth_is_distance ? hidden_by_distance(centre, half, rounding)
+    if (v.depth_is_distance ? culled_by_distance(centre, half, rounding)
                             : v.depth_scale * most(0, 0, 1) <= v.near_plane ||
                                   v.depth_scale * most(0, 0, -1) < -double(v.far_plane))
       return true;
     const double k = std::sqrt(2.0 * std::log(1.0001f * opacity / v.alpha_min));
-    if (v.through_lens) return hidden_through_lens(chunk, k, box_of(centre, half, rounding));
+    if (v.through_lens) return culled_through_lens(chunk, k, box_of(centre, half, rounding));
     const double margin = 0.03 + k * blur_, size = k * double(chunk.size);
     const double x = size * wide_, y = size * high_;
     return most(-v.fx, 0, v.right - v.cx + margin) < -x || most(v.fx, 0, v.cx - v.left + margin) < -x ||
@@ -148,7 +148,7 @@ class ChunkCuller {
 
  private:
   /// Whether all of a box is nearer or further than what is shown. The rotation may lengthen by 1e-3.
-  SWIFTGS_HD bool hidden_by_distance(const double (&centre)[3], const double (&half)[3],
+  SWIFTGS_HD bool culled_by_distance(const double (&centre)[3], const double (&half)[3],
                                      double rounding) const {
     double nearest = 0, furthest = 0;
     for (int k = 0; k < 3; ++k) {
@@ -176,7 +176,7 @@ class ChunkCuller {
   /// Whether the lens shows no splat of a box in this part of the image. A splat's half width is at most
   /// sqrt((k fx |du| size)^2 + k^2 blur), with du the derivative of u by the point. Not inlined: it would
   /// cost pinhole views registers.
-  SWIFTGS_HD SWIFTGS_NOINLINE bool hidden_through_lens(const ChunkBounds& chunk, double k,
+  SWIFTGS_HD SWIFTGS_NOINLINE bool culled_through_lens(const ChunkBounds& chunk, double k,
                                                        const CameraBox& box) const {
     const ViewConstants& v = *view_;
     const LensBox seen = box_through(v.lens, v.limits, box);

@@ -29,14 +29,14 @@ SWIFTGS_HD inline vec3 project_colour(const ViewConstants& v, const SceneView& s
   return sh_colour(scene, i, view_direction(v, scene.means[i]));
 }
 
-/// The colour of a splat that a usual sum of floats would hide: hidden only if the colour is not finite.
+/// The colour of a splat that a usual sum of floats would lose: colourless only if the colour is not finite.
 SWIFTGS_HD inline SplatColour large_splat_colour(const ViewConstants& camera, const SceneView& scene,
                                                  std::size_t i, float depth) {
   const vec3 direction = view_direction(camera, scene.means[i]);
   return splat_colour(large_sh_colour(scene.sh_degree, sh0_of(scene, i), scene.sh_rest[i], direction), depth);
 }
 
-/// The colour of a splat under a tint. A splat that is hidden stays so.
+/// The colour of a splat under a tint. A colourless splat stays so.
 SWIFTGS_HD inline SplatColour tinted(const SplatColour& colour, const Tint& tint) {
   return tint.is_none() ? colour : SplatColour{tint.mixed_into(colour.rgb), colour.depth};
 }

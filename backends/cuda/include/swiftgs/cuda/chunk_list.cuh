@@ -73,7 +73,7 @@ __device__ bool shows_some(const OneScene& scenes, const ViewSource& views, std:
                            std::uint32_t block) {
   const Span<const ChunkBounds>& chunks = scenes.scene.chunks;
   const std::uint32_t chunk = block / views.size();
-  return chunk < chunks.size && !ChunkCuller(views[block % views.size()].camera).hides(chunks[chunk]);
+  return chunk < chunks.size && !ChunkCuller(views[block % views.size()].camera).culls(chunks[chunk]);
 }
 template <class ViewSource>
 __device__ bool shows_some(const SeveralScenes& scenes, const ViewSource& views, std::uint32_t chunks_a_view,
@@ -85,7 +85,7 @@ __device__ bool shows_some(const SeveralScenes& scenes, const ViewSource& views,
   const Span<const ChunkBounds>& chunks = of.placed->scene.chunks;
   if (chunks.empty()) return true;
   const ViewConstants camera = eye(view.camera, *of.placed);
-  return !ChunkCuller(camera).hides(chunks[of.chunk]);
+  return !ChunkCuller(camera).culls(chunks[of.chunk]);
 }
 
 /// Lists the blocks of a projection whose chunk the view may show: a thread a block.

@@ -28,8 +28,8 @@ struct ProjectOutput {
   std::uint32_t* gaussians;
   std::uint16_t* of_view;  ///< null if there is one view
   Footprint* footprints;
-  std::uint32_t* hidden;   ///< is cleared
-  std::uint32_t capacity;  ///< splats beyond it are counted and left out
+  std::uint32_t* colourless;  ///< is cleared
+  std::uint32_t capacity;     ///< splats beyond it are counted and left out
 };
 
 /// What the threads of a block tell each other.
@@ -191,7 +191,7 @@ __global__ void __launch_bounds__(project_threads,
   }
   if (threadIdx.x == 0) {
     RunningSum(epochs.words, loaded_epoch).add(visible);
-    if (blockIdx.x == 0) epochs.next_copy(loaded_epoch) = {}, *output.hidden = 0;
+    if (blockIdx.x == 0) epochs.next_copy(loaded_epoch) = {}, *output.colourless = 0;
   }
 
   // Find their tiles.
@@ -242,13 +242,13 @@ void run_project(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Projec
   splats.exact = nullptr, footprints.overflowed = nullptr;
   splats.pending = footprints.found_by = {};
   splats.reset(capacity, plan.views.size()), footprints.each.reset(capacity);
-  scratch.hidden.reset(1), scratch.totals.reset(1);
+  scratch.colourless.reset(1), scratch.totals.reset(1);
   // An empty scene needs these, and a recorded frame of one must not allocate.
   footprints.counts.reset(1), footprints.totals.reset(1);
   if (n == 0) return;
   const ProjectOutput output{splats.shapes.data(),    splats.depths.data(),
                              splats.gaussians.data(), plan.views.size() > 1 ? splats.of_view.data() : nullptr,
-                             footprints.each.data(),  scratch.hidden.data(),
+                             footprints.each.data(),  scratch.colourless.data(),
                              std::uint32_t(capacity)};
   std::size_t chunks_a_view = 0;
   for (const View& view : plan.views)
@@ -268,7 +268,7 @@ void run_project(Cuda& cuda, const FramePlan& plan, const Bounds& bounds, Projec
                                        bounds, list, std::uint32_t(chunks_a_view), output, epochs);
                         });
   scratch.epochs.end();
-  splats.pending = footprints.found_by = {epochs.last(), scratch.hidden.data(), scratch.totals.data(),
+  splats.pending = footprints.found_by = {epochs.last(), scratch.colourless.data(), scratch.totals.data(),
                                           ++scratch.projections};
   footprints.found_within = Bounds::name;
 }

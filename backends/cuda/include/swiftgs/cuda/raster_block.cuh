@@ -117,7 +117,7 @@ __device__ inline float4 load_colour(const RasterJob& job, std::uint32_t id) {
 }
 
 /// Whether no pixel shows the splat of a loaded colour.
-__device__ inline bool is_hidden(const float4& colour) { return !(colour.w > 0); }
+__device__ inline bool is_colourless(const float4& colour) { return !(colour.w > 0); }
 
 /// Whether some view of `job` has to remember splats.
 inline bool some_view_picks(const RasterJob& job) {

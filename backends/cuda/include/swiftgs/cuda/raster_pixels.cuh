@@ -47,7 +47,7 @@ __global__ void __launch_bounds__(raster_pixels_threads)
   for (std::uint32_t at = range.begin; at < range.end && __any_sync(whole_warp, live); ++at) {
     const std::uint32_t id = job.lists.ids[at];
     const SplatColour colour = job.colours.each[id];
-    if (is_hidden(colour)) continue;
+    if (is_colourless(colour)) continue;
     const SplatShape shape = job.splats.shapes[id];
     if (!live || !row_touched(shape, first_centre.x, centre_y)) continue;
     typename R::Kernel kernel(shape, first_centre, view.rules);

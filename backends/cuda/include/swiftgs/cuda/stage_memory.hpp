@@ -80,22 +80,23 @@ struct BlockScratch {
 };
 
 /// Memory of projection. The next projection clears what this one left: the numbers that `bin` has compared,
-/// and the word by which rasterizers know of hidden splats. Rasterize a frame before you project the next.
+/// and the word by which rasterizers know of colourless splats. Rasterize a frame before you project the
+/// next.
 template <>
 struct ProjectScratch<Cuda> {
   Epochs<FrameCounts> epochs;
-  DeviceBuffer<std::uint32_t> hidden;  ///< a word that `project` clears and `shade` sets
-  DeviceBuffer<FrameTotals> totals;    ///< one, which `bin` fills
-  BlockScratch shown;                  ///< written for scenes with chunks alone
-  std::uint64_t projections = 0;       ///< so far
+  DeviceBuffer<std::uint32_t> colourless;  ///< a word that `project` clears and `shade` sets
+  DeviceBuffer<FrameTotals> totals;        ///< one, which `bin` fills
+  BlockScratch shown;                      ///< written for scenes with chunks alone
+  std::uint64_t projections = 0;           ///< so far
 
-  static auto buffers(auto& self) { return std::tie(self.epochs, self.hidden, self.totals, self.shown); }
+  static auto buffers(auto& self) { return std::tie(self.epochs, self.colourless, self.totals, self.shown); }
 };
 
 /// A projection whose numbers the host has not read.
 struct PendingProjection {
   LastCounters<FrameCounts> counts;
-  std::uint32_t* hidden = nullptr;
+  std::uint32_t* colourless = nullptr;
   FrameTotals* totals = nullptr;
   std::uint64_t projection = 0;  ///< of the scratch memory's; 0: none
 

@@ -41,13 +41,13 @@ template <>
 class [[nodiscard]] Shading<Cuda> {
  public:
   Shading(Cuda::Fork fork, const Splats<Cuda>& splats, const SplatColour* colours,
-          const std::uint32_t* hidden)
-      : fork_(std::move(fork)), splats_(&splats), colours_(colours), hidden_(hidden) {}
+          const std::uint32_t* colourless)
+      : fork_(std::move(fork)), splats_(&splats), colours_(colours), colourless_(colourless) {}
 
   /// Call it after `bin`, which sets the number of splats.
   ColoursView finish() {
     fork_.join();
-    return {{colours_, splats_->count}, hidden_};
+    return {{colours_, splats_->count}, colourless_};
   }
   /// Until `finish`.
   void* stream() const { return fork_.stream(); }
@@ -56,7 +56,7 @@ class [[nodiscard]] Shading<Cuda> {
   Cuda::Fork fork_;
   const Splats<Cuda>* splats_;
   const SplatColour* colours_;
-  const std::uint32_t* hidden_;
+  const std::uint32_t* colourless_;
 };
 
 /// Evaluates the colours of `splats`, whose number it reads where the device keeps it, beside all later work

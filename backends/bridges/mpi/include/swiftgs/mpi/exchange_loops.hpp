@@ -54,15 +54,15 @@ struct SWIFTGS_API JoinColours {
   Span<const SplatColour> own;
   std::size_t at;  ///< where they are joined
   SplatColour* joined;
-  std::uint32_t* hidden;
+  std::uint32_t* colourless;
 
   SWIFTGS_HD void operator()(std::size_t i) const {
     if (i >= at && i - at < own.size) joined[i] = own[i - at];
-    if (!is_hidden(joined[i])) return;
+    if (!is_colourless(joined[i])) return;
 #if defined(__CUDA_ARCH__)
-    *hidden = 1;
+    *colourless = 1;
 #else
-    std::atomic_ref<std::uint32_t>(*hidden).store(1, std::memory_order_relaxed);
+    std::atomic_ref<std::uint32_t>(*colourless).store(1, std::memory_order_relaxed);
 #endif
   }
 };

@@ -52,8 +52,8 @@ class SplatExchange {
     has_views_ = shares.splats.of_view.size() != 0;
     try {
       joined_.reset(in, views);
-      joined_colours_.each.reset(in), joined_colours_.hidden.reset(1);
-      colours.each.reset(out), colours.hidden.reset(1);
+      joined_colours_.each.reset(in), joined_colours_.colourless.reset(1);
+      colours.each.reset(out), colours.colourless.reset(1);
       if (has_gaussians_) numbered_.reset(out);
       const auto stage = [&](auto& both, auto& packed, auto& joined) {
         both.packed.reserve(b, {packed.data(), packed.size() == 0 ? 0 : out}, direct_);
@@ -136,11 +136,11 @@ class SplatExchange {
     for_others(to_begins(),
                [&](std::size_t begin, std::size_t end) { colours_.joined.from_host(b, begin, end); });
     const std::size_t begin = from_[own_], count = from_[own_ + 1] - begin;
-    b.for_each(1, ClearWord{joined_colours_.hidden.data()});
+    b.for_each(1, ClearWord{joined_colours_.colourless.data()});
     b.for_each(joined_colours_.each.size(), JoinColours{{colours.each.data() + begin, count},
                                                         std::size_t(to_begins_[own_]),
                                                         joined_colours_.each.data(),
-                                                        joined_colours_.hidden.data()});
+                                                        joined_colours_.colourless.data()});
   }
 
   /// The attributes of the shares in a pass, for the caller to fill. @shape{splats, rows}
@@ -174,7 +174,7 @@ class SplatExchange {
   }
 
   Splats<B>& joined() { return joined_; }
-  ColoursView colours() const { return {joined_colours_.each.span(), joined_colours_.hidden.data()}; }
+  ColoursView colours() const { return {joined_colours_.each.span(), joined_colours_.colourless.data()}; }
 
   static auto buffers(auto& self) {
     return std::tie(self.joined_, self.joined_colours_, self.numbered_, self.shapes_, self.depths_,
