@@ -37,11 +37,11 @@ DrawFunction DrawFunctionOf(Blending blending);
 
 /// Sets a raster block to transparent black.
 template <class Groups>
-void Begin(const RasterJob& job, const PlacedRasterBlock& block, Blending blending, RasterBlockState& state,
+void Begin(const RasterJob& job, const RasterBlockOfView& block, Blending blending, RasterBlockState& state,
            const PlaneStates& planes);
 /// Writes all planes of a raster block. Leaves its states unspecified.
 template <class Groups>
-void End(const RasterJob& job, const PlacedRasterBlock& block, RasterBlockState& state,
+void End(const RasterJob& job, const RasterBlockOfView& block, RasterBlockState& state,
          const PlaneStates& planes);
 
 }  // namespace swiftgs::HWY_NAMESPACE

@@ -36,7 +36,7 @@ DrawFunction DrawFunctionOf(Blending blending) {
 }
 
 template <class Groups>
-void Begin(const RasterJob& job, const PlacedRasterBlock& block, Blending blending, RasterBlockState& state,
+void Begin(const RasterJob& job, const RasterBlockOfView& block, Blending blending, RasterBlockState& state,
            const PlaneStates& planes) {
   Clear<Groups>(block, blending, state);
   if (planes.picks) ClearPicks(*planes.picks);
@@ -45,7 +45,7 @@ void Begin(const RasterJob& job, const PlacedRasterBlock& block, Blending blendi
 }
 
 template <class Groups>
-void End(const RasterJob& job, const PlacedRasterBlock& block, RasterBlockState& state,
+void End(const RasterJob& job, const RasterBlockOfView& block, RasterBlockState& state,
          const PlaneStates& planes) {
   if (!job.only_attributes)
     StoreRasterBlock<Groups>(block.view, block, state);
@@ -55,12 +55,12 @@ void End(const RasterJob& job, const PlacedRasterBlock& block, RasterBlockState&
   if (planes.sums) StoreSums<Groups>(job, block, state.transmittance, *planes.sums);
 }
 
-template void Begin<Rows>(const RasterJob&, const PlacedRasterBlock&, Blending, RasterBlockState&,
+template void Begin<Rows>(const RasterJob&, const RasterBlockOfView&, Blending, RasterBlockState&,
                           const PlaneStates&);
-template void Begin<Blocks>(const RasterJob&, const PlacedRasterBlock&, Blending, RasterBlockState&,
+template void Begin<Blocks>(const RasterJob&, const RasterBlockOfView&, Blending, RasterBlockState&,
                             const PlaneStates&);
-template void End<Rows>(const RasterJob&, const PlacedRasterBlock&, RasterBlockState&, const PlaneStates&);
-template void End<Blocks>(const RasterJob&, const PlacedRasterBlock&, RasterBlockState&, const PlaneStates&);
+template void End<Rows>(const RasterJob&, const RasterBlockOfView&, RasterBlockState&, const PlaneStates&);
+template void End<Blocks>(const RasterJob&, const RasterBlockOfView&, RasterBlockState&, const PlaneStates&);
 
 }  // namespace swiftgs::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -109,7 +109,7 @@ void group_by_tile(Cpu& cpu, const EmissionJob& job, GroupScratch<Cpu>& scratch,
     std::fill_n(counts, tiles, 0u);
     visit_intersections(job, range, [&](std::uint32_t tile, std::uint32_t) { ++counts[tile]; });
   });
-  const std::uint32_t sum = counts_to_places(cpu, scratch.positions.data(), parts, tiles);
+  const std::uint32_t sum = counts_to_positions(cpu, scratch.positions.data(), parts, tiles);
   check_sum(job.intersections, sum);
   const std::uint32_t* const begins = positions_of(0);
   for (std::size_t tile = 0; tile < tiles; ++tile) {

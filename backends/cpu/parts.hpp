@@ -39,10 +39,10 @@ void for_each_part(const Cpu& cpu, std::size_t n, std::size_t parts, const F& f)
   });
 }
 
-/// Turns counts[part * bins + bin] into the place of the first of these: bins follow each other, and in each
-/// bin its parts. Returns the sum of all.
-inline std::uint32_t counts_to_places(const Cpu& cpu, std::uint32_t* counts, std::size_t parts,
-                                      std::size_t bins) {
+/// Turns counts[part * bins + bin] into the position of the first of these: bins follow each other, and in
+/// each bin its parts. Returns the sum of all.
+inline std::uint32_t counts_to_positions(const Cpu& cpu, std::uint32_t* counts, std::size_t parts,
+                                         std::size_t bins) {
   const std::size_t ranges = part_count(cpu, parts * bins, 1 << 14);
   std::array<std::uint32_t, max_parts> before;
   for_each_part(cpu, bins, ranges, [&](std::size_t number, Part range) {
@@ -54,18 +54,18 @@ inline std::uint32_t counts_to_places(const Cpu& cpu, std::uint32_t* counts, std
   std::uint32_t all = 0;
   for (std::size_t number = 0; number < ranges; ++number) all += std::exchange(before[number], all);
   for_each_part(cpu, bins, ranges, [&](std::size_t number, Part range) {
-    // Some bins at a time, whose places stay in the first-level cache while the parts pass by.
-    std::array<std::uint32_t, 512> places;
+    // Some bins at a time, whose positions stay in the first-level cache while the parts pass by.
+    std::array<std::uint32_t, 512> positions;
     std::uint32_t sum = before[number];
-    for (std::size_t first = range.begin; first < range.end; first += places.size()) {
-      const std::size_t here = std::min(places.size(), range.end - first);
-      std::fill_n(places.begin(), here, 0u);
+    for (std::size_t first = range.begin; first < range.end; first += positions.size()) {
+      const std::size_t here = std::min(positions.size(), range.end - first);
+      std::fill_n(positions.begin(), here, 0u);
       for (std::size_t part = 0; part < parts; ++part)
-        for (std::size_t i = 0; i < here; ++i) places[i] += counts[part * bins + first + i];
-      for (std::size_t i = 0; i < here; ++i) sum += std::exchange(places[i], sum);
+        for (std::size_t i = 0; i < here; ++i) positions[i] += counts[part * bins + first + i];
+      for (std::size_t i = 0; i < here; ++i) sum += std::exchange(positions[i], sum);
       for (std::size_t part = 0; part < parts; ++part)
         for (std::size_t i = 0; i < here; ++i)
-          places[i] += std::exchange(counts[part * bins + first + i], places[i]);
+          positions[i] += std::exchange(counts[part * bins + first + i], positions[i]);
     }
   });
   return all;

@@ -83,7 +83,7 @@ HWY_INLINE void PickGroup(const Batch& HWY_RESTRICT batch, const BlendRules& rul
 /// Writes a plane of what `from` holds of each pixel's splat, and `none` where there is none. `splats` lie in
 /// rows.
 template <class T>
-HWY_INLINE void StorePicked(const PlacedRasterBlock& block, const PlaneOf<std::uint32_t>& splats,
+HWY_INLINE void StorePicked(const RasterBlockOfView& block, const PlaneOf<std::uint32_t>& splats,
                             const T* from, T none, swiftgs::Plane<T> to) {
   if (!to.data) return;
   const hn::CappedTag<T, raster_block_side> d;
@@ -107,7 +107,7 @@ HWY_INLINE void StorePicked(const PlacedRasterBlock& block, const PlaneOf<std::u
 
 /// Writes the planes of picks that are asked for, as `store_picks` does. Turns `picks` into rows.
 template <class Groups>
-HWY_INLINE void StorePicks(const RasterJob& job, const PlacedRasterBlock& block, PickState& picks) {
+HWY_INLINE void StorePicks(const RasterJob& job, const RasterBlockOfView& block, PickState& picks) {
   const FrameView& frame = block.view.frame;
   for (auto* plane : {&picks.first, &picks.median, &picks.largest}) Groups::ToRows(*plane);
   const ViewConstants& camera = block.view.camera;

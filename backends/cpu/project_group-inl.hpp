@@ -34,7 +34,7 @@ struct Seen {
   Mask shown;
 
   /// Vector version of `SplatShape::set_mean`.
-  HWY_INLINE void place_mean(const Wide& wide_x, const Wide& wide_y) {
+  HWY_INLINE void project_mean(const Wide& wide_x, const Wide& wide_y) {
     const F32 d;
     const auto round_down = [&](const Wide& wide, Vec& mean, Vec& lacks) HWY_ATTR {
       const hn::RebindToSigned<F32> di;
@@ -67,7 +67,7 @@ HWY_INLINE bool SeeThroughPinhole(const ViewConstants& v, const Group& group, Ma
   const Wide x_over_z = Times(Dot(dx, dy, dz, v.rotation[0]), inverse_z);
   const Wide y_over_z = Times(Dot(dx, dy, dz, v.rotation[1]), inverse_z);
 
-  out.place_mean(ScaleAdd(x_over_z, v.fx, v.cx), ScaleAdd(y_over_z, v.fy, v.cy));
+  out.project_mean(ScaleAdd(x_over_z, v.fx, v.cx), ScaleAdd(y_over_z, v.fy, v.cy));
 
   // Linearise within the limits of the conventions.
   const auto row = [&](int k, Doubles tangent, Doubles pixels) HWY_ATTR {
@@ -132,7 +132,7 @@ HWY_INLINE bool SeeThroughLens(const ViewConstants& v, const Group& group, Mask 
   LookThroughLens(v, low, lower), LookThroughLens(v, high, upper);
   const auto wide = [&](std::size_t i) HWY_ATTR { return Wide{lower[i].v, upper[i].v}; };
   const auto number = [&](std::size_t i) HWY_ATTR { return Demote(wide(i)); };
-  out.place_mean(wide(x_of_seen), wide(y_of_seen));
+  out.project_mean(wide(x_of_seen), wide(y_of_seen));
   out.rows[0] = {ByWorld(v, lower + du_of_seen, v.fx), ByWorld(v, lower + dv_of_seen, v.fy)};
   out.rows[1] = {ByWorld(v, upper + du_of_seen, v.fx), ByWorld(v, upper + dv_of_seen, v.fy)};
   out.shown = hn::And(out.shown, hn::Gt(number(shown_of_seen), hn::Zero(d)));

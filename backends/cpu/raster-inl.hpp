@@ -131,8 +131,8 @@ HWY_INLINE Vec CutAlpha(const BlendRules& rules, Vec alpha) {
                             hn::Min(alpha, hn::Set(d, rules.alpha_max)));
 }
 
-/// Asks for the splats of places [from, to) of the lists, up to `end`. Always inlined: gcc takes out calls of
-/// functions that do nothing else.
+/// Asks for the splats of positions [from, to) of the lists, up to `end`. Always inlined: gcc takes out calls
+/// of functions that do nothing else.
 HWY_INLINE void PrefetchSplats(const RasterJob& job, std::size_t from, std::size_t to, std::size_t end) {
   for (to = std::min(to, end); from < to; ++from) {
     hwy::Prefetch(&job.splats.shapes[job.lists.ids[from]]);
@@ -151,10 +151,10 @@ HWY_INLINE bool Evaluate(const Exponent& HWY_RESTRICT exponent, const Batch& HWY
   if (hn::AllTrue(d, hn::Lt(before, hn::Zero(d)))) return false;
   const std::uint32_t* HWY_RESTRICT list = batch.lists[group];
   const std::size_t n = batch.list_sizes[group];
-  const typename Exponent::Groups::Part place(group, part);
+  const typename Exponent::Groups::Part pixels(group, part);
   for (std::size_t i = 0; i < n; i += at_once) {
     Vec alpha[at_once];
-    exponent.Alphas(list + i, place, alpha);
+    exponent.Alphas(list + i, pixels, alpha);
     for (std::size_t j = 0; j < at_once; ++j) hn::Store(alpha[j], d, out.alphas[i + j]);
   }
   hn::Store(before, d, out.before);
@@ -177,22 +177,22 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
   const bool some_colourless = job.colours.some_colourless(), counted = !kColours && job.counts;
 
   for (std::size_t block = begin; block < end; ++block) {
-    const PlacedRasterBlock place(job.views, blocks, block);
+    const RasterBlockOfView here(job.views, blocks, block);
     RasterCounts counts;
     if (job.counts) job.counts[block] = counts;
-    if (place.empty()) continue;
-    const View& view = place.view;
+    if (here.empty()) continue;
+    const View& view = here.view;
     Exponent exponent(view.rules);
     const Blending blending = kColours ? Blending::colours : BlendingOf(job, view);
     [[maybe_unused]] const DrawFunction draw_group = DrawFunctionOf(blending);
     const PlaneStates planes{!kColours && job.picks(view) ? &picks : nullptr,
                              !kColours && job.attributes.rows != 0 ? &sums : nullptr,
                              !kColours && hides_along_ray(view) ? &rays : nullptr};
-    Begin<Groups>(job, place, blending, state, planes);
-    const TileRange range = place.list(job);
+    Begin<Groups>(job, here, blending, state, planes);
+    const TileRange range = here.list(job);
     std::uint32_t live = range.begin < range.end ? Live(state.transmittance) : 0;
     PrefetchSplats(job, range.begin, range.begin + batch_size, range.end);
-    if (!job.only_attributes) PrefetchPixels(view.frame, place);
+    if (!job.only_attributes) PrefetchPixels(view.frame, here);
     for (std::size_t at = range.begin; at < range.end && live != 0; at += batch_size) {
       const std::uint32_t live_rows = counted ? LiveRows<Groups>(state.transmittance) : 0;
       // Prepare the splats of the batch: their terms, and the groups that each touches.
@@ -204,7 +204,7 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
         std::memcpy(batch.colours[k], &job.colours.each[id], sizeof batch.colours[k]);
         if (planes.sums) LoadAttributes(job.attributes, id, k, sums);
         Touched touched =
-            exponent.Prepare(k, job.splats.shapes[id], place.first_centre, view.rules.log2_alpha_min);
+            exponent.Prepare(k, job.splats.shapes[id], here.first_centre, view.rules.log2_alpha_min);
         if (some_colourless && is_colourless(job.colours.each[id])) touched = {0, 0};
         batch.group_masks[k] = touched.groups & live;
         if (counted) counts.rows_visited += std::uint64_t(std::popcount(touched.rows & live_rows));
@@ -228,7 +228,7 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
       live = Live(state.transmittance);
       counts.intersections_visited += splats;
     }
-    End<Groups>(job, place, state, planes);
+    End<Groups>(job, here, state, planes);
     if (job.counts) job.counts[block] = counts;
   }
   hwy::FlushStream();

@@ -53,7 +53,7 @@ struct Rows {
   template <class T>
   static HWY_INLINE void ToRows(PlaneOf<T>&) {}
   /// Index of a pixel in a plane.
-  static std::size_t Place(std::size_t row, std::size_t column) { return row * raster_block_side + column; }
+  static std::size_t Index(std::size_t row, std::size_t column) { return row * raster_block_side + column; }
 };
 
 /// A group is 4x4 pixels, which splats fill better than a row. Pixels go down the columns: a splat has one
@@ -92,7 +92,7 @@ struct Blocks {
   static HWY_INLINE void ToRows(PlaneOf<T>& plane) {
     Transpose(plane), Exchange(plane);
   }
-  static std::size_t Place(std::size_t row, std::size_t column) {
+  static std::size_t Index(std::size_t row, std::size_t column) {
     const std::size_t group = row / side * side + column / side;
     return group * raster_block_side + column % side * side + row % side;
   }
@@ -159,7 +159,7 @@ HWY_INLINE void Fill(Plane& plane, float value) {
 
 /// Depths at which the frame's occluder hides splats.
 template <class Groups>
-HWY_INLINE void LoadOccluder(const PlacedRasterBlock& block, Plane& occluder) {
+HWY_INLINE void LoadOccluder(const RasterBlockOfView& block, Plane& occluder) {
   Fill(occluder, std::numeric_limits<float>::infinity());
   for (std::size_t row = 0; row < std::size_t(block.rows); ++row)
     for (std::size_t column = 0; column < std::size_t(block.columns); ++column)
@@ -170,7 +170,7 @@ HWY_INLINE void LoadOccluder(const PlacedRasterBlock& block, Plane& occluder) {
 
 /// Transparent black, with the pixels beyond the image's borders already stopped.
 template <class Groups>
-HWY_INLINE void Clear(const PlacedRasterBlock& block, Blending blending, RasterBlockState& state) {
+HWY_INLINE void Clear(const RasterBlockOfView& block, Blending blending, RasterBlockState& state) {
   const F32 d;
   for (Plane* plane : {&state.red, &state.green, &state.blue}) Fill(*plane, 0);
   if (SumsDepth(blending)) Fill(state.depth, 0);

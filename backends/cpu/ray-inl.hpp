@@ -26,9 +26,9 @@ struct alignas(64) RayState {
 };
 
 template <class Groups>
-HWY_INLINE void PrepareRays(const PlacedRasterBlock& block, RayState& rays) {
+HWY_INLINE void PrepareRays(const RasterBlockOfView& block, RayState& rays) {
   const F32 d;
-  const vec2 first = place_of(block.view, std::size_t(block.x0), std::size_t(block.y0));
+  const vec2 first = point_of(block.view, std::size_t(block.x0), std::size_t(block.y0));
   for (std::size_t row = 0; row < raster_block_side; ++row)
     for (std::size_t column = 0; column < raster_block_side; column += lanes) {
       hn::Store(hn::Iota(d, first.x + float(column)), d, rays.x[row] + column);

@@ -138,7 +138,7 @@ class BucketSort {
       std::fill_n(counts, bins, 0u);
       for (std::size_t i = range.begin; i < range.end; ++i) ++counts[digit(pairs_.keys.data()[i])];
     });
-    counts_to_places(cpu_, histograms_.data(), parts_, bins);
+    counts_to_positions(cpu_, histograms_.data(), parts_, bins);
   }
 
   /// Moves every pair to its bucket; parts in order keep equal digits in order.

@@ -40,7 +40,7 @@ HWY_INLINE void LoadBackground(vec3 background, Below& below) {
 }
 
 /// Of row `y`.
-HWY_INLINE void LoadRow(const FrameView& frame, const PlacedRasterBlock& block, std::size_t y, Below& below) {
+HWY_INLINE void LoadRow(const FrameView& frame, const RasterBlockOfView& block, std::size_t y, Below& below) {
   for (std::size_t i = 0; i < std::size_t(block.columns); ++i) {
     const vec4 colour = detail::load_below(frame, std::size_t(block.x0) + i, y);
     for (std::size_t c = 0; c < 4; ++c) below.channels[c][i] = colour[int(c)];
@@ -93,7 +93,7 @@ HWY_INLINE void StreamWords(void* to, const void* from, std::size_t bytes) {
 }
 
 /// Where the colours of a raster block's row lie; null where the frame has none.
-HWY_INLINE unsigned char* ColoursOfRow(const FrameView& frame, const PlacedRasterBlock& block,
+HWY_INLINE unsigned char* ColoursOfRow(const FrameView& frame, const RasterBlockOfView& block,
                                        std::size_t row) {
   if (!frame.colour.data) return nullptr;
   auto* const whole = static_cast<unsigned char*>(frame.colour.row(std::size_t(block.y0) + row));
@@ -102,7 +102,7 @@ HWY_INLINE unsigned char* ColoursOfRow(const FrameView& frame, const PlacedRaste
 
 /// Asks for the memory of the pixels' colours, so that the processor has it when they are written: 2 % faster
 /// than to write them past the caches.
-HWY_INLINE void PrefetchPixels(const FrameView& frame, const PlacedRasterBlock& block) {
+HWY_INLINE void PrefetchPixels(const FrameView& frame, const RasterBlockOfView& block) {
   const std::size_t bytes = std::size_t(block.columns) * bytes_per_pixel(frame.format);
   for (std::size_t row = 0; row < std::size_t(block.rows); ++row)
     if (const unsigned char* to = ColoursOfRow(frame, block, row))
@@ -111,7 +111,7 @@ HWY_INLINE void PrefetchPixels(const FrameView& frame, const PlacedRasterBlock& 
 
 /// Writes the outputs that are asked for, as `store_pixel` does. Turns `state` into rows.
 template <class Groups>
-HWY_INLINE void StoreRasterBlock(const View& view, const PlacedRasterBlock& block, RasterBlockState& state) {
+HWY_INLINE void StoreRasterBlock(const View& view, const RasterBlockOfView& block, RasterBlockState& state) {
   const F32 d;
   const FrameView& frame = view.frame;
   const std::size_t pixel = bytes_per_pixel(frame.format), columns = std::size_t(block.columns);

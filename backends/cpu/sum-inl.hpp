@@ -71,9 +71,9 @@ HWY_INLINE void SumGroup(const AttributesView& attributes, const Evaluated& HWY_
   if (row < attributes.rows) SumRows<1>(row, of, state);
 }
 
-/// Writes means, by `sum(sums, place)` of the `count` sums of a pixel. Turns these into rows.
+/// Writes means, by `sum(sums, point)` of the `count` sums of a pixel. Turns these into rows.
 template <class Groups, int count, class Sum>
-HWY_INLINE void StoreMeans(const PlacedRasterBlock& block, const Plane& transmittance, Plane* sums,
+HWY_INLINE void StoreMeans(const RasterBlockOfView& block, const Plane& transmittance, Plane* sums,
                            swiftgs::Plane<float> to, const Sum& sum) {
   if (!to.data) return;
   for (int k = 0; k < count; ++k) Groups::ToRows(sums[k]);
@@ -83,13 +83,13 @@ HWY_INLINE void StoreMeans(const PlacedRasterBlock& block, const Plane& transmit
       float of_pixel[count];
       for (int k = 0; k < count; ++k) of_pixel[k] = sums[k][row][column];
       const float alpha = 1 - std::abs(transmittance[row][column]);
-      to.row(y)[x] = alpha > 0 ? sum(of_pixel, place_of(block.view, x, y)) / alpha : 0.0f;
+      to.row(y)[x] = alpha > 0 ? sum(of_pixel, point_of(block.view, x, y)) / alpha : 0.0f;
     }
 }
 
 /// Writes normals. Turns the sums of their three channels into rows.
 template <class Groups>
-HWY_INLINE void StoreNormals(const PlacedRasterBlock& block, Plane* sums, swiftgs::Plane<float> to) {
+HWY_INLINE void StoreNormals(const RasterBlockOfView& block, Plane* sums, swiftgs::Plane<float> to) {
   const F32 d;
   for (int c = 0; c < 3; ++c) Groups::ToRows(sums[c]);
   for (std::size_t row = 0; row < std::size_t(block.rows); ++row) {
@@ -105,7 +105,7 @@ HWY_INLINE void StoreNormals(const PlacedRasterBlock& block, Plane* sums, swiftg
 
 /// Writes `count` channels of features, from the `channel`-th on. Their sums are those from the i-th on.
 template <class Groups>
-HWY_INLINE void StoreFeatures(const PlacedRasterBlock& block, const Plane* sums, unsigned i, unsigned count,
+HWY_INLINE void StoreFeatures(const RasterBlockOfView& block, const Plane* sums, unsigned i, unsigned count,
                               int channel) {
   const F32 d;
   constexpr unsigned of_row = AttributeRow::channels;
@@ -127,7 +127,7 @@ HWY_INLINE void StoreFeatures(const PlacedRasterBlock& block, const Plane* sums,
   for (std::size_t row = 0; row < std::size_t(block.rows); ++row) {
     float* to = frame.features.row(std::size_t(block.y0) + row) + channels * std::size_t(block.x0) + channel;
     for (std::size_t column = 0; column < std::size_t(block.columns); ++column, to += channels) {
-      const std::size_t pixel = Groups::Place(row, column);
+      const std::size_t pixel = Groups::Index(row, column);
       if (by_rows)
         for (unsigned k = 0; k < count; k += of_row)
           hn::Stream(hn::Load(d4, rows[(i + k) / of_row][pixel]), d4, to + k);
@@ -140,7 +140,7 @@ HWY_INLINE void StoreFeatures(const PlacedRasterBlock& block, const Plane* sums,
 /// As `store_attributes`, a plane of all pixels at a time. `transmittance` lies in rows; leaves `state`
 /// unspecified.
 template <class Groups>
-HWY_INLINE void StoreSums(const RasterJob& job, const PlacedRasterBlock& block, const Plane& transmittance,
+HWY_INLINE void StoreSums(const RasterJob& job, const RasterBlockOfView& block, const Plane& transmittance,
                           AttributeState& state) {
   using Of = Attribute::Of;
   const FrameView& frame = block.view.frame;

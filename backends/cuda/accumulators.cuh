@@ -176,7 +176,7 @@ struct PixelPlanes {
     }
 
     /// Writes pixel i, if it lies in the image.
-    __device__ void store(unsigned i, const RasterJob& job, const View& view, const PixelPlace& at,
+    __device__ void store(unsigned i, const RasterJob& job, const View& view, const FramePixel& at,
                           const BlendedPixel& pixel) const {
       if (!at.inside) return;
       const auto x = std::size_t(at.x), y = std::size_t(at.y);

@@ -18,7 +18,7 @@ template <unsigned pixel_count>
 struct LaneRays<true, pixel_count> {
   const AttributeRow* volatile depths;  ///< of all splats; null where means decide
   volatile unsigned stride;             ///< from one splat's to the next
-  volatile float x, y;                  ///< `place_of` the first pixel
+  volatile float x, y;                  ///< `point_of` the first pixel
   volatile float occluders[pixel_count];
 
   __device__ LaneRays(const RasterJob& job, const View& view)
@@ -27,8 +27,8 @@ struct LaneRays<true, pixel_count> {
 
   /// Tells where the first pixel lies in the frame.
   __device__ void put(const View& view, int x_in_frame, int y_in_frame) {
-    const vec2 place = place_of(view, std::size_t(x_in_frame), std::size_t(y_in_frame));
-    x = place.x, y = place.y;
+    const vec2 point = point_of(view, std::size_t(x_in_frame), std::size_t(y_in_frame));
+    x = point.x, y = point.y;
   }
   /// Takes the occluder of the p-th pixel. Returns the one for depths of means; along the ray this is
   /// -infinity, so that every splat is tested here.
@@ -40,10 +40,10 @@ struct LaneRays<true, pixel_count> {
   /// Whether the p-th pixel does not show a splat.
   __device__ bool hide(std::uint32_t id, unsigned p) const {
     const float4 row = *reinterpret_cast<const float4*>(depths + std::size_t(id) * stride);
-    const vec2 place(x + float(p * columns_between), y);
+    const vec2 point(x + float(p * columns_between), y);
     // A variable index would have all that a lane holds in memory.
     const float occluder = p == 0 ? occluders[0] : occluders[pixel_count - 1];
-    return RayDepth{row.x, row.y, row.z}.at(place) >= occluder;
+    return RayDepth{row.x, row.y, row.z}.at(point) >= occluder;
   }
 };
 

@@ -19,7 +19,7 @@ template <bool depth, bool planes, class ViewSource>
 struct RasterBlockPixel {
   const RasterInput<ViewSource>& input;
   OwnRasterBlock raster_block;
-  PixelPlace place;
+  FramePixel at;
   Pixel pixel;
   SplatPicks picks;
   float sums[AttributesView::most]{};  ///< of attributes
@@ -27,8 +27,8 @@ struct RasterBlockPixel {
   __device__ explicit RasterBlockPixel(const RasterInput<ViewSource>& of)
       : input(of),
         raster_block(of),
-        place(view().frame, raster_block.x + column(), raster_block.y + row(), depth) {
-    if (place.inside) pixel.start(view().rules.stop_below);
+        at(view().frame, raster_block.x + column(), raster_block.y + row(), depth) {
+    if (at.inside) pixel.start(view().rules.stop_below);
   }
 
   __device__ const View& view() const { return input.views[raster_block.view]; }
@@ -40,22 +40,22 @@ struct RasterBlockPixel {
     return vec2(float(view().left() + raster_block.x) + 0.5f, float(view().top() + raster_block.y) + 0.5f);
   }
 
-  __device__ vec2 ray_place() const { return place_of(view(), std::size_t(place.x), std::size_t(place.y)); }
+  __device__ vec2 ray_point() const { return point_of(view(), std::size_t(at.x), std::size_t(at.y)); }
 
   /// Whether no pixel of the raster block is left that could show another splat. A barrier of the block.
   __device__ bool all_stopped() const { return __syncthreads_and(!pixel.live()) != 0; }
 
-  /// Blends the splat whose id is `lists.ids[at]`.
-  __device__ void blend(float alpha, const float4& colour, std::uint32_t at) {
+  /// Blends the splat whose id is `lists.ids[k]`.
+  __device__ void blend(float alpha, const float4& colour, std::uint32_t k) {
     if constexpr (!depth) {
       kernels::blend<false>(pixel, alpha, Pixel::dimmed(pixel.transmittance, alpha), colour, INFINITY);
     } else {
       const RasterJob& job = input.job;
-      const std::uint32_t id = job.lists.ids[at];
+      const std::uint32_t id = job.lists.ids[k];
       const bool along_ray = hides_along_ray(view());
-      if (along_ray && alpha > 0 && job.attributes.ray_depth(id).at(ray_place()) >= place.occluder) return;
+      if (along_ray && alpha > 0 && job.attributes.ray_depth(id).at(ray_point()) >= at.occluder) return;
       const float before = pixel.transmittance, left = Pixel::dimmed(before, alpha);
-      kernels::blend<true>(pixel, alpha, left, colour, along_ray ? INFINITY : place.occluder);
+      kernels::blend<true>(pixel, alpha, left, colour, along_ray ? INFINITY : at.occluder);
       if constexpr (planes) {
         if (!(alpha > 0 && pixel.live())) return;
         job.attributes.add(sums, id, alpha * before);
@@ -65,8 +65,8 @@ struct RasterBlockPixel {
   }
 
   __device__ void store() const {
-    const auto x = std::size_t(place.x), y = std::size_t(place.y);
-    if (place.inside) {
+    const auto x = std::size_t(at.x), y = std::size_t(at.y);
+    if (at.inside) {
       if constexpr (planes) {
         store_pixel(input.job, view(), x, y, pixel.blended(), sums);
         if (input.job.picks(view())) store_picks(input.job, view(), x, y, picks);

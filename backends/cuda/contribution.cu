@@ -76,16 +76,16 @@ __global__ void __launch_bounds__(raster_threads)
   const OwnRasterBlock raster_block(input);
   const View& view = input.views[raster_block.view];
   const BlendRules rules = view.rules;
-  const WarpBlockPlace place(raster_block, threadIdx.x / warp_size);
-  if (place.outside(view.frame)) return;
+  const WarpBlock warp_block(raster_block, threadIdx.x / warp_size);
+  if (warp_block.outside(view.frame)) return;
 
-  WeightBlender blender{input.job, sums, rules, queue, float(place.column), float(place.row), {}};
+  WeightBlender blender{input.job, sums, rules, queue, float(warp_block.column), float(warp_block.row), {}};
 #pragma unroll
   for (unsigned p = 0; p < pixels_of_lane; ++p)
-    if (place.pixel(view.frame, p, false).inside) blender.pixels[p].start(rules.stop_below);
+    if (warp_block.pixel(view.frame, p, false).inside) blender.pixels[p].start(rules.stop_below);
 
   const TileRange range = raster_block.list(input);
-  ListTraversal<CholeskyExponent> traversal(input.job, range, place.first_centre(view), rules, queue);
+  ListTraversal<CholeskyExponent> traversal(input.job, range, warp_block.first_centre(view), rules, queue);
   traversal.go_on(blender, range.end);
   traversal.blend_rest(blender);
 }

@@ -36,15 +36,15 @@ struct TermsQueue {
   typename Exponent::Rest rests[queue_size];
 };
 
-/// Where a warp block lies in its frame, and this lane's pixels in the warp block.
-struct WarpBlockPlace {
+/// A warp block in its frame, and this lane's pixels in it.
+struct WarpBlock {
   int x, y;         ///< first pixel
   int column, row;  ///< of the lane's first pixel within the warp block
 
-  __device__ WarpBlockPlace(const OwnRasterBlock& raster_block, unsigned warp_block) {
-    x = raster_block.x + int(warp_block % 2 * warp_block_side);
-    y = raster_block.y + int(warp_block / 2 * warp_block_side);
-    const PlaceInWarpBlock first(pixel_of_warp_block(0));
+  __device__ WarpBlock(const OwnRasterBlock& raster_block, unsigned number) {
+    x = raster_block.x + int(number % 2 * warp_block_side);
+    y = raster_block.y + int(number / 2 * warp_block_side);
+    const PixelOfWarpBlock first(pixel_of_warp_block(0));
     column = int(first.column), row = int(first.row);
   }
   __device__ bool outside(const FrameView& frame) const { return x >= frame.width || y >= frame.height; }
@@ -53,8 +53,8 @@ struct WarpBlockPlace {
     return vec2(float(view.left() + x) + 0.5f, float(view.top() + y) + 0.5f);
   }
   /// The lane's p-th pixel.
-  __device__ PixelPlace pixel(const FrameView& frame, unsigned p, bool extras) const {
-    return PixelPlace(frame, x + column + int(p * columns_between), y + row, extras);
+  __device__ FramePixel pixel(const FrameView& frame, unsigned p, bool extras) const {
+    return FramePixel(frame, x + column + int(p * columns_between), y + row, extras);
   }
 };
 

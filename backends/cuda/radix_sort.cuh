@@ -3,7 +3,7 @@
 
 /// @file
 /// A stable sort of pairs by the low bits of their keys: a histogram of all digits, then one pass a digit
-/// that finds the places of its pairs while it moves them (Adinets and Merrill 2022, Onesweep).
+/// that finds the positions of its pairs while it moves them (Adinets and Merrill 2022, Onesweep).
 ///
 /// The sorts of a frame, of a hundred thousand to some millions of pairs, take as long as their longest chain
 /// of waiting: all tiles of a pass are under way at once, and CUB's `DeviceRadixSort` walks back over them
@@ -259,7 +259,7 @@ __global__ void __launch_bounds__(radix_threads)
   const std::uint64_t tile_first = std::uint64_t(blockIdx.x) * radix_tile(items);
   const unsigned size = unsigned(min(n - tile_first, std::uint64_t(radix_tile(items))));
 
-  // Load: a warp from neighbouring places. What lies behind the end gets the highest digit, to come last.
+  // Load: a warp from neighbouring positions. What lies behind the end gets the highest digit, to come last.
   Key key[items];
   std::uint32_t value[items];
   const unsigned first_item = warp * warp_size * items + lane_index();
@@ -277,10 +277,10 @@ __global__ void __launch_bounds__(radix_threads)
   const std::uint32_t of_even = epochs.counters->copies[0].of_pass[pass.number][thread],
                       of_odd = epochs.counters->copies[1].of_pass[pass.number][thread];
 
-  // Count the warp's digits. A pair's place is, for now, how many of its digit come before it in the warp.
+  // Count the warp's digits. A pair's position is, for now, how many of its digit come before it in the warp.
   for (unsigned d = lane_index(); d < digits; d += warp_size) shared.counts[warp][d] = 0;
   __syncwarp();
-  std::uint32_t place[items];
+  std::uint32_t position[items];
 #pragma unroll
   for (unsigned k = 0; k < items; ++k) {
     std::uint32_t& counted = shared.counts[warp][digit.of(key[k])];
@@ -288,7 +288,7 @@ __global__ void __launch_bounds__(radix_threads)
     const std::uint32_t before = counted;
     __syncwarp();
     if ((alike & lanes_below()) == 0) counted = before + std::uint32_t(__popc(alike));
-    place[k] = before + std::uint32_t(__popc(alike & lanes_below()));
+    position[k] = before + std::uint32_t(__popc(alike & lanes_below()));
     __syncwarp();
   }
   __syncthreads();
@@ -313,11 +313,11 @@ __global__ void __launch_bounds__(radix_threads)
   // Bring its pairs into the order of their digits.
 #pragma unroll
   for (unsigned k = 0; k < items; ++k)
-    place[k] += shared.counts[warp][digit.of(key[k])] + shared.first[digit.of(key[k])];
+    position[k] += shared.counts[warp][digit.of(key[k])] + shared.first[digit.of(key[k])];
   __syncthreads();
 #pragma unroll
   for (unsigned k = 0; k < items; ++k)
-    shared.pairs.keys[place[k]] = key[k], shared.pairs.values[place[k]] = value[k];
+    shared.pairs.keys[position[k]] = key[k], shared.pairs.values[position[k]] = value[k];
 
   // Move them to where those of earlier tiles end.
   shared.moved[thread] = first_of_all + sum.before(added) - first;

@@ -27,11 +27,11 @@ __device__ unsigned class_of(TileRange list) {
   return length_classes - 1 - (4 * (octave - 1) + (length >> (octave - 2) & 3));
 }
 
-/// The k-th of `order_blocks` thread blocks fills every place k modulo `order_blocks`.
+/// The k-th of `order_blocks` thread blocks fills every position k modulo `order_blocks`.
 __global__ void __launch_bounds__(order_threads)
     fill_order(const TileListsView lists, const RasterBlocks raster_blocks, std::uint32_t* order) {
-  __shared__ std::uint32_t places[length_classes];
-  if (threadIdx.x < length_classes) places[threadIdx.x] = 0;
+  __shared__ std::uint32_t positions[length_classes];
+  if (threadIdx.x < length_classes) positions[threadIdx.x] = 0;
   __syncthreads();
   const std::uint32_t count = std::uint32_t(raster_blocks.size());
   const auto for_each_raster_block = [&](const auto& f) {
@@ -44,23 +44,23 @@ __global__ void __launch_bounds__(order_threads)
       f(index, class_of(lists.ranges[tile]));
     }
   };
-  for_each_raster_block([&](RasterBlockIndex, unsigned of_class) { atomicAdd(&places[of_class], 1u); });
+  for_each_raster_block([&](RasterBlockIndex, unsigned of_class) { atomicAdd(&positions[of_class], 1u); });
   __syncthreads();
   if (threadIdx.x < warp_size) {
-    // Counts to places: each lane has some neighbouring classes.
+    // Counts to positions: each lane has some neighbouring classes.
     constexpr unsigned each = length_classes / warp_size;
     std::uint32_t sum = 0;
-    for (unsigned k = 0; k < each; ++k) sum += places[threadIdx.x * each + k];
-    std::uint32_t place = sum_below(sum);
+    for (unsigned k = 0; k < each; ++k) sum += positions[threadIdx.x * each + k];
+    std::uint32_t position = sum_below(sum);
     for (unsigned k = 0; k < each; ++k) {
-      const std::uint32_t of_class = places[threadIdx.x * each + k];
-      places[threadIdx.x * each + k] = place;
-      place += of_class;
+      const std::uint32_t of_class = positions[threadIdx.x * each + k];
+      positions[threadIdx.x * each + k] = position;
+      position += of_class;
     }
   }
   __syncthreads();
   for_each_raster_block([&](RasterBlockIndex index, unsigned of_class) {
-    order[atomicAdd(&places[of_class], 1u) * order_blocks + blockIdx.x] = index.word();
+    order[atomicAdd(&positions[of_class], 1u) * order_blocks + blockIdx.x] = index.word();
   });
 }
 

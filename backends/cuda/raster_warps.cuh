@@ -129,23 +129,23 @@ __global__ void __launch_bounds__(raster_threads,
   const OwnRasterBlock raster_block(input);
   const View& view = input.views[raster_block.view];
   const BlendRules rules = view.rules;
-  const WarpBlockPlace place(raster_block, warp);
-  if (place.outside(view.frame)) return;
+  const WarpBlock warp_block(raster_block, warp);
+  if (warp_block.outside(view.frame)) return;
 
   using Lane = LaneBlender<Exponent, threshold, Planes, pixels_of_lane>;
-  ColourBlender<Exponent, threshold, Planes> blender{job, queues[warp],
-                                                     Lane(job, view, float(place.column), float(place.row))};
-  blender.lane.rays.put(view, place.x + place.column, place.y + place.row);
+  ColourBlender<Exponent, threshold, Planes> blender{
+      job, queues[warp], Lane(job, view, float(warp_block.column), float(warp_block.row))};
+  blender.lane.rays.put(view, warp_block.x + warp_block.column, warp_block.y + warp_block.row);
 #pragma unroll
   for (unsigned p = 0; p < pixels_of_lane; ++p) {
-    const PixelPlace at = place.pixel(view.frame, p, Planes::depth);
+    const FramePixel at = warp_block.pixel(view.frame, p, Planes::depth);
     if (at.inside) blender.lane.pixels[p].start(rules.stop_below);
     if constexpr (Planes::depth) blender.lane.occluders[p] = blender.lane.rays.take(p, at.occluder);
   }
 
   const TileRange range = raster_block.list(input);
   if (!range.drawn()) return;
-  ListTraversal<Exponent> traversal(job, range, place.first_centre(view), rules, queues[warp]);
+  ListTraversal<Exponent> traversal(job, range, warp_block.first_centre(view), rules, queues[warp]);
   TraversedSegments<Planes> traversed;
   const SegmentJoiner<Exponent, threshold, Planes> joiner{blender.lane, in_memory(traversed)};
   WorkItem* item = nullptr;
@@ -181,8 +181,9 @@ __global__ void __launch_bounds__(raster_threads,
     work_queues.push(item);
   } else {
     joiner.end(traversal.segments(), traversal.blended() == begin_of_segment(traversal.segments()));
-    // Find the place again: kept in registers during the traversal, it would cost one thread block in nine.
-    const WarpBlockPlace same(OwnRasterBlock(input), threadIdx.x / warp_size);
+    // Find the warp block again: kept in registers during the traversal, it would cost one thread block in
+    // nine.
+    const WarpBlock same(OwnRasterBlock(input), threadIdx.x / warp_size);
 #pragma unroll
     for (unsigned p = 0; p < pixels_of_lane; ++p)
       joiner.traversed.planes.store(p, job, view, same.pixel(view.frame, p, false),

@@ -19,7 +19,7 @@ struct WorkItemBlender {
   const OwnRasterBlock raster_block;
   const View& view;
   const BlendRules rules;
-  const WarpBlockPlace place;
+  const WarpBlock warp_block;
   const vec2 first_centre;
 
   __device__ WorkItemBlender(const RasterInput<ViewSource>& of, const WorkItem& item, const Group& by,
@@ -30,8 +30,8 @@ struct WorkItemBlender {
         raster_block(of, item.raster_block),
         view(of.views[raster_block.view]),
         rules(view.rules),
-        place(raster_block, item.warp_block),
-        first_centre(place.first_centre(view)) {}
+        warp_block(raster_block, item.warp_block),
+        first_centre(warp_block.first_centre(view)) {}
 
   __device__ static unsigned warp() { return threadIdx.x / warp_size; }
 
@@ -68,7 +68,7 @@ struct WorkItemBlender {
 
     if (group.rank == 0 && warp() < pixels_of_lane) {
       const unsigned pixel = pixel_of_warp_block(warp());
-      shared.planes.store(pixel, input.job, view, place.pixel(view.frame, warp(), false),
+      shared.planes.store(pixel, input.job, view, warp_block.pixel(view.frame, warp(), false),
                           shared.joined.load(pixel).blended());
     }
   }
@@ -82,9 +82,9 @@ struct WorkItemBlender {
     const std::uint32_t count = min(splats.count(), most);
     if (warp() == 0) {
       const Share share(Round(1, pixels_of_warp_block, 0), 0);
-      LaneBlender<Exponent, threshold, Planes, pixels_of_lane> lane(input.job, view, float(place.column),
-                                                                    float(place.row));
-      lane.rays.put(view, place.x + place.column, place.y + place.row);
+      LaneBlender<Exponent, threshold, Planes, pixels_of_lane> lane(input.job, view, float(warp_block.column),
+                                                                    float(warp_block.row));
+      lane.rays.put(view, warp_block.x + warp_block.column, warp_block.y + warp_block.row);
 #pragma unroll
       for (unsigned p = 0; p < pixels_of_lane; ++p) {
         const JoinedPixel from = shared.joined.load(pixel_of_warp_block(p));
@@ -92,7 +92,7 @@ struct WorkItemBlender {
         if (shared.live[p] >> lane_index() & 1) lane.pixels[p].start(rules.stop_below, from.total.w);
         shared.planes.go_on(pixel_of_warp_block(p), lane.planes, p, lane.pixels[p].live(), rules);
         if constexpr (Planes::depth)
-          lane.occluders[p] = lane.rays.take(p, place.pixel(view.frame, p, true).occluder);
+          lane.occluders[p] = lane.rays.take(p, warp_block.pixel(view.frame, p, true).occluder);
       }
       __syncwarp();
       blend_splats(lane, splats, 0, count, count, share);
@@ -165,11 +165,11 @@ struct WorkItemBlender {
       const unsigned slot = share.slot + p * warp_size;
       const bool live = is_live<pixel_count>(round, slot);
       const unsigned pixel = pixel_in<pixel_count>(slot, live);
-      const PlaceInWarpBlock at(pixel);
+      const PixelOfWarpBlock at(pixel);
       if (p == 0) {
         const unsigned first = at.column % columns_between;
         lane.x = float(first), lane.right = float(at.column - first), lane.y = float(at.row);
-        lane.rays.put(view, place.x + int(at.column), place.y + int(at.row));
+        lane.rays.put(view, warp_block.x + int(at.column), warp_block.y + int(at.row));
       }
       // A pixel that stops by the transmittance before the round stops in this segment or an earlier one.
       const float before = shared.joined.totals[pixel].w;
@@ -180,7 +180,8 @@ struct WorkItemBlender {
       }
       if constexpr (Planes::depth)
         lane.occluders[p] = lane.rays.take(
-            p, PixelPlace(view.frame, place.x + int(at.column), place.y + int(at.row), true).occluder);
+            p,
+            FramePixel(view.frame, warp_block.x + int(at.column), warp_block.y + int(at.row), true).occluder);
     }
     const unsigned first_of_warp = group.rank * round.segments_of_block() + warp() * round.segments_of_warp;
     const std::uint32_t most = round.splats_of(first_of_warp);

@@ -30,11 +30,11 @@ inline constexpr unsigned warp_block_side = 8, pixels_of_warp_block = warp_block
 /// The p-th pixel of this lane.
 __device__ inline unsigned pixel_of_warp_block(unsigned p) { return p * warp_size + lane_index(); }
 
-/// Where a pixel lies within its warp block. The first 32 are the left half.
-struct PlaceInWarpBlock {
+/// A pixel within its warp block. The first 32 are the left half.
+struct PixelOfWarpBlock {
   unsigned column, row;
 
-  __device__ explicit PlaceInWarpBlock(unsigned pixel) {
+  __device__ explicit PixelOfWarpBlock(unsigned pixel) {
     column = pixel % columns_between + pixel / warp_size * columns_between;
     row = pixel % warp_size / columns_between;
   }

@@ -101,16 +101,16 @@ struct AddRasterBlockContributions {
 
   void operator()(std::size_t block) const {
     const RasterJob& raster = job.raster;
-    const PlacedRasterBlock place(raster.views, blocks, block);
-    if (place.empty()) return;
-    const TileRange range = place.list(raster);
+    const RasterBlockOfView here(raster.views, blocks, block);
+    if (here.empty()) return;
+    const TileRange range = here.list(raster);
     if (range.begin == range.end) return;
-    Pixels pixels(place);
+    Pixels pixels(here);
     const bool some_colourless = raster.colours.some_colourless();
     for (std::uint32_t at = range.begin; at < range.end && pixels.live > 0; ++at) {
       const std::uint32_t id = raster.lists.ids[at];
       if (some_colourless && is_colourless(raster.colours.each[id])) continue;
-      const std::uint64_t parts = pixels.blend(raster.splats.shapes[id], place.view.rules);
+      const std::uint64_t parts = pixels.blend(raster.splats.shapes[id], here.view.rules);
       if (parts == 0) continue;
       std::atomic_ref<std::uint64_t> sum(job.sums[raster.splats.gaussians[id]]);
       sum.fetch_add(parts, std::memory_order_relaxed);
@@ -126,8 +126,8 @@ struct AddRasterBlockContributions {
     float transmittances[raster_block_side * raster_block_side];
     bool stopped[raster_block_side * raster_block_side] = {};
 
-    explicit Pixels(const PlacedRasterBlock& place)
-        : first_centre(place.first_centre), columns(place.columns), rows(place.rows), live(columns * rows) {
+    explicit Pixels(const RasterBlockOfView& here)
+        : first_centre(here.first_centre), columns(here.columns), rows(here.rows), live(columns * rows) {
       for (float& transmittance : transmittances) transmittance = 1;
     }
 

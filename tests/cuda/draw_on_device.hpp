@@ -33,7 +33,7 @@ struct DrawOnDevice {
     FrameView view = prepare(frame, drawn.camera.width, drawn.camera.height, {true, with_depth});
     FramePlanes<Cuda> planes;
     planes.reset({true, with_depth}, frame.pixels());
-    planes.place(view, 0);
+    planes.point(view, 0);
     DeviceBuffer<float> occluder;
     if (!drawn.occluder.empty()) {
       copy_to_device(span_of(drawn.occluder), occluder);

@@ -19,7 +19,7 @@ using namespace swiftgs::test;
 namespace {
 
 #if defined(__CUDA_ARCH__)
-static_assert(places_in_pairs);
+static_assert(projects_in_pairs);
 #endif
 
 /// Bounds that the library's own kernels do not know.

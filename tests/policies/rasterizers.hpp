@@ -153,7 +153,7 @@ class PlanesOn {
   FrameView view() {
     FrameView view{
         .width = frame_.width, .height = frame_.height, .feature_channels = frame_.feature_channels};
-    planes_.place(view, 0);
+    planes_.point(view, 0);
     return view;
   }
   /// What was drawn, after all work of `backend`.

@@ -98,17 +98,16 @@ TEST_CASE("view tiles: each pixel of each view lies in one raster block that has
         covered.emplace_back(std::size_t(view.frame.width) * std::size_t(view.frame.height));
       std::size_t wrong_list = 0, wrong_centre = 0;
       for (std::size_t block = 0; block < blocks.size(); ++block) {
-        const PlacedRasterBlock place(views, blocks, block);
-        if (place.empty()) continue;
-        const auto v = std::size_t(&place.view - each.data());
+        const RasterBlockOfView here(views, blocks, block);
+        if (here.empty()) continue;
+        const auto v = std::size_t(&here.view - each.data());
         REQUIRE(v < each.size());
         const int left = each[v].grid.columns.begin * side, top = each[v].grid.rows.begin * side;
-        wrong_centre +=
-            place.first_centre != vec2(float(left + place.x0) + 0.5f, float(top + place.y0) + 0.5f);
-        for (int y = place.y0; y < place.y0 + place.rows; ++y)
-          for (int x = place.x0; x < place.x0 + place.columns; ++x) {
+        wrong_centre += here.first_centre != vec2(float(left + here.x0) + 0.5f, float(top + here.y0) + 0.5f);
+        for (int y = here.y0; y < here.y0 + here.rows; ++y)
+          for (int x = here.x0; x < here.x0 + here.columns; ++x) {
             ++covered[v].at(std::size_t(y) * std::size_t(each[v].frame.width) + std::size_t(x));
-            wrong_list += place.list(job).begin != each[v].grid.number((left + x) / side, (top + y) / side);
+            wrong_list += here.list(job).begin != each[v].grid.number((left + x) / side, (top + y) / side);
           }
       }
       std::size_t not_once = 0;

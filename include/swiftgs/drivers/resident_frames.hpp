@@ -24,7 +24,7 @@ struct FramePlanes
   }
 
   /// Points the planes of `frame`, whose size is set, past the first `before` pixels.
-  void place(FrameView& frame, std::size_t before) {
+  void point(FrameView& frame, std::size_t before) {
     for_each_plane(
         [&](std::size_t channels, auto& buffer, auto& plane) {
           if (buffer.size() != 0)
@@ -51,7 +51,7 @@ class ResidentFrames {
     planes_.reset(outputs, pixels);
     std::size_t before = 0;
     for (FrameView& frame : frames_) {
-      planes_.place(frame, before);
+      planes_.point(frame, before);
       before += frame.pixels();
     }
     return {frames_.data(), frames_.size()};

@@ -22,7 +22,7 @@ struct RayDepth {
   float middle = 0;    ///< in the middle of the image
   float x = 0, y = 0;  ///< slopes @units{depth per pixel}
 
-  SWIFTGS_HD float at(vec2 place) const { return middle + (x * place.x + y * place.y); }
+  SWIFTGS_HD float at(vec2 point) const { return middle + (x * point.x + y * point.y); }
   /// The k-th coefficient of the square of `at`.
   SWIFTGS_HD float square(int k) const {
     const float with[] = {middle, 2 * x, 2 * y, x, 2 * y, y}, of[] = {middle, middle, middle, x, x, y};
@@ -31,7 +31,7 @@ struct RayDepth {
 };
 
 /// Centre of pixel (x, y) of the view's frame, from the middle of its image. Exact. @units{pixels}
-SWIFTGS_HD inline vec2 place_of(const View& view, std::size_t x, std::size_t y) {
+SWIFTGS_HD inline vec2 point_of(const View& view, std::size_t x, std::size_t y) {
   return vec2(float(view.left() + int(x)) + 0.5f - 0.5f * view.camera.width,
               float(view.top() + int(y)) + 0.5f - 0.5f * view.camera.height);
 }

@@ -18,8 +18,8 @@
 
 namespace swiftgs {
 
-/// A raster block of a view.
-struct RasterBlockPlace {
+/// Where a raster block of a view begins.
+struct RasterBlockOrigin {
   std::uint32_t view;  ///< index
   int x, y;            ///< its first pixel in the view's frame
 };
@@ -36,8 +36,8 @@ struct RasterBlocks {
   SWIFTGS_HD std::size_t size() const { return std::size_t(columns) * rows; }
 
   /// Where the raster block in this column and row lies. It may lie outside of the view's frame.
-  SWIFTGS_HD RasterBlockPlace place(const View* views, std::uint32_t count, std::uint32_t column,
-                                    std::uint32_t row) const {
+  SWIFTGS_HD RasterBlockOrigin origin(const View* views, std::uint32_t count, std::uint32_t column,
+                                      std::uint32_t row) const {
     const std::uint32_t tiles = columns / of_tile;
     const std::uint32_t view = count == 1 ? 0 : view_of_tile(views, count, row / of_tile * tiles);
     const std::uint32_t first_row = count == 1 ? 0 : views[view].grid.first / tiles * of_tile;

@@ -60,7 +60,7 @@ SWIFTGS_HD inline double eye_focal(const ViewConstants& camera, const Similarity
 /// moved and scaled together, so the eye sees the scene's own numbers as the camera sees the placed ones.
 /// Only parallel rays need other focal lengths. Harmonics turn with the scene: directions are in its own
 /// space. Depths are those of the world.
-/// Only devices that place Gaussians by `pairs` set them: a host whose eye goes to a device calls
+/// Only devices that project by `pairs` set them: a host whose eye goes to a device calls
 /// `set_pairs`.
 SWIFTGS_HD inline ViewConstants eye(const ViewConstants& camera, const PlacedScene& placed) {
   ViewConstants out = camera;
@@ -77,7 +77,7 @@ SWIFTGS_HD inline ViewConstants eye(const ViewConstants& camera, const PlacedSce
   out.fx = eye_focal(camera, pose, camera.fx), out.fy = eye_focal(camera, pose, camera.fy);
   out.focal_x = float(out.fx), out.focal_y = float(out.fy);
   out.depth_scale = pose.scale;
-  if constexpr (places_in_pairs) out.set_pairs();
+  if constexpr (projects_in_pairs) out.set_pairs();
   return out;
 }
 

@@ -11,17 +11,17 @@
 
 namespace swiftgs {
 
-/// What places a Gaussian through a pinhole: pairs of floats on GPUs whose multiprocessors have two to four
-/// units for double beside 64 or 128 for float, double elsewhere. With SWIFTGS_PLACE_IN_PAIRS tests run the
+/// What projects means through a pinhole: pairs of floats on GPUs whose multiprocessors have two to four
+/// units for double beside 64 or 128 for float, double elsewhere. With SWIFTGS_PROJECT_IN_PAIRS tests run the
 /// kernels in pairs on every GPU.
-#if defined(__CUDA_ARCH__) &&                                                           \
-    (defined(SWIFTGS_PLACE_IN_PAIRS) || __CUDA_ARCH__ == 750 || __CUDA_ARCH__ == 860 || \
+#if defined(__CUDA_ARCH__) &&                                                             \
+    (defined(SWIFTGS_PROJECT_IN_PAIRS) || __CUDA_ARCH__ == 750 || __CUDA_ARCH__ == 860 || \
      __CUDA_ARCH__ == 870 || __CUDA_ARCH__ == 890 || __CUDA_ARCH__ == 1200 || __CUDA_ARCH__ == 1210)
-using PlacingReal = FloatPair;
+using ProjectingReal = FloatPair;
 #else
-using PlacingReal = double;
+using ProjectingReal = double;
 #endif
-inline constexpr bool places_in_pairs = std::is_same_v<PlacingReal, FloatPair>;
+inline constexpr bool projects_in_pairs = std::is_same_v<ProjectingReal, FloatPair>;
 
 /// Numbers of `ViewConstants` as pairs of floats, made once a view: units for double convert them, and pairs
 /// are for GPUs that have few. The high parts of the rotation and of the focal lengths are `axes`, `focal_x`
@@ -112,11 +112,11 @@ struct ViewConstants {
   }
 };
 
-/// The numbers that place a Gaussian in an image as `Real`, double or `FloatPair`.
+/// The numbers that project a mean as `Real`, double or `FloatPair`.
 template <class Real>
-class PlacingConstants {
+class ProjectingConstants {
  public:
-  SWIFTGS_HD explicit PlacingConstants(const ViewConstants& view) : v_(view) {}
+  SWIFTGS_HD explicit ProjectingConstants(const ViewConstants& view) : v_(view) {}
 
   SWIFTGS_HD Real rotation(int row, int column) const {
     return chosen(v_.rotation[row][column], {v_.axes[row][column], v_.pairs.axes_low[row][column]});

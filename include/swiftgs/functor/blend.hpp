@@ -18,16 +18,16 @@
 namespace swiftgs {
 
 /// A raster block within its view.
-struct PlacedRasterBlock {
+struct RasterBlockOfView {
   const View& view;
   int x0, y0;         ///< its first pixel in the frame
   int columns, rows;  ///< of pixels within the frame; 0 or less where the raster block lies outside of it
   vec2 first_centre;  ///< of its first pixel in the image
 
-  PlacedRasterBlock(const Views& views, const RasterBlocks& blocks, std::size_t block)
-      : PlacedRasterBlock(views, blocks.place(views.each.data, std::uint32_t(views.size()),
-                                              std::uint32_t(block) % blocks.columns,
-                                              std::uint32_t(block) / blocks.columns)) {}
+  RasterBlockOfView(const Views& views, const RasterBlocks& blocks, std::size_t block)
+      : RasterBlockOfView(views, blocks.origin(views.each.data, std::uint32_t(views.size()),
+                                               std::uint32_t(block) % blocks.columns,
+                                               std::uint32_t(block) / blocks.columns)) {}
 
   bool empty() const { return columns <= 0 || rows <= 0; }
   TileRange list(const RasterJob& job) const {
@@ -35,13 +35,13 @@ struct PlacedRasterBlock {
   }
 
  private:
-  PlacedRasterBlock(const Views& views, const RasterBlockPlace& place)
-      : view(views.each[place.view]),
-        x0(place.x),
-        y0(place.y),
-        columns(std::min(raster_block_side, view.frame.width - place.x)),
-        rows(std::min(raster_block_side, view.frame.height - place.y)),
-        first_centre(float(view.left() + place.x) + 0.5f, float(view.top() + place.y) + 0.5f) {}
+  RasterBlockOfView(const Views& views, const RasterBlockOrigin& origin)
+      : view(views.each[origin.view]),
+        x0(origin.x),
+        y0(origin.y),
+        columns(std::min(raster_block_side, view.frame.width - origin.x)),
+        rows(std::min(raster_block_side, view.frame.height - origin.y)),
+        first_centre(float(view.left() + origin.x) + 0.5f, float(view.top() + origin.y) + 0.5f) {}
 };
 
 /// Blends one raster block, pixel by pixel, on a host: the definition of what every rasterizer computes.
@@ -51,12 +51,12 @@ struct BlendRasterBlock {
   RasterBlocks blocks;
 
   void operator()(std::size_t block) const {
-    const PlacedRasterBlock place(job.views, blocks, block);
+    const RasterBlockOfView here(job.views, blocks, block);
     if (job.counts) job.counts[block] = {};
-    if (place.empty()) return;
-    const View& view = place.view;
-    const int x0 = place.x0, y0 = place.y0, columns = place.columns, rows = place.rows;
-    const vec2 first_centre = place.first_centre;
+    if (here.empty()) return;
+    const View& view = here.view;
+    const int x0 = here.x0, y0 = here.y0, columns = here.columns, rows = here.rows;
+    const vec2 first_centre = here.first_centre;
 
     BlendedPixel pixels[raster_block_side][raster_block_side];
     SplatPicks picks[raster_block_side][raster_block_side];
@@ -71,7 +71,7 @@ struct BlendRasterBlock {
     RasterCounts counts;
 
     // Blend its tile's splats front to back, until no pixel is left that could show another.
-    const TileRange range = place.list(job);
+    const TileRange range = here.list(job);
     for (std::uint32_t at = range.begin; at < range.end && live > 0; ++at) {
       const std::uint32_t id = job.lists.ids[at];
       const SplatShape& shape = job.splats.shapes[id];
@@ -91,7 +91,7 @@ struct BlendRasterBlock {
           if (alpha == 0) continue;
           const auto at_x = std::size_t(x0 + column), at_y = std::size_t(y0 + row);
           if (along_ray &&
-              occluded(view, at_x, at_y, job.attributes.ray_depth(id).at(place_of(view, at_x, at_y))))
+              occluded(view, at_x, at_y, job.attributes.ray_depth(id).at(point_of(view, at_x, at_y))))
             continue;
           const float next = dimmed(pixel.transmittance, alpha);
           if (next < view.rules.stop_below || (!along_ray && occluded(view, at_x, at_y, colour.depth))) {

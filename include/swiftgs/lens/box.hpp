@@ -109,15 +109,15 @@ SWIFTGS_HD inline LensBox perspective(const Distortion& d, const LensLimits& lim
   LensBox out;
   out.inside = !(z.high <= 0);
   if (!(z.low > 0)) return out;
-  const PlaneBox place{tangents(along(0), z), tangents(along(1), z)};
-  out = distorted_box(d, place);
-  out.inside = !(place.radius_squared().low >= limits.fold_squared);
-  // Derivatives are those at tangents within the limits, or at the place where these are beyond the fold.
+  const PlaneBox seen{tangents(along(0), z), tangents(along(1), z)};
+  out = distorted_box(d, seen);
+  out.inside = !(seen.radius_squared().low >= limits.fold_squared);
+  // Derivatives are those at tangents within the limits, or at those where these are beyond the fold.
   const auto within = [](const Interval& t, double least, double most) {
     return Interval{clamped(t.low, least, most), clamped(t.high, least, most)};
   };
-  PlaneBox at{within(place.u, limits.least_u, limits.most_u), within(place.v, limits.least_v, limits.most_v)};
-  if (!(at.radius_squared().high < limits.fold_squared)) at = {hull(at.u, place.u), hull(at.v, place.v)};
+  PlaneBox at{within(seen.u, limits.least_u, limits.most_u), within(seen.v, limits.least_v, limits.most_v)};
+  if (!(at.radius_squared().high < limits.fold_squared)) at = {hull(at.u, seen.u), hull(at.v, seen.v)};
   const Distorted most = most_distorted(d, at);
   const double u = std::sqrt(1 + square(at.u).high) / z.low, v = std::sqrt(1 + square(at.v).high) / z.low;
   out.du = most.uu * u + most.uv * v, out.dv = most.vu * u + most.vv * v;
@@ -156,10 +156,10 @@ SWIFTGS_HD inline LensBox fisheye(const Distortion& d, const LensLimits& limits,
   const double stretch = furthest < 1e-3 ? 1.001 : furthest / std::sin(furthest);
   const double u = across > 0 ? angle * c.x / across : 0, v = across > 0 ? angle * c.y / across : 0;
   const double half = cone.half_angle * stretch;
-  const PlaneBox place{{u - half, u + half}, {v - half, v + half}};
+  const PlaneBox seen{{u - half, u + half}, {v - half, v + half}};
   const bool inside = out.inside;
-  out = distorted_box(d, place);
-  const Distorted most = most_distorted(d, place);
+  out = distorted_box(d, seen);
+  const Distorted most = most_distorted(d, seen);
   out.du = (most.uu + most.uv) * stretch / cone.nearest,
   out.dv = (most.vu + most.vv) * stretch / cone.nearest;
   out.inside = inside, out.bounded = true;

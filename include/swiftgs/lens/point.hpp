@@ -21,8 +21,8 @@ SWIFTGS_HD inline bool all(bool one) { return one; }
 
 namespace swiftgs {
 
-/// A point seen through a lens: its place (u, v) in the plane, before focal lengths and principal point, and
-/// the derivatives of both by the point in camera space.
+/// A point seen through a lens: where it is, (u, v), in the plane, before focal lengths and principal point,
+/// and the derivatives of both by the point in camera space.
 struct LensPoint {
   double u = 0, v = 0;
   dvec3 du{0.0}, dv{0.0};

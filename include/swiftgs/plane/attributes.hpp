@@ -25,11 +25,11 @@
 
 namespace swiftgs {
 
-/// The square at `place` of depths whose coefficients, or weighted sums of them, are `squares`.
-SWIFTGS_HD inline float sum_of_squares(const float* squares, vec2 place) {
-  const float linear = squares[1] * place.x + squares[2] * place.y;
-  const float by_x = squares[3] * place.x + squares[4] * place.y, by_y = squares[5] * place.y;
-  return squares[0] + (linear + (by_x * place.x + by_y * place.y));
+/// The square at `point` of depths whose coefficients, or weighted sums of them, are `squares`.
+SWIFTGS_HD inline float sum_of_squares(const float* squares, vec2 point) {
+  const float linear = squares[1] * point.x + squares[2] * point.y;
+  const float by_x = squares[3] * point.x + squares[4] * point.y, by_y = squares[5] * point.y;
+  return squares[0] + (linear + (by_x * point.x + by_y * point.y));
 }
 
 /// How the image and depth move with a Gaussian's own unit sphere.
@@ -68,7 +68,7 @@ SWIFTGS_HD inline bool is_summed(double middle, double x, double y, double width
   return most * most <= double(most_squared);
 }
 
-/// The depth of a Gaussian that `view` shows at `mean`: the regression of depth on the place in the image, by
+/// The depth of a Gaussian that `view` shows at `mean`: the regression of depth on the point in the image, by
 /// the covariance that is drawn. `depth` is its mean's. Where squares would exceed `most_squared`, the depth
 /// does not vary.
 SWIFTGS_HD inline RayDepth ray_depth(const ViewConstants& v, const Gaussian& g, Vector2<double> mean,
@@ -128,10 +128,10 @@ SWIFTGS_HD inline void store_attributes(const View& view, const AttributesView& 
     if (to.of == Attribute::Of::nothing) return;
     if (to.of == Attribute::Of::ray_depth) {
       const RayDepth sum{sums[i], sums[i + 1], sums[i + 2]};
-      if (frame.depth.data) frame.depth.row(y)[x] = mean(sum.at(place_of(view, x, y)));
+      if (frame.depth.data) frame.depth.row(y)[x] = mean(sum.at(point_of(view, x, y)));
       i += RayDepth::terms - 1;
     } else if (to.of == Attribute::Of::squared_ray_depth) {
-      frame.squared_depth.row(y)[x] = mean(sum_of_squares(sums + i, place_of(view, x, y)));
+      frame.squared_depth.row(y)[x] = mean(sum_of_squares(sums + i, point_of(view, x, y)));
       i += RayDepth::squares - 1;
     } else if (to.of == Attribute::Of::normal) {
       frame.normal.row(y)[3 * x + std::size_t(to.channel)] = sums[i];

@@ -57,7 +57,7 @@ SWIFTGS_HD inline void store_picks(const RasterJob& job, const View& view, std::
   store_picks(view.frame, job.splats, job.colours.each, x, y, picks);
   if (!view.camera.depth_along_ray) return;
   const auto depth = [&](std::uint32_t splat) {
-    return splat == SplatPicks::none ? 0.0f : job.attributes.ray_depth(splat).at(place_of(view, x, y));
+    return splat == SplatPicks::none ? 0.0f : job.attributes.ray_depth(splat).at(point_of(view, x, y));
   };
   if (view.frame.first_depth.data) view.frame.first_depth.row(y)[x] = depth(picks.first);
   if (view.frame.median_depth.data) view.frame.median_depth.row(y)[x] = depth(picks.median);

@@ -15,9 +15,9 @@ namespace swiftgs {
 
 /// Unit direction from the camera towards `mean`. The largest component is scaled to 1 first, so that no
 /// square leaves the range of float.
-template <class Real = PlacingReal>
+template <class Real = ProjectingReal>
 SWIFTGS_HD vec3 view_direction(const ViewConstants& view, vec3 mean) {
-  const PlacingConstants<Real> v(view);
+  const ProjectingConstants<Real> v(view);
   vec3 d(float(mean.x - v.centre(0)), float(mean.y - v.centre(1)), float(mean.z - v.centre(2)));
   const float largest = std::fmax(std::fmax(std::fabs(d.x), std::fabs(d.y)), std::fabs(d.z));
   for (int k = 0; k < 3; ++k) d[k] /= largest;

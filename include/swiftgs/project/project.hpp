@@ -179,7 +179,7 @@ struct CameraPoint {
   Real p[3];
 
   SWIFTGS_HD CameraPoint(const ViewConstants& view, vec3 mean) {
-    const PlacingConstants<Real> v(view);
+    const ProjectingConstants<Real> v(view);
     const Real d[3] = {mean.x - v.centre(0), mean.y - v.centre(1), mean.z - v.centre(2)};
     for (int row = 0; row < 3; ++row)
       p[row] = multiply_add(v.rotation(row, 0), d[0],
@@ -273,7 +273,7 @@ SWIFTGS_HD SWIFTGS_NOINLINE inline SplatFactor factor_in_double(const ViewConsta
   return pinhole_factor(v, x_over_z, y_over_z, inverse_z, g);
 }
 
-/// `pinhole_factor` of GPUs that place in pairs of floats: they have few units for double, and take them
+/// `pinhole_factor` of GPUs that project in pairs of floats: they have few units for double, and take them
 /// where float is far worse.
 SWIFTGS_HD inline SplatFactor pinhole_factor(const ViewConstants& v, FloatPair x_over_z, FloatPair y_over_z,
                                              FloatPair inverse_z, const Gaussian& g) {
@@ -288,20 +288,20 @@ SWIFTGS_HD inline SplatFactor pinhole_factor(const ViewConstants& v, FloatPair x
 }
 
 /// `project_shape` of other views.
-template <class Real = PlacingReal>
+template <class Real = ProjectingReal>
 SWIFTGS_HD ProjectedShape project_through_pinhole(const ViewConstants& v, const Gaussian& g) {
   const float opacity = v.opacity * g.opacity;
   if (!is_opaque_enough(v, opacity)) return {};
-  const PlacingConstants<Real> placing(v);
+  const ProjectingConstants<Real> constants(v);
   const CameraPoint<Real> at_mean(v, g.mean);
   const Real* const p = at_mean.p;
-  const float z = float(placing.depth_scale() * p[2]);
+  const float z = float(constants.depth_scale() * p[2]);
   if (!(z > v.near_plane && z <= v.far_plane)) return {};
   const Real inverse_z = inverse(p[2]), x_over_z = p[0] * inverse_z, y_over_z = p[1] * inverse_z;
 
   // Linearise within the limits of the conventions.
-  const Real x = multiply_add(placing.fx(), x_over_z, placing.cx());
-  const Real y = multiply_add(placing.fy(), y_over_z, placing.cy());
+  const Real x = multiply_add(constants.fx(), x_over_z, constants.cx());
+  const Real y = multiply_add(constants.fy(), y_over_z, constants.cy());
   const SplatFactor f = pinhole_factor(v, x_over_z, y_over_z, inverse_z, g);
   return visible_shape(v, x, y, f, opacity, z);
 }

@@ -12,8 +12,8 @@ namespace swiftgs {
 
 /// Exponent representation of axis-shared rasterization, which computes one term per column and one per row.
 /// An object is made for one splat, which outlives it, and the centre of a raster block. `x_term` and
-/// `y_term` take the place of a column and of a row @units{pixels}. `exponent` joins two terms to s, base 2.
-/// If s is negative or not a number, the pixel skips the splat.
+/// `y_term` take the coordinate of a column and of a row @units{pixels}. `exponent` joins two terms to s,
+/// base 2. If s is negative or not a number, the pixel skips the splat.
 template <class T>
 concept ExponentPolicy = requires(const T& terms, const SplatShape& shape, vec2 centre, float at,
                                   typename T::X x, typename T::Y y) {

@@ -106,7 +106,7 @@ struct SharedCamera {
     } else if (k == 13) {
       eye.fy = eye_focal(camera, pose, camera.fy), eye.focal_y = float(eye.fy);
     }
-    if constexpr (places_in_pairs) {
+    if constexpr (projects_in_pairs) {
       // Number k is the thread's own, and the depth's scale that of the first.
       if (k < 14) eye.set_pair(k);
       if (k == 0) eye.set_pair(14);

@@ -57,8 +57,8 @@ struct OwnRasterBlock {
       : OwnRasterBlock(input, index(input)) {}
   template <class ViewSource>
   __device__ OwnRasterBlock(const RasterInput<ViewSource>& input, RasterBlockIndex index) {
-    const RasterBlockPlace place = input.views.place(input.raster_blocks, index.column, index.row);
-    view = place.view, x = place.x, y = place.y;
+    const RasterBlockOrigin origin = input.views.origin(input.raster_blocks, index.column, index.row);
+    view = origin.view, x = origin.x, y = origin.y;
   }
 
   /// Whether it has no pixel of its view: if the view is narrower than another, or if slices overlap the last
@@ -89,13 +89,13 @@ struct OwnRasterBlock {
   }
 };
 
-/// Place of a pixel in a frame, and the depth at which the frame's occluder hides splats.
-struct PixelPlace {
+/// A pixel of a frame, and the depth at which the frame's occluder hides splats.
+struct FramePixel {
   int x, y;
   bool inside;
   float occluder;  ///< depth of what hides the splats behind it
 
-  __device__ PixelPlace(const FrameView& frame, int x_, int y_, bool extras)
+  __device__ FramePixel(const FrameView& frame, int x_, int y_, bool extras)
       : x(x_), y(y_), inside(x_ < frame.width && y_ < frame.height), occluder(INFINITY) {
     if (extras && inside && frame.occluder.data) occluder = frame.occluder_at(std::size_t(x), std::size_t(y));
   }

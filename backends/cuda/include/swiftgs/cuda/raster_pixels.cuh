@@ -55,7 +55,7 @@ __global__ void __launch_bounds__(raster_pixels_threads)
     const float alpha = kernel.alpha(column);
     if (alpha == 0) continue;
     if (along_ray) {
-      const vec2 at_pixel = place_of(view, std::size_t(x), std::size_t(y));
+      const vec2 at_pixel = point_of(view, std::size_t(x), std::size_t(y));
       if (job.attributes.ray_depth(id).at(at_pixel) >= occluder) continue;
     }
     const float next = dimmed(pixel.transmittance, alpha);

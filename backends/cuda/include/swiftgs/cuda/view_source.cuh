@@ -20,7 +20,7 @@ struct OneView {
   __device__ std::uint32_t size() const { return 1; }
 
   /// Where the raster block in this column and row of a frame lies.
-  __device__ RasterBlockPlace place(const RasterBlocks&, std::uint32_t column, std::uint32_t row) const {
+  __device__ RasterBlockOrigin origin(const RasterBlocks&, std::uint32_t column, std::uint32_t row) const {
     return {0, int(column) * raster_block_side, int(row) * raster_block_side};
   }
 };
@@ -33,9 +33,9 @@ struct StoredViews {
 
   __device__ const View& operator[](std::uint32_t view) const { return views[view]; }
   __device__ std::uint32_t size() const { return count; }
-  __device__ RasterBlockPlace place(const RasterBlocks& raster_blocks, std::uint32_t column,
-                                    std::uint32_t row) const {
-    return raster_blocks.place(views, count, column, row);
+  __device__ RasterBlockOrigin origin(const RasterBlocks& raster_blocks, std::uint32_t column,
+                                      std::uint32_t row) const {
+    return raster_blocks.origin(views, count, column, row);
   }
 };
 

@@ -69,11 +69,11 @@ class JointFrame {
            one_->memory().total();
   }
 
-  /// Draws this rank's strip and returns the counters of all ranks. Collective. `place` gives what is
+  /// Draws this rank's strip and returns the counters of all ranks. Collective. `provide` gives what is
   /// `drawn` memory; `finish` is called when it is. Throws as `DistributedRenderer::render_into`.
-  template <class Place, class Finish>
-  FrameCounters draw(const PlacedScenes& part, Span<const View> views, Failure& failure, const Place& place,
-                     const Finish& finish) {
+  template <class Provide, class Finish>
+  FrameCounters draw(const PlacedScenes& part, Span<const View> views, Failure& failure,
+                     const Provide& provide, const Finish& finish) {
     const Clock::time_point begun = Clock::now();
     const Traffic before = ranks_.traffic();
     RankCounters mine;
@@ -93,7 +93,7 @@ class JointFrame {
                     failure, offers_);
     failure.guard([&] {
       prepare_strips(*whole, views);
-      place();
+      provide();
     });
     failure.agree(ranks_);
 

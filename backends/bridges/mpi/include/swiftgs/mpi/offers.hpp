@@ -29,12 +29,12 @@ void exchange_offers(const Ranks& all, const Shares<B>& shares, Offer mine, Fail
   mine.failed = bool(failure);
   std::vector<Offer> to(ranks, mine);
   from.assign(ranks, {});
-  std::vector<std::uint64_t> places(ranks + 1);
+  std::vector<std::uint64_t> begins_of_all(ranks + 1);
   for (std::size_t r = 0; r < ranks; ++r) {
     if (!failure) to[r].splats = shares.count_for(int(r));
-    places[r + 1] = r + 1;
+    begins_of_all[r + 1] = r + 1;
   }
-  const Span<const std::uint64_t> begins{places.data(), places.size()};
+  const Span<const std::uint64_t> begins{begins_of_all.data(), begins_of_all.size()};
   Exchange exchange(all);
   exchange.all_to_all(to.data(), begins, from.data(), begins, sizeof(Offer));
   exchange.wait();

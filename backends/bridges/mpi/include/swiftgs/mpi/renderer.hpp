@@ -58,11 +58,11 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     failure.guard([&] {
       for (const View& view : views) validate(view);
     });
-    const auto place = [&] {
+    const auto provide = [&] {
       for (DrawnStrip& each : frame_.drawn())
         each.frame = each.view_strip.pixels_of(views[each.view_strip.view].frame);
     };
-    draw(part, views, failure, place, [] {});
+    draw(part, views, failure, provide, [] {});
   }
 
   /// Renders a view a camera into memory of the backend that the renderer keeps until the next call, each
@@ -71,8 +71,8 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
                                        const RenderSettings& settings) {
     Failure failure;
     failure.guard([&] { make_views(part, cameras, settings); });
-    const auto place = [&] { frame_.frames().keep(backend(), settings.outputs, frame_.drawn()); };
-    draw(part, {views_.data(), views_.size()}, failure, place, [] {});
+    const auto provide = [&] { frame_.frames().keep(backend(), settings.outputs, frame_.drawn()); };
+    draw(part, {views_.data(), views_.size()}, failure, provide, [] {});
     return drawn();
   }
 
@@ -91,7 +91,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
       for (std::size_t i = 0; collects && i < frames.size; ++i)
         whole.push_back(prepare(frames[i], cameras[i].width, cameras[i].height, settings.outputs));
     });
-    const auto place = [&] {
+    const auto provide = [&] {
       if (B::reaches_host_memory && collects)
         for (DrawnStrip& each : frame_.drawn())
           each.frame = each.view_strip.pixels_of(whole[each.view_strip.view]);
@@ -99,7 +99,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
         frame_.frames().keep(backend(), settings.outputs, frame_.drawn());
       if (collects) frame_.frames().expect(frame_.strips(), frames);
     };
-    draw(part, {views_.data(), views_.size()}, failure, place,
+    draw(part, {views_.data(), views_.size()}, failure, provide,
          [&] { frame_.frames().to_host(backend(), ranks(), frame_.drawn(), frames); });
     frame_.frames().collect(ranks(), frame_.strips());
   }
@@ -122,16 +122,16 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     require_features(part, settings.outputs.features);  // before memory is taken for them
   }
 
-  /// One frame. `place` gives the view strips of `drawn` memory; `finish` is called when they are drawn.
-  template <class Place, class Finish>
-  void draw(const PlacedScenes& part, Span<const View> views, Failure& failure, const Place& place,
+  /// One frame. `provide` gives the view strips of `drawn` memory; `finish` is called when they are drawn.
+  template <class Provide, class Finish>
+  void draw(const PlacedScenes& part, Span<const View> views, Failure& failure, const Provide& provide,
             const Finish& finish) {
     frame_.drawn().clear(), counters_ = {};
     try {
       if (ranks().size() == 1)
-        draw_alone(part, views, failure, place, finish);
+        draw_alone(part, views, failure, provide, finish);
       else
-        counters_ = frame_.draw(part, views, failure, place, finish);
+        counters_ = frame_.draw(part, views, failure, provide, finish);
     } catch (...) {
       frame_.forget();
       throw;
@@ -139,9 +139,9 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
   }
 
   /// Draws the frame on a rank alone, whose strip is the whole frame.
-  template <class Place, class Finish>
+  template <class Provide, class Finish>
   void draw_alone(const PlacedScenes& scene, Span<const View> views, const Failure& failure,
-                  const Place& place, const Finish& finish) {
+                  const Provide& provide, const Finish& finish) {
     failure.agree(ranks());
     using Clock = std::chrono::steady_clock;
     const Clock::time_point begun = Clock::now();
@@ -151,7 +151,7 @@ requires(detail::check_policies<B, Sort, Raster, Bounds>()) class DistributedRen
     for (const View& view : views)
       drawn.push_back(
           {{.view = std::uint32_t(drawn.size()), .rows = view.frame.height, .width = view.frame.width}});
-    place();
+    provide();
     for (std::size_t i = 0; i < all.size(); ++i) all[i].frame = drawn[i].frame;
     one.render_into(scene, {all.data(), all.size()}, {.count = false, .time = true});
     backend().wait();

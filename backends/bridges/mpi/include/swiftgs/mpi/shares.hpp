@@ -123,12 +123,13 @@ template <class Bounds>
 struct SWIFTGS_API WriteShares {
   SplatsToShare<Bounds> from;
   std::size_t parts;
-  std::uint32_t* places;  ///< @shape{ranks, parts}
+  std::uint32_t* positions;  ///< @shape{ranks, parts}
   ShareArrays to;
 
   SWIFTGS_HD void operator()(std::size_t part) const {
-    from.for_each(
-        part, [&](std::uint32_t r, std::size_t i) { to.write(places[r * parts + part]++, from.splats, i); });
+    from.for_each(part, [&](std::uint32_t r, std::size_t i) {
+      to.write(positions[r * parts + part]++, from.splats, i);
+    });
   }
 };
 
@@ -153,14 +154,14 @@ struct Shares {
   Splats<B> splats;
   std::vector<std::uint64_t> begins;  ///< first splat for each rank, and the end @shape{ranks + 1}
   FrameReport found;                  ///< of the splats that were shared out
-  typename B::template Buffer<std::uint32_t> cuts, places, picked;
+  typename B::template Buffer<std::uint32_t> cuts, positions, picked;
 
   std::uint64_t count_for(int rank) const {
     return begins[std::size_t(rank) + 1] - begins[std::size_t(rank)];
   }
   /// The next frame asks for no more memory than it needs.
   void forget_capacity() {}
-  static auto buffers(auto& self) { return std::tie(self.splats, self.cuts, self.places, self.picked); }
+  static auto buffers(auto& self) { return std::tie(self.splats, self.cuts, self.positions, self.picked); }
 };
 
 /// Finds the tiles of `splats`, which were projected by `plan`, and shares the splats out among the ranks of
@@ -177,21 +178,21 @@ void share_out(B& b, const FramePlan& plan, const Bounds& bounds, const StripCut
   shares.cuts.reset(cuts.size());
   copy_from_host(b, cuts.data(), shares.cuts.data(), cuts.size() * sizeof(std::uint32_t));
   const std::size_t parts = (count + shared_at_once - 1) / shared_at_once;
-  shares.places.reset(ranks * parts), shares.picked.reset(ranks);
-  std::uint32_t* const places = shares.places.data();
+  shares.positions.reset(ranks * parts), shares.picked.reset(ranks);
+  std::uint32_t* const positions = shares.positions.data();
   const SplatsToShare<Bounds> from{splats.view(), footprints.view().each, plan.views.reachable(),
                                    bounds,        shares.cuts.data(),     std::uint32_t(ranks)};
-  b.for_each(parts, CountShares<Bounds>{from, parts, places});
-  const std::uint64_t all = b.exclusive_scan(Span{places, ranks * parts});
+  b.for_each(parts, CountShares<Bounds>{from, parts, positions});
+  const std::uint64_t all = b.exclusive_scan(Span{positions, ranks * parts});
   require_indices("splats for all strips", all);
-  b.for_each(ranks, PickWords{places, parts, shares.picked.data()});
+  b.for_each(ranks, PickWords{positions, parts, shares.picked.data()});
   std::vector<std::uint32_t> picked(ranks);
   b.download(Span<const std::uint32_t>{shares.picked.data(), ranks}, picked.data());
   shares.begins.assign(picked.begin(), picked.end());
   shares.begins.push_back(all);
   shares.splats.reset(std::size_t(all), plan.views.size());
   shares.splats.set_count(std::size_t(all));
-  b.for_each(parts, WriteShares<Bounds>{from, parts, places, ShareArrays::of(shares.splats)});
+  b.for_each(parts, WriteShares<Bounds>{from, parts, positions, ShareArrays::of(shares.splats)});
 }
 
 /// The report of the splats that `share_out` was given. If it overflowed, nothing was shared out: project and

@@ -75,7 +75,7 @@ class StripFrames {
       each.frame = {.width = each.view_strip.width,
                     .height = each.view_strip.rows,
                     .feature_channels = outputs.features};
-      planes_.place(each.frame, before);
+      planes_.point(each.frame, before);
       before += each.frame.pixels();
     }
   }
