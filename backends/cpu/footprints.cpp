@@ -36,6 +36,7 @@ struct Runs {
 };
 struct Rects {
   Runs columns, rows;
+  hn::Mask<I32> full;
 };
 
 HWY_INLINE Vec All(float v) { return hn::Set(F32(), v); }
@@ -53,27 +54,42 @@ HWY_INLINE Shapes LoadShapes(const SplatShape* HWY_RESTRICT shapes) {
   return {.mean_x = even(0), .mean_y = even(1), .l0 = even(2), .l1 = even(3), .l2 = odd(0), .cutoff = odd(2)};
 }
 
-/// `clamped_floor` within `among`, whose ends are not negative.
-HWY_INLINE VecI ClampedFloor(Vec v, TileRun among) {
-  return hn::ConvertTo(I32(), hn::Min(hn::Max(v, All(float(among.begin))), All(float(among.end))));
+/// `tile_run`.
+HWY_INLINE Runs WholeTiles(Vec begin, Vec end) {
+  const auto limited = [](Vec v) HWY_ATTR {
+    return hn::ConvertTo(I32(), hn::Min(hn::Max(v, All(-0x1p30f)), All(0x1p30f)));
+  };
+  return {limited(begin), limited(end)};
 }
 
+/// `TileRun::within`.
+HWY_INLINE Runs Within(const Runs& runs, const Runs& among) {
+  return {hn::Max(hn::Min(runs.begin, among.end), among.begin),
+          hn::Max(hn::Min(runs.end, among.end), among.begin)};
+}
+HWY_INLINE Runs Within(const Runs& runs, TileRun among) {
+  const I32 d;
+  return Within(runs, Runs{hn::Set(d, among.begin), hn::Set(d, among.end)});
+}
+HWY_INLINE VecI Size(const Runs& runs) { return hn::Sub(runs.end, runs.begin); }
+
 /// `tiles_between`.
-HWY_INLINE Runs TilesBetween(Vec low, Vec high, int side, TileRun among) {
+HWY_INLINE Runs TilesBetween(Vec low, Vec high, int side) {
   const F32 d;
   const Vec first = hn::Ceil(hn::Sub(low, All(0.5f))), last = hn::Floor(hn::Sub(high, All(0.5f)));
   const Vec inverse_side = All(inverse_of(side));
   const auto some = hn::RebindMask(I32(), hn::And(hn::Le(first, last), hn::Ge(last, hn::Zero(d))));
-  return {hn::IfThenElseZero(some, ClampedFloor(hn::Mul(first, inverse_side), among)),
-          hn::IfThenElseZero(some, ClampedFloor(hn::Add(hn::Mul(last, inverse_side), All(1.0f)), among))};
+  const Runs found =
+      WholeTiles(hn::Mul(first, inverse_side), hn::Add(hn::Mul(last, inverse_side), All(1.0f)));
+  return {hn::IfThenElseZero(some, found.begin), hn::IfThenElseZero(some, found.end)};
 }
 
 /// `tiles_meeting`.
-HWY_INLINE Runs TilesMeeting(Vec low, Vec high, int side, TileRun among) {
+HWY_INLINE Runs TilesMeeting(Vec low, Vec high, int side) {
   const Vec inverse_side = All(inverse_of(side));
   const Vec first = hn::Ceil(hn::Mul(hn::Sub(low, All(float(side) - 0.5f)), inverse_side));
   const Vec last = hn::Floor(hn::Mul(hn::Sub(high, All(0.5f)), inverse_side));
-  return {ClampedFloor(first, among), ClampedFloor(hn::Add(last, All(1.0f)), among)};
+  return WholeTiles(first, hn::Add(last, All(1.0f)));
 }
 
 HWY_INLINE Vec Inverse(Vec v) { return hn::Div(All(1.0f), v); }
@@ -96,15 +112,20 @@ struct BoxRows {
   HWY_INLINE Runs Row(const Rects& rects, int) const { return rects.columns; }
 };
 
+/// `convex_box`.
+HWY_INLINE Rects ConvexBox(const Shapes& s, const Extent& half, TileGrid grid) {
+  const Vec x = hn::Add(half.width, half.slack), y = hn::Add(half.height, half.slack);
+  const Runs columns = TilesMeeting(hn::Sub(s.mean_x, x), hn::Add(s.mean_x, x), grid.side);
+  const Runs rows = TilesBetween(hn::Sub(s.mean_y, y), hn::Add(s.mean_y, y), grid.side);
+  const VecI one = hn::Set(I32(), 1);
+  return {Within(columns, grid.columns), Within(rows, grid.rows),
+          hn::Or(hn::Eq(Size(columns), one), hn::Eq(Size(rows), one))};
+}
+
 struct VectorOpacityBox : BoxRows {
   using Scalar = OpacityBox;
 
-  HWY_INLINE Rects Rect(const Shapes& s, TileGrid grid) {
-    const Extent half(s);
-    const Vec x = hn::Add(half.width, half.slack), y = hn::Add(half.height, half.slack);
-    return {TilesMeeting(hn::Sub(s.mean_x, x), hn::Add(s.mean_x, x), grid.side, grid.columns),
-            TilesBetween(hn::Sub(s.mean_y, y), hn::Add(s.mean_y, y), grid.side, grid.rows)};
-  }
+  HWY_INLINE Rects Rect(const Shapes& s, TileGrid grid) { return ConvexBox(s, Extent(s), grid); }
 };
 
 struct VectorThreeSigmaSquare : BoxRows {
@@ -121,14 +142,16 @@ struct VectorThreeSigmaSquare : BoxRows {
     const Vec lambda = hn::Add(mid, hn::Sqrt(hn::Max(gap, All(0.1f))));
     const Vec radius = hn::Ceil(hn::Mul(All(3.0f), hn::Sqrt(lambda)));
     return {Side(hn::Sub(s.mean_x, All(0.5f)), radius, grid, grid.columns),
-            Side(hn::Sub(s.mean_y, All(0.5f)), radius, grid, grid.rows)};
+            Side(hn::Sub(s.mean_y, All(0.5f)), radius, grid, grid.rows),
+            hn::Eq(hn::Zero(I32()), hn::Set(I32(), 1))};
   }
 
  private:
   static HWY_INLINE Runs Side(Vec centre, Vec radius, TileGrid grid, TileRun among) {
     const Vec inverse_side = All(inverse_of(grid.side)), whole = All(float(grid.side - 1));
-    return {ClampedFloor(hn::Mul(hn::Sub(centre, radius), inverse_side), among),
-            ClampedFloor(hn::Mul(hn::Add(hn::Add(centre, radius), whole), inverse_side), among)};
+    return Within(WholeTiles(hn::Mul(hn::Sub(centre, radius), inverse_side),
+                             hn::Mul(hn::Add(hn::Add(centre, radius), whole), inverse_side)),
+                  among);
   }
 };
 
@@ -142,8 +165,9 @@ class VectorEllipse {
     height_ = half.height, slack_ = half.slack;
     inverse_l0_ = Inverse(s.l0);
     const Vec slope = hn::Mul(s.l1, Inverse(s.l2));
-    steepest_ = hn::Div(hn::Mul(height_, slope), hn::Sqrt(hn::Add(All(1.0f), hn::Mul(slope, slope))));
-    return VectorOpacityBox().Rect(s, grid);
+    steepest_ =
+        hn::Mul(hn::Mul(height_, slope), Inverse(hn::Sqrt(hn::Add(All(1.0f), hn::Mul(slope, slope)))));
+    return ConvexBox(s, half, grid);
   }
 
   /// `Ellipse::Tiles::row` of row `offset` of each box.
@@ -154,15 +178,16 @@ class VectorEllipse {
     const Vec top = hn::Sub(hn::Sub(row_top, shapes_.mean_y), slack_);
     const Vec bottom = hn::Add(hn::Add(top, All(float(side_ - 1))), hn::Mul(All(2.0f), slack_));
     const Vec right =
-        hn::Add(hn::Add(shapes_.mean_x, Edge(Within(hn::Neg(steepest_), top, bottom), All(1.0f))), slack_);
+        hn::Add(hn::Add(shapes_.mean_x, Edge(Limited(hn::Neg(steepest_), top, bottom), All(1.0f))), slack_);
     const Vec left =
-        hn::Sub(hn::Add(shapes_.mean_x, Edge(Within(steepest_, top, bottom), All(-1.0f))), slack_);
-    const Runs run = TilesMeeting(left, right, side_, {0, max_image_side});
-    return {Within(run.begin, rects.columns), Within(run.end, rects.columns)};
+        hn::Sub(hn::Add(shapes_.mean_x, Edge(Limited(steepest_, top, bottom), All(-1.0f))), slack_);
+    const Runs run = Within(TilesMeeting(left, right, side_), rects.columns);
+    return {hn::IfThenElse(rects.full, rects.columns.begin, run.begin),
+            hn::IfThenElse(rects.full, rects.columns.end, run.end)};
   }
 
  private:
-  HWY_INLINE Vec Within(Vec y, Vec top, Vec bottom) const {
+  HWY_INLINE Vec Limited(Vec y, Vec top, Vec bottom) const {
     y = hn::Min(hn::Max(y, top), bottom);
     return hn::Min(hn::Max(y, hn::Neg(height_)), height_);
   }
@@ -170,9 +195,6 @@ class VectorEllipse {
     const Vec v = hn::Mul(shapes_.l2, y);
     const Vec rest = hn::Max(hn::Sub(shapes_.cutoff, hn::Mul(v, v)), hn::Zero(F32()));
     return hn::Mul(hn::Sub(hn::Mul(sign, hn::Sqrt(rest)), hn::Mul(shapes_.l1, y)), inverse_l0_);
-  }
-  HWY_INLINE VecI Within(VecI tile, const Runs& runs) const {
-    return hn::Min(hn::Max(tile, runs.begin), runs.end);
   }
 
   Shapes shapes_;
@@ -190,9 +212,8 @@ HWY_INLINE void GroupFootprints(const SplatShape* HWY_RESTRICT shapes, TileGrid 
   const U32 du;
   VectorBounds bounds;
   const Rects rects = bounds.Rect(LoadShapes(shapes), grid);
-  const VecI zero = hn::Zero(di), columns = hn::Max(hn::Sub(rects.columns.end, rects.columns.begin), zero);
-  const VecI rows =
-      hn::IfThenElse(hn::Gt(columns, zero), hn::Max(hn::Sub(rects.rows.end, rects.rows.begin), zero), zero);
+  const VecI zero = hn::Zero(di), columns = hn::Max(Size(rects.columns), zero);
+  const VecI rows = hn::IfThenElse(hn::Gt(columns, zero), hn::Max(Size(rects.rows), zero), zero);
 
   // Collect the runs of up to eight rows as bytes of a mask.
   const VecI eight = hn::Set(di, 8);

@@ -30,7 +30,9 @@ struct Boxes {
     TileRect rect;
     SWIFTGS_HD TileRun row(int) const { return rect.columns; }
   };
-  SWIFTGS_HD Tiles tiles(const SplatShape& shape, TileGrid grid) const { return {opacity_box(shape, grid)}; }
+  SWIFTGS_HD Tiles tiles(const SplatShape& shape, TileGrid grid) const {
+    return {opacity_box(shape, EllipseExtent(shape), grid.side).within(grid)};
+  }
 };
 
 template <class B>

@@ -27,7 +27,7 @@ Tiles tiles_of(const SplatShape& shape, TileGrid tiles = grid) {
   const TileRect& rect = found.rect;
   if (rect.columns.size() == 0) return out;
   for (int row = rect.rows.begin; row < rect.rows.end; ++row) {
-    const TileRun run = found.row(row);
+    const TileRun run = detail::row_within(found, row);
     for (int column = run.begin; column < run.end; ++column) out.insert({row, column});
   }
   return out;

@@ -55,7 +55,8 @@ double apart(float a, float b, double scale = 0) {
 /// Differences in ulps.
 Apart differences(const SplatShape& a, float depth_a, const SplatShape& b, float depth_b) {
   // Of l1, what l0 dx is at the edge of the splat: l0 times its width over its height.
-  const double l1_scale = double(a.l0) * double(a.l2) * double(half_width(a)) / std::sqrt(double(a.cutoff));
+  const double l1_scale =
+      double(a.l0) * double(a.l2) * double(EllipseExtent(a).width) / std::sqrt(double(a.cutoff));
   const auto means_apart = [&](int k) {
     return std::max(apart(a.mean[k], b.mean[k], 1), std::abs(a.exact_mean()[k] - b.exact_mean()[k]) * 0x1p23);
   };

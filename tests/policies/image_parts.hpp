@@ -94,9 +94,10 @@ inline Gaussian ends_near_a_border(Random& random, const ViewConstants& v) {
   const double end = 16.5 + beside, across = std::floor(random.in(0, 32)) + 0.5;
   for (int step = 0; step < 5; ++step) {  // its shape changes as it moves
     const SplatShape shape = project_shape(v, g).shape;
-    const double tilt = -double(shape.l1) / double(shape.l0), height = double(half_height(shape));
-    const double below = tilt * height * height / double(half_width(shape));  // y of the rightmost point
-    const double x = right ? end - double(half_width(shape)) : across - tilt * height;
+    const double tilt = -double(shape.l1) / double(shape.l0), height = double(EllipseExtent(shape).height);
+    const double below =
+        tilt * height * height / double(EllipseExtent(shape).width);  // y of the rightmost point
+    const double x = right ? end - double(EllipseExtent(shape).width) : across - tilt * height;
     const double y = right ? across - below : end - height;
     g.mean = vec3(float((x - v.cx) / v.fx * z), float((y - v.cy) / v.fy * z), float(z));
   }

@@ -227,7 +227,7 @@ Lists brute_force_lists(const SortInput& job) {
         const auto tiles = bounds.tiles(job.splats.shapes[id], job.grid);
         const TileRect& rect = tiles.rect;
         if (row < rect.rows.begin || row >= rect.rows.end || rect.columns.size() == 0) continue;
-        const TileRun run = tiles.row(row);
+        const TileRun run = detail::row_within(tiles, row);
         if (column >= run.begin && column < run.end) list.push_back(id);
       }
       std::stable_sort(list.begin(), list.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -245,7 +245,9 @@ struct EvenRows {
     TileRect rect;
     SWIFTGS_HD TileRun row(int row) const { return row % 2 ? TileRun{} : rect.columns; }
   };
-  SWIFTGS_HD Tiles tiles(const SplatShape& shape, TileGrid grid) const { return {opacity_box(shape, grid)}; }
+  SWIFTGS_HD Tiles tiles(const SplatShape& shape, TileGrid grid) const {
+    return {opacity_box(shape, EllipseExtent(shape), grid.side).within(grid)};
+  }
 };
 
 /// Sorts `job` in memory of earlier frames.

@@ -122,7 +122,7 @@ class Judge {
     judge(7, s.l2, exact_[l2], exact_[l2], [&] { return moved()[l2]; });
     if (compensated) alone(8, opacity, s.opacity);
     alone(9, cutoff, s.cutoff);
-    judge(10, swiftgs::half_width(s), exact_[half_width], exact_[half_width],
+    judge(10, EllipseExtent(s).width, exact_[half_width], exact_[half_width],
           [&] { return moved()[half_width]; });
     return out;
   }

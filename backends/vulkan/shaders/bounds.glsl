@@ -28,14 +28,20 @@ FUNCTION uint tile_number(TileGrid grid, int column, int row) {
   return grid.first + uint(row - grid.first_row) * grid.stride + uint(column - grid.first_column);
 }
 
-FUNCTION int clamped_floor(float v, int low, int high) {
-  return v >= float(low) ? (v < float(high) ? int(v) : high) : low;
+// The tiles from `begin` to `end`, without their fractions; what is too large for an integer is limited.
+FUNCTION TileRun whole_tiles(float begin, float end) {
+  const float most = 1073741824.0f;
+  return tile_run(int(clamp(begin, -most, most)), int(clamp(end, -most, most)));
+}
+
+FUNCTION TileRun run_within(TileRun run, int begin, int end) {
+  return tile_run(max(min(run.begin, end), begin), max(min(run.end, end), begin));
 }
 
 FUNCTION float inverse_of(int side) { return uintBitsToFloat(0x7f000000u - floatBitsToUint(float(side))); }
 
-// Tiles that hold a pixel centre in [low, high].
-FUNCTION TileRun tiles_between(float low, float high, int side, int begin, int end) {
+// Tiles that hold a pixel centre in [low, high]. They may lie outside of the image.
+FUNCTION TileRun tiles_between(float low, float high, int side) {
   PRECISE float from = low - 0.5f;
   PRECISE float to = high - 0.5f;
   float first = ceil(from), last = floor(to), inverse_side = inverse_of(side);
@@ -43,18 +49,18 @@ FUNCTION TileRun tiles_between(float low, float high, int side, int begin, int e
   PRECISE float first_tile = first * inverse_side;
   PRECISE float last_tile = last * inverse_side;
   PRECISE float end_tile = last_tile + 1.0f;
-  return tile_run(clamped_floor(first_tile, begin, end), clamped_floor(end_tile, begin, end));
+  return whole_tiles(first_tile, end_tile);
 }
 
 // Tiles whose span from first to last pixel centre meets [low, high].
-FUNCTION TileRun tiles_meeting(float low, float high, int side, int begin, int end) {
+FUNCTION TileRun tiles_meeting(float low, float high, int side) {
   float inverse_side = inverse_of(side);
   PRECISE float from = low - (float(side) - 0.5f);
   PRECISE float to = high - 0.5f;
   PRECISE float first_tile = from * inverse_side;
   PRECISE float last_tile = to * inverse_side;
   PRECISE float end_tile = floor(last_tile) + 1.0f;
-  return tile_run(clamped_floor(ceil(first_tile), begin, end), clamped_floor(end_tile, begin, end));
+  return whole_tiles(ceil(first_tile), end_tile);
 }
 
 // Points whose distance along a unit normal is at most `half_length`, on either side of the mean.
@@ -65,11 +71,19 @@ struct Slab {
 // What rows of tiles need, and the box of tiles.
 struct SplatTiles {
   TileRun columns, rows;
+  bool full;  // each row has all columns
   float mean_x, mean_y, slack, height;
   float inverse_l0, steepest;   // of ellipses
   Slab across, with_axis;       // of oriented boxes
   float corner, top;
 };
+
+FUNCTION SplatTiles within_grid(SplatTiles t, TileRun columns, TileRun rows, TileGrid grid) {
+  t.columns = run_within(columns, grid.first_column, grid.end_column);
+  t.rows = run_within(rows, grid.first_row, grid.end_row);
+  t.full = false;
+  return t;
+}
 
 FUNCTION Slab slab_of(Shape s, float x, float y) {
   PRECISE float u = x / s.l0;
@@ -148,11 +162,8 @@ FUNCTION SplatTiles three_sigma_tiles(Shape s, TileGrid grid) {
   PRECISE float bottom = y + radius;
   PRECISE float bottom_end = bottom + rest;
   SplatTiles t;
-  t.columns = tile_run(clamped_floor(left * inverse_side, grid.first_column, grid.end_column),
-                       clamped_floor(right_end * inverse_side, grid.first_column, grid.end_column));
-  t.rows = tile_run(clamped_floor(top * inverse_side, grid.first_row, grid.end_row),
-                    clamped_floor(bottom_end * inverse_side, grid.first_row, grid.end_row));
-  return t;
+  return within_grid(t, whole_tiles(left * inverse_side, right_end * inverse_side),
+                     whole_tiles(top * inverse_side, bottom_end * inverse_side), grid);
 }
 
 FUNCTION SplatTiles tiles_of(uint bounds, Shape s, TileGrid grid) {
@@ -177,8 +188,9 @@ FUNCTION SplatTiles tiles_of(uint bounds, Shape s, TileGrid grid) {
   PRECISE float up = s.mean.y - y;
   PRECISE float down = s.mean.y + y;
   SplatTiles t;
-  t.columns = tiles_meeting(left, right, grid.side, grid.first_column, grid.end_column);
-  t.rows = tiles_between(up, down, grid.side, grid.first_row, grid.end_row);
+  TileRun columns = tiles_meeting(left, right, grid.side), rows = tiles_between(up, down, grid.side);
+  t = within_grid(t, columns, rows, grid);
+  t.full = run_size(columns) == 1 || run_size(rows) == 1;
   t.mean_x = s.mean.x;
   t.mean_y = s.mean.y;
   t.slack = slack;
@@ -188,7 +200,8 @@ FUNCTION SplatTiles tiles_of(uint bounds, Shape s, TileGrid grid) {
   PRECISE float slope_squared = slope * slope;
   PRECISE float length_squared = 1.0f + slope_squared;
   PRECISE float steep = height * slope;
-  PRECISE float steepest = steep / sqrt(length_squared);
+  PRECISE float level = 1.0f / sqrt(length_squared);
+  PRECISE float steepest = steep * level;
   t.steepest = steepest;
   if (bounds == obb) {
     vec2 axis = short_axis(s);
@@ -235,7 +248,7 @@ FUNCTION float right_of_box(SplatTiles t, float top, float bottom) {
 
 // The run of tiles in one row of the box.
 FUNCTION TileRun tiles_of_row(uint bounds, SplatTiles t, Shape s, TileGrid grid, int row) {
-  if (bounds == three_sigma_square || bounds == opacity_box) return t.columns;
+  if (bounds == three_sigma_square || bounds == opacity_box || t.full) return t.columns;
   PRECISE float centre = float(row * grid.side) + 0.5f;
   PRECISE float from_mean = centre - t.mean_y;
   PRECISE float top = from_mean - t.slack;
@@ -255,8 +268,7 @@ FUNCTION TileRun tiles_of_row(uint bounds, SplatTiles t, Shape s, TileGrid grid,
   PRECISE float right = right_end + t.slack;
   PRECISE float left_end = t.mean_x + left_x;
   PRECISE float left = left_end - t.slack;
-  TileRun run = tiles_meeting(left, right, grid.side, t.columns.begin, t.columns.end);
-  return tile_run(max(run.begin, t.columns.begin), min(run.end, t.columns.end));
+  return run_within(tiles_meeting(left, right, grid.side), t.columns.begin, t.columns.end);
 }
 
 // The layout of `Footprint`: the lower and upper half of its mask, the number of tiles, the first tile.

@@ -15,18 +15,18 @@ struct SWIFTGS_API Ellipse {
    public:
     TileRect rect;
 
-    SWIFTGS_HD Tiles(const SplatShape& shape, TileGrid grid)
-        : rect(opacity_box(shape, grid)),
+    SWIFTGS_HD Tiles(const SplatShape& shape, const EllipseExtent& half, TileGrid grid)
+        : rect(convex_box(shape, half, grid)),
           side_(grid.side),
           mean_(shape.mean),
-          inverse_l0_(1 / shape.l0),
+          inverse_l0_(near_inverse(shape.l0)),
           l1_(shape.l1),
           l2_(shape.l2),
           cutoff_(shape.cutoff),
-          height_(half_height(shape)),
-          slack_(EllipseExtent(shape).slack) {
-      const float slope = l1_ * (1 / l2_);
-      steepest_ = height_ * slope / std::sqrt(1 + slope * slope);
+          height_(half.height),
+          slack_(half.slack) {
+      const float slope = l1_ * near_inverse(l2_);
+      steepest_ = height_ * slope * near_inverse(near_sqrt(1 + slope * slope));
     }
 
     /// The part of the ellipse in a row of tiles is convex, so it spans one run of columns. Its ends are the
@@ -36,18 +36,17 @@ struct SWIFTGS_API Ellipse {
       const float bottom = top + float(side_ - 1) + 2 * slack_;
       const float right = mean_.x + edge(clamp(-steepest_, top, bottom), 1.0f) + slack_;
       const float left = mean_.x + edge(clamp(steepest_, top, bottom), -1.0f) - slack_;
-      return tiles_meeting(left, right, side_, rect.columns);
+      return tiles_meeting(left, right, side_).within(rect.columns);
     }
 
    private:
     SWIFTGS_HD float clamp(float y, float top, float bottom) const {
-      y = y < top ? top : y > bottom ? bottom : y;
-      return y < -height_ ? -height_ : y > height_ ? height_ : y;
+      return within(within(y, top, bottom), -height_, height_);
     }
     /// x = (u - l1 y) / l0 with u^2 + (l2 y)^2 = cutoff.
     SWIFTGS_HD float edge(float y, float sign) const {
       const float v = l2_ * y, rest = cutoff_ - v * v;
-      return (sign * std::sqrt(rest > 0 ? rest : 0.0f) - l1_ * y) * inverse_l0_;
+      return (sign * near_sqrt(rest > 0 ? rest : 0.0f) - l1_ * y) * inverse_l0_;
     }
 
     int side_;
@@ -57,7 +56,9 @@ struct SWIFTGS_API Ellipse {
     float steepest_;  ///< the rightmost point lies at y = -steepest, the leftmost at +steepest
   };
 
-  SWIFTGS_HD Tiles tiles(const SplatShape& shape, TileGrid grid) const { return {shape, grid}; }
+  SWIFTGS_HD Tiles tiles(const SplatShape& shape, TileGrid grid) const {
+    return {shape, EllipseExtent(shape), grid};
+  }
 };
 
 static_assert(BoundsPolicy<Ellipse>);

@@ -16,11 +16,8 @@ struct SWIFTGS_API Obb {
    public:
     TileRect rect;
 
-    SWIFTGS_HD Tiles(const SplatShape& shape, TileGrid grid)
-        : rect(opacity_box(shape, grid)),
-          side_(grid.side),
-          mean_(shape.mean),
-          slack_(EllipseExtent(shape).slack) {
+    SWIFTGS_HD Tiles(const SplatShape& shape, const EllipseExtent& half, TileGrid grid)
+        : rect(convex_box(shape, half, grid)), side_(grid.side), mean_(shape.mean), slack_(half.slack) {
       const vec2 axis = short_axis(shape);
       across_ = Slab(shape, axis), along_ = Slab(shape, vec2(-axis.y, axis.x));
       corner_ = across_.half * across_.tilt + along_.half * along_.tilt;
@@ -34,7 +31,7 @@ struct SWIFTGS_API Obb {
       const float bottom = top + float(side_ - 1) + 2 * slack_;
       const float right = mean_.x + right_end(top, bottom) + slack_;
       const float left = mean_.x - right_end(-bottom, -top) - slack_;  // the box is its own mirror image
-      return tiles_meeting(left, right, side_, rect.columns);
+      return tiles_meeting(left, right, side_).within(rect.columns);
     }
 
    private:
@@ -87,7 +84,9 @@ struct SWIFTGS_API Obb {
     float top_;     ///< half the height of the box
   };
 
-  SWIFTGS_HD Tiles tiles(const SplatShape& shape, TileGrid grid) const { return {shape, grid}; }
+  SWIFTGS_HD Tiles tiles(const SplatShape& shape, TileGrid grid) const {
+    return {shape, EllipseExtent(shape), grid};
+  }
 };
 
 static_assert(BoundsPolicy<Obb>);

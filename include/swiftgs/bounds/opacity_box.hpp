@@ -12,7 +12,7 @@ struct SWIFTGS_API OpacityBox {
   static constexpr bool conservative = true;
 
   SWIFTGS_HD BoxTiles tiles(const SplatShape& shape, TileGrid grid) const {
-    return {opacity_box(shape, grid)};
+    return {opacity_box(shape, EllipseExtent(shape), grid.side).within(grid)};
   }
 };
 

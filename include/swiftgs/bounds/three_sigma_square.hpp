@@ -30,8 +30,8 @@ struct SWIFTGS_API ThreeSigmaSquare {
   /// `centre` counts from the first pixel's centre, as INRIA's coordinates do.
   SWIFTGS_HD static TileRun span(float centre, float radius, TileGrid grid, TileRun among) {
     const float inverse_side = inverse_of(grid.side);
-    return {clamped_floor((centre - radius) * inverse_side, among.begin, among.end),
-            clamped_floor((centre + radius + float(grid.side - 1)) * inverse_side, among.begin, among.end)};
+    return tile_run((centre - radius) * inverse_side, (centre + radius + float(grid.side - 1)) * inverse_side)
+        .within(among);
   }
 };
 

@@ -20,6 +20,11 @@ namespace swiftgs {
 /// Columns and rows of tiles.
 struct TileRect {
   TileRun columns, rows;
+  bool full = false;  ///< each row is known to have all columns
+
+  SWIFTGS_HD TileRect within(const TileGrid& grid) const {
+    return {columns.within(grid.columns), rows.within(grid.rows), full};
+  }
 };
 
 /// Tiles that a splat may touch where each row has all columns. Bounds whose rows differ have a type of
@@ -32,8 +37,9 @@ struct BoxTiles {
 
 /// Policy: which tiles a splat may touch. `tiles` finds the box of those tiles, `rect`, and prepares what its
 /// rows need; `row` then finds the run of columns in one row of the box. An ellipse meets a row of tiles in
-/// one run, so one evaluation per row replaces a test per tile. Conservative bounds include every tile in
-/// which a pixel keeps the splat, and every tile that the test of a warp block accepts: the ellipse s
+/// one run, so one evaluation per row replaces a test per tile; a `full` box needs none. Conservative bounds
+/// include every tile in which a pixel keeps the splat, and every tile that the test of a warp block accepts:
+/// the ellipse s
 /// <= 1.0001 cutoff meets the box of its 8x8 pixel centres, 2^-8 pixels wider on each side. Devices cut long
 /// lists into segments of such splats. A splat between two rows of pixel centres is listed nowhere.
 template <class P>
@@ -48,9 +54,17 @@ concept BoundsPolicy = requires(const P bounds, const SplatShape& shape, TileGri
 template <class Bounds>
 using TilesWithin = decltype(std::declval<const Bounds&>().tiles(SplatShape(), TileGrid()));
 
-/// Limits `v` to [low, high] before it becomes an integer, so that no float is too large for one.
-SWIFTGS_HD inline int clamped_floor(float v, int low, int high) {
-  return v >= float(low) ? (v < float(high) ? int(v) : high) : low;
+/// The tiles from `begin` to `end`, without their fractions; what is too large for an integer is limited.
+SWIFTGS_HD inline TileRun tile_run(float begin, float end) {
+#if defined(__CUDA_ARCH__)
+  return {__float2int_rz(begin), __float2int_rz(end)};
+#else
+  const auto limited = [](float v) {
+    constexpr float most = 0x1p30f;
+    return int(v >= -most ? (v < most ? v : most) : -most);
+  };
+  return {limited(begin), limited(end)};
+#endif
 }
 
 /// 1 / side of a tile: exact and without a division, since of a power of two only the exponent changes sign.
@@ -58,25 +72,24 @@ SWIFTGS_HD inline float inverse_of(int side) {
   return __builtin_bit_cast(float, 0x7f000000u - __builtin_bit_cast(std::uint32_t, float(side)));
 }
 
-/// Tiles of `among` that hold a pixel centre in [low, high] @units{pixels}.
-SWIFTGS_HD inline TileRun tiles_between(float low, float high, int side, TileRun among) {
+/// Tiles that hold a pixel centre in [low, high] @units{pixels}. They may lie outside of the image.
+SWIFTGS_HD inline TileRun tiles_between(float low, float high, int side) {
   const float inverse_side = inverse_of(side);
   // The first centre at or above `low` is ceil(low - 0.5) + 0.5, the last at or below `high` is floor(high -
   // 0.5) + 0.5.
   const float first = std::ceil(low - 0.5f), last = std::floor(high - 0.5f);
   if (!(first <= last && last >= 0)) return {};
-  return {clamped_floor(first * inverse_side, among.begin, among.end),
-          clamped_floor(last * inverse_side + 1, among.begin, among.end)};
+  return tile_run(first * inverse_side, last * inverse_side + 1);
 }
 
-/// Tiles of `among` whose span from first to last pixel centre meets [low, high] @units{pixels}. For columns:
+/// Tiles whose span from first to last pixel centre meets [low, high] @units{pixels}. For columns:
 /// a rasterizer visits the rows of pixels in which the span meets the ellipse, and rounding may keep a centre
 /// there although the ellipse passes between two.
-SWIFTGS_HD inline TileRun tiles_meeting(float low, float high, int side, TileRun among) {
+SWIFTGS_HD inline TileRun tiles_meeting(float low, float high, int side) {
   const float inverse_side = inverse_of(side);
   const float first = std::ceil((low - (float(side) - 0.5f)) * inverse_side);
   const float last = std::floor((high - 0.5f) * inverse_side);
-  return {clamped_floor(first, among.begin, among.end), clamped_floor(last + 1, among.begin, among.end)};
+  return tile_run(first, last + 1);
 }
 
 /// How much a conservative bound is widened, so that rounding never cuts a pixel that a rasterizer keeps.
@@ -85,31 +98,33 @@ SWIFTGS_HD inline float bounds_slack(float half_width, float half_height) {
   return 1e-2f + 1e-4f * (half_width + half_height);
 }
 
-/// Half the height of the ellipse s <= cutoff @units{pixels}.
-SWIFTGS_HD inline float half_height(const SplatShape& shape) {
-  return std::sqrt(shape.cutoff) * (1 / shape.l2);
-}
-
-/// Half its width. No square leaves the range of float where the variance does not. @units{pixels}
-SWIFTGS_HD inline float half_width(const SplatShape& shape) {
-  const float inverse_l0 = 1 / shape.l0, tilt = shape.l1 * inverse_l0 * (1 / shape.l2);
-  return std::sqrt(shape.cutoff) * std::sqrt(inverse_l0 * inverse_l0 + tilt * tilt);
-}
-
 /// Half the width and the height of the ellipse s <= cutoff, and `bounds_slack`. @units{pixels}
 struct EllipseExtent {
   float width, height, slack;
 
-  SWIFTGS_HD explicit EllipseExtent(const SplatShape& shape)
-      : width(half_width(shape)), height(half_height(shape)), slack(bounds_slack(width, height)) {}
+  /// No square leaves the range of float where the variances do not.
+  SWIFTGS_HD explicit EllipseExtent(const SplatShape& shape) {
+    const float inverse_l0 = near_inverse(shape.l0), inverse_l2 = near_inverse(shape.l2);
+    const float tilt = shape.l1 * inverse_l0 * inverse_l2, root = near_sqrt(shape.cutoff);
+    width = root * near_sqrt(inverse_l0 * inverse_l0 + tilt * tilt), height = root * inverse_l2;
+    slack = bounds_slack(width, height);
+  }
 };
 
-/// Tiles that the box of the ellipse s <= cutoff touches.
-SWIFTGS_HD inline TileRect opacity_box(const SplatShape& shape, TileGrid grid) {
-  const EllipseExtent half(shape);
+/// Tiles that the box of the ellipse s <= cutoff touches, in the image and outside. `half` is its extent.
+SWIFTGS_HD inline TileRect opacity_box(const SplatShape& shape, const EllipseExtent& half, int side) {
   const float x = half.width + half.slack, y = half.height + half.slack;
-  return {tiles_meeting(shape.mean.x - x, shape.mean.x + x, grid.side, grid.columns),
-          tiles_between(shape.mean.y - y, shape.mean.y + y, grid.side, grid.rows)};
+  return {tiles_meeting(shape.mean.x - x, shape.mean.x + x, side),
+          tiles_between(shape.mean.y - y, shape.mean.y + y, side)};
+}
+
+/// The same within a grid, for bounds that find fewer tiles in some rows. Convex ones miss next to nothing of
+/// a box of a single row or column: it is `full`. So it is in each part of an image.
+SWIFTGS_HD inline TileRect convex_box(const SplatShape& shape, const EllipseExtent& half,
+                                      const TileGrid& grid) {
+  TileRect box = opacity_box(shape, half, grid.side);
+  box.full = box.columns.size() == 1 || box.rows.size() == 1;
+  return box.within(grid);
 }
 
 /// The tiles that a splat may touch, found once. Emission expands them to tile intersections: one entry per
@@ -155,6 +170,13 @@ SWIFTGS_HD inline unsigned lowest_bit(std::uint64_t mask) {
 #endif
 }
 
+/// Mask of all tiles of a box of 1 to 8 rows and columns.
+SWIFTGS_HD inline std::uint64_t full_mask(const TileRect& rect) {
+  constexpr std::uint64_t column = 0x0101010101010101;
+  const std::uint64_t row = (1u << rect.columns.size()) - 1;
+  return row * (column >> Footprint::side * (Footprint::side - rect.rows.size()));
+}
+
 /// Calls f(tile) for the tiles of a footprint's mask, in rows of `stride` tiles.
 template <class F>
 SWIFTGS_HD void for_each_masked_tile(const Footprint& footprint, std::uint32_t stride, const F& f) {
@@ -167,7 +189,9 @@ SWIFTGS_HD void for_each_masked_tile(const Footprint& footprint, std::uint32_t s
 /// The run of `tiles` in one row of their rectangle, and nothing outside of it.
 template <class Tiles>
 SWIFTGS_HD TileRun row_within(const Tiles& tiles, int row) {
-  const TileRun run = tiles.row(row), columns = tiles.rect.columns;
+  const TileRun columns = tiles.rect.columns;
+  if (tiles.rect.full) return columns;
+  const TileRun run = tiles.row(row);
   return {run.begin > columns.begin ? run.begin : columns.begin,
           run.end < columns.end ? run.end : columns.end};
 }

@@ -106,6 +106,37 @@ SWIFTGS_HD inline double inverse_sqrt(double x) {
 #endif
 }
 
+/// sqrt(x) and 1 / x, on a device 2 units in the last place and without subnormal numbers: there an exact one
+/// takes four times the instructions. For bounds, whose slack covers more.
+SWIFTGS_HD inline float near_sqrt(float x) {
+#if defined(__CUDA_ARCH__)
+  float y;
+  asm("sqrt.approx.ftz.f32 %0, %1;" : "=f"(y) : "f"(x));
+  return y;
+#else
+  return std::sqrt(x);
+#endif
+}
+SWIFTGS_HD inline float near_inverse(float x) {
+#if defined(__CUDA_ARCH__)
+  float y;
+  asm("rcp.approx.ftz.f32 %0, %1;" : "=f"(y) : "f"(x));
+  return y;
+#else
+  return 1 / x;
+#endif
+}
+
+/// x within [low, high]. If low > high it is high.
+SWIFTGS_HD inline float within(float x, float low, float high) {
+#if defined(__CUDA_ARCH__)
+  return fminf(fmaxf(x, low), high);
+#else
+  x = x < low ? low : x;
+  return x > high ? high : x;
+#endif
+}
+
 /// 1 / x, 2 units in the last place. Of 0, of subnormal and of infinite numbers a device makes no number.
 SWIFTGS_HD inline double inverse(double x) {
 #if defined(__CUDA_ARCH__)

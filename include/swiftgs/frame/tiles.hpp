@@ -22,7 +22,17 @@ struct TileRun {
   int begin = 0, end = 0;
 
   SWIFTGS_HD constexpr int size() const { return end > begin ? end - begin : 0; }
+  /// Those of them that are among these.
+  SWIFTGS_HD constexpr TileRun within(TileRun among) const {
+    return {limited(begin, among), limited(end, among)};
+  }
   bool operator==(const TileRun&) const = default;
+
+ private:
+  SWIFTGS_HD static constexpr int limited(int tile, TileRun among) {
+    const int below = tile < among.end ? tile : among.end;
+    return below > among.begin ? below : among.begin;
+  }
 };
 
 /// Columns and rows of tiles of an image, counted from its top left corner, and their numbers in a frame. The

@@ -117,16 +117,17 @@ struct ImageAxes {
 struct SplatFactor {
   float l0, l1, l2;    ///< as in `SplatShape`
   float var_x, var_y;  ///< @units{pixels^2}
-  float sharpness;     ///< determinant without blur over that with it
+  float sharpness;     ///< determinant without blur over that with it, if asked for
   bool valid;          ///< the covariance is positive and within `largest_variance`
 };
 
 inline constexpr double to_base_2 = 0.84932180028801904272;  ///< sqrt(log2(e) / 2)
 
 /// Factors the covariance of `m`. The determinant is |m.x cross m.y|^2 + blur (trace + blur), a sum of
-/// squares (Lagrange's identity); the textbook xx yy - xy^2 loses all digits of a needle's.
+/// squares (Lagrange's identity); the textbook xx yy - xy^2 loses all digits of a needle's. Only views that
+/// `sharpens` need the division of a sharpness.
 template <class Real>
-SWIFTGS_HD SplatFactor factor(const ImageAxes<Real>& m, Real blur) {
+SWIFTGS_HD SplatFactor factor(const ImageAxes<Real>& m, Real blur, bool sharpens) {
   const Real xx = dot(m.x, m.x), yy = dot(m.y, m.y), xy = dot(m.x, m.y);
   const Real var_x = xx + blur, var_y = yy + blur;
   const Real inv_sigma_y = inverse_sqrt(var_y), inv_var_y = inv_sigma_y * inv_sigma_y;
@@ -139,7 +140,7 @@ SWIFTGS_HD SplatFactor factor(const ImageAxes<Real>& m, Real blur) {
   SplatFactor out;
   out.l0 = float(l0), out.l1 = float(-l0 * (xy * inv_var_y)), out.l2 = float(Real(to_base_2) * inv_sigma_y);
   out.var_x = float(var_x), out.var_y = float(var_y);
-  out.sharpness = float(sharp / var_x_given_y);
+  out.sharpness = sharpens ? float(sharp / var_x_given_y) : 1.0f;
   // In double, the factor may leave the range of float where the variances do not.
   out.valid = var_x_given_y > 0 && var_y > 0 && var_x <= Real(largest_variance) &&
               var_y <= Real(largest_variance) && var_x_given_y < Real(INFINITY) &&
@@ -203,8 +204,8 @@ SWIFTGS_HD ProjectedShape visible_shape(const ViewConstants& v, const Real& mean
   s.l0 = f.l0, s.l1 = f.l1, s.l2 = f.l2;
   s.opacity = opacity;
   s.cutoff = std::log2(opacity / v.alpha_min);
-  const float extent = std::sqrt(s.cutoff) * float(1 / to_base_2);
-  const float half_width = extent * std::sqrt(f.var_x), half_height = extent * std::sqrt(f.var_y);
+  const float extent = near_sqrt(s.cutoff) * float(1 / to_base_2);
+  const float half_width = extent * near_sqrt(f.var_x), half_height = extent * near_sqrt(f.var_y);
 
   out.depth = depth;
   const vec2 mean = s.mean, to_first = s.from_mean(vec2(0.5f)),
@@ -251,7 +252,7 @@ SWIFTGS_HD inline ProjectedShape project_through_lens(const ViewConstants& v, co
 
   const double x = v.nearest_copy(std::fma(v.fx, at.u, v.cx)), y = std::fma(v.fy, at.v, v.cy);
   const LensSlopes by{at.du, at.dv, v.fx, v.fy};
-  const SplatFactor f = factor(ImageAxes<double>(v, by, g.scale, g.rotation), double(v.blur));
+  const SplatFactor f = factor(ImageAxes<double>(v, by, g.scale, g.rotation), double(v.blur), v.antialiased);
   const float order = v.order_is_distance ? float(v.depth_scale * std::sqrt(dot(p, p))) : depth;
   return visible_shape(v, x, y, f, opacity, order);
 }
@@ -263,7 +264,7 @@ SWIFTGS_HD inline SplatFactor pinhole_factor(const ViewConstants& v, double x_ov
   // Linearise within the limits of the conventions.
   const Linearisation<double> at{v.clamped_x(x_over_z), v.clamped_y(y_over_z), v.fx * inverse_z,
                                  v.fy * inverse_z};
-  return factor(ImageAxes<double>(v, at, g.scale, g.rotation), double(v.blur));
+  return factor(ImageAxes<double>(v, at, g.scale, g.rotation), double(v.blur), v.antialiased);
 }
 
 /// Not inlined: few splats call it, and inlined it would raise the registers of all.
@@ -284,7 +285,7 @@ SWIFTGS_HD inline SplatFactor pinhole_factor(const ViewConstants& v, FloatPair x
   const float mean_y = std::fma(v.focal_y, float(y_over_z), v.pairs.cy.high);
   return needs_double(at, g.scale, mean_x, mean_y)
              ? factor_in_double(v, double(x_over_z), double(y_over_z), double(inverse_z), g)
-             : factor(ImageAxes<float>(v, at, g.scale, g.rotation), v.blur);
+             : factor(ImageAxes<float>(v, at, g.scale, g.rotation), v.blur, v.antialiased);
 }
 
 /// `project_shape` of other views.

@@ -45,9 +45,14 @@ __device__ Footprint find_footprint(const Bounds& bounds, const TileGrid& grid, 
     const TilesWithin<Bounds> tiles = bounds.tiles(shape, grid);
     shared.tiles.data()[lane] = tiles, rect = tiles.rect;
   }
-  shared.counts[lane] = shared.masks[0][lane] = shared.masks[1][lane] = 0;
+  // A full box, as most small splats have, takes no row of the warp's.
+  const bool fits = rect.columns.size() <= Footprint::side && rect.rows.size() <= Footprint::side;
+  const int found = rect.full ? rect.columns.size() * rect.rows.size() : 0;
+  const std::uint64_t mask = fits && found > 0 ? detail::full_mask(rect) : 0;
+  shared.counts[lane] = std::uint32_t(found);
+  shared.masks[0][lane] = std::uint32_t(mask), shared.masks[1][lane] = std::uint32_t(mask >> 32);
   __syncwarp();
-  for_each_row(shared.tiles.data(), rect, [&](unsigned owner, int row, TileRun run) {
+  for_each_row(shared.tiles.data(), rect.full ? TileRect() : rect, [&](unsigned owner, int row, TileRun run) {
     const int below = row - __shfl_sync(whole_warp, rect.rows.begin, int(owner));
     const int right = run.begin - __shfl_sync(whole_warp, rect.columns.begin, int(owner));
     if (run.size() == 0) return;
@@ -57,7 +62,6 @@ __device__ Footprint find_footprint(const Bounds& bounds, const TileGrid& grid, 
                                                     << (right + below % 4 * Footprint::side));
   });
   __syncwarp();
-  const bool fits = rect.columns.size() <= Footprint::side && rect.rows.size() <= Footprint::side;
   return {fits ? std::uint64_t(shared.masks[1][lane]) << 32 | shared.masks[0][lane] : 0, shared.counts[lane],
           grid.number(rect.columns.begin, rect.rows.begin)};
 }
