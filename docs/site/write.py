@@ -24,7 +24,7 @@ INCLUDES = ("include", "backends/cpu/include", "backends/cuda/include", "backend
 
 
 def name_of(page):
-    """docs/faq.md is `faq`, backends/README.md is `backends_readme`, and README.md is the first page."""
+    """docs/cuda.md is `cuda`, backends/README.md is `backends_readme`, and README.md is the first page."""
     return "index" if page == "README.md" else re.sub(r"^docs/|\.md$", "", page).lower().replace("/", "_")
 
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What pages link to is there, and what they quote is what is built.
+"""What pages link to is there, what they quote is what is built, and sources name their licence.
 
 A block of code behind a line `<!-- FILE -->` is that file without its licence line; behind `<!-- lines of FILE -->` its
 lines stand in that file, in this order.
@@ -12,6 +12,8 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 FOLDERS = ("docs", "backends", "benchmarks", "examples", "tests")
 PAGES = {page: page.read_text(encoding="utf-8")
          for page in [*ROOT.glob("*.md"), *(page for folder in FOLDERS for page in (ROOT / folder).rglob("*.md"))]}
+SOURCES = (".c", ".cmake", ".cpp", ".css", ".cu", ".cuh", ".dox", ".h", ".hpp", ".html", ".in", ".inc", ".js", ".map",
+           ".py", ".sh", ".toml")
 LINK = re.compile(r"\]\(([^)#\s]+)[^)]*\)")
 QUOTED = re.compile(r"^<!-- (lines of )?([\w/]+\.\w+) -->\n```\w*\n(.*?)^```$", re.MULTILINE | re.DOTALL)
 
@@ -46,6 +48,16 @@ class Pages(unittest.TestCase):
         self.assertGreater(len(names), 8)
         page = PAGES[ROOT / "docs/formats.md"]
         self.assertEqual([name for name in names if f"`{name}`" not in page], [])
+
+    def test_every_source_file_names_its_licence(self):
+        """In its first lines, behind what a program or a browser wants to read first."""
+        folders = (".ci", "backends", "benchmarks", "cmake", "docs", "examples", "include", "tests")
+        files = [path for folder in folders for path in (ROOT / folder).rglob("*")] + list(ROOT.iterdir())
+        sources = [path for path in files if path.is_file() and
+                   (path.suffix in SOURCES or path.name in ("CMakeLists.txt", "packages.txt", "run"))]
+        self.assertGreater(len(sources), 500)
+        self.assertEqual([str(path) for path in sources if "SPDX-License-Identifier: Apache-2.0" not in
+                          "".join(path.read_text(encoding="utf-8").splitlines(keepends=True)[:3])], [])
 
 
 if __name__ == "__main__":
