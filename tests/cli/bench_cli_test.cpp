@@ -182,15 +182,6 @@ TEST_CASE("bench: what would be measured twice under one name is refused") {
   fails("builtin:500 builtin:600 --gaussians 100", {"SCENE", "builtin:600", "another name"});
 }
 
-TEST_CASE("bench: results that are there stay until there are new ones") {
-  const TemporaryFolder place;
-  const std::string command = "builtin:500 --views 0" + one;
-  measured(place, command);
-  const std::string before = content_of(place / "r.json");
-  swiftgs::test::fails(place, "bench " + command + " --json r.json --enlarge 0", {"--enlarge"});
-  CHECK(content_of(place / "r.json") == before);
-}
-
 namespace {
 
 const std::string resumable =

@@ -71,29 +71,6 @@ TEST_CASE("cli captures: photographs of the folder are compared with where views
   CHECK(pruned(" --scale 0.5") > 20);
 }
 
-TEST_CASE("cli captures: cameras are found in a folder whatever they are") {
-  const TemporaryFolder place;
-  place.write("json/cameras.json", cameras_json({"of-json.jpg"}));
-  write_colmap(place, "colmap/sparse/0", {"of-colmap.jpg"});
-  run(place, "render builtin:50 --cameras json --out images");
-  run(place, "render builtin:50 --cameras colmap/ --out images");
-  run(place, "render builtin:50 --cameras colmap/sparse --out images");
-  CHECK(files_in(place / "images") == std::set<std::string>{"of-json.png", "of-colmap.png"});
-  fails(place, "render builtin:50 --cameras .",
-        {"expected cameras.json, transforms.json, or a COLMAP model"});
-}
-
-TEST_CASE("cli captures: a folder that is none says what is in it") {
-  const TemporaryFolder place;
-  place.write("empty/photos/a.jpg", "");
-  fails(place, "info empty", {"swiftgs: empty: expected a capture, ", ", found none\n"});
-  place.write("two/a.ply", ""), place.write("two/b.spz", "");
-  for (const std::string command : {"render two", "check two", "bench two", "prune two --keep 1 --out x.ply"})
-    fails(place, command, {"found a.ply, b.spz"});
-  place.write("sog/meta.json", "{}");
-  fails(place, "render sog", {"sog/meta.json: byte 0: expected a scene of Gaussians"});
-}
-
 TEST_CASE("cli views: images are chosen by name with or without extension") {
   const TemporaryFolder place;
   place.write("cameras.json", cameras_json({"left/a.jpg", "b.JPG", "b-2.JPG", "0003.png", "3.png"}));

@@ -97,14 +97,6 @@ TEST_CASE("cli: render writes the planes that it is asked for to an EXR") {
   }
 }
 
-TEST_CASE("cli: render writes alpha to a PNG") {
-  const TemporaryFolder place;
-  run(place, "render builtin:50 --scale 0.05 --out with --planes alpha");
-  run(place, "render builtin:50 --scale 0.05 --out without");
-  CHECK(swiftgs::read_image(place / "with/front.png").channels == 4);
-  CHECK(swiftgs::read_image(place / "without/front.png").channels == 3);
-}
-
 TEST_CASE("cli: render --stats prints what a frame had to do") {
   const TemporaryFolder place;
   const std::string text = run(place, "render builtin:2000 --scale 0.1 --stats").out;

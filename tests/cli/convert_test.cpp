@@ -196,18 +196,6 @@ TEST_CASE("cli convert: an .spz is written with the axes that --spz-write-frame 
   CHECK(means("usual.spz", SpzFrame::raw) != means("usual.spz", SpzFrame::specified));
 }
 
-TEST_CASE("cli convert: every format is written and read again") {
-  const Place place;
-  for (const std::string ending : {"ply", "compressed.ply", "spz", "sog", "splat"}) {
-    CAPTURE(ending);
-    run_noting(place, "convert a.ply b." + ending);
-    CHECK(load_scene(place / ("b." + ending)).size() == 300);
-  }
-  run_noting(place, "convert a.ply old.spz --spz-version 3");
-  CHECK(swiftgs::read_scene(place / "old.spz").format == "SPZ version 3");
-  CHECK(swiftgs::read_scene(place / "b.spz").format == "SPZ version 4");
-}
-
 TEST_CASE("cli convert: a pipe takes the scene alone, in the format that --format names") {
   const Place place;
   run(place, "convert a.ply b.ply");

@@ -96,15 +96,6 @@ TEST_CASE("cli json: info says what it prints") {
   CHECK(percentiles["longest_scale"][8] > percentiles["shortest_scale"][8]);
 }
 
-TEST_CASE("cli json: list has the words of every renderer and whether it runs here") {
-  const TemporaryFolder place;
-  const json rows = json::parse(run(place, "list --json -").out)["rows"];
-  CHECK(rows.size() == std::size_t(lines_in(run(place, "list").out)));
-  const json& row = rows[0];
-  CHECK(row["renderer"] == row["backend"].get<std::string>() + "/" + row["sort"].get<std::string>() + "/" +
-                               row["raster"].get<std::string>() + "/" + row["bounds"].get<std::string>());
-}
-
 TEST_CASE("cli json: render has a row for each image with what it prints of it") {
   const TemporaryFolder place;
   run(place, "render builtin:50 --scale 0.02 --views 0-1 --json plain.json --out a/b");

@@ -64,22 +64,6 @@ TEST_CASE("cli layouts: a photograph's scene is drawn from its own camera unless
   CHECK(read_image(place / "renders/a.pfm").width == 32);
 }
 
-TEST_CASE("cli layouts: convert moves positions in double before it rounds them") {
-  const TemporaryFolder place;
-  std::vector<PlyValue> gaussian = red_gaussian();
-  property(gaussian, "x") = {"double", "x", 512345.0625};
-  property(gaussian, "y") = {"double", "y", 5403209.78125};
-  place.write("utm.ply", ply(gaussian));
-  place.write("near.ply", ply(red_gaussian()));
-  const Outcome outcome = run_noting(
-      place, "convert near.ply utm.ply b.ply --transform move:-512345,-5403209,0 --transform scale:2");
-  CHECK(lines_in(outcome.err) == 1);  // the origin
-  const swiftgs::Scene scene = load_scene(place / "b.ply");
-  REQUIRE(scene.size() == 2);
-  CHECK(scene.means[1] == vec3(0.125f, 1.5625f, 4));
-  CHECK(scene.means[0] == vec3(-1024692, -10806419, 4));
-}
-
 namespace {
 
 /// A camera of 160x120 at `place`, of which a millimetre at a distance of 3 is a pixel.
@@ -117,21 +101,6 @@ TEST_CASE("cli layouts: millimetre splats ten thousand kilometres from zero are 
 
   check_holds(run(place, "info far.ply").out, {"note            " + note});
   check_holds(run(place, "info far.ply --json -").out, {"\"origin\": [10000000.0,-6378137.0,4000000.0]"});
-}
-
-TEST_CASE("cli layouts: convert moves scenes to places that float cannot hold and back") {
-  const TemporaryFolder place;
-  place.write("near.ply", far_scene(dvec3(0), "float"));
-  place.write("far.ply", far_scene(far, "double"));
-  const swiftgs::Scene near = load_scene(place / "near.ply");
-  CHECK(run_noting(place, "convert near.ply there.ply --transform move:10000000,-6378137,4000000").err ==
-        "swiftgs: there.ply: Positions are written as doubles, those in the world: the scene's origin is "
-        "10000000,-6378137,4000000.\n");
-  CHECK(load_scene(place / "there.ply").origin == far);
-  CHECK(load_scene(place / "there.ply").means == near.means);
-  run_noting(place, "convert far.ply back.ply --transform move:-10000000,6378137,-4000000");
-  CHECK(load_scene(place / "back.ply").origin == dvec3(0));
-  CHECK(load_scene(place / "back.ply").means == near.means);
 }
 
 }  // namespace swiftgs::test::layouts_test

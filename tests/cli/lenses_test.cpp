@@ -52,24 +52,6 @@ TEST_CASE("cli lenses: render draws through the lens that was asked for and tell
   }
 }
 
-TEST_CASE("cli lenses: an orthographic view shows the middle of the scene at its size") {
-  // One Gaussian on the camera's axis looks the same through both lenses.
-  const TemporaryFolder place;
-  swiftgs::Scene one = swiftgs::make_builtin_scene(1);
-  one.means[0] = swiftgs::vec3(0, -1, 0), one.scales[0] = swiftgs::vec3(0.3f, 0.2f, 0.1f);
-  one.opacities[0] = 0.9f, one.sh0[0] = swiftgs::vec3(-1);
-  std::fill(one.sh_rest.begin(), one.sh_rest.end(), 0.0f);
-  write_scene(place / "one.ply", one);
-  place.write("cameras.json", cameras_json({"a"}));
-  const auto pixels = [&](const std::string& lens) {
-    return drawn(place, "one.ply --cameras cameras.json --background 1,1,1 --lens " + lens).pixels;
-  };
-  const std::vector<float> perspective = pixels("perspective"), orthographic = pixels("orthographic");
-  CHECK(*std::min_element(perspective.begin(), perspective.end()) < 0.9f);
-  for (std::size_t i = 0; i < perspective.size(); ++i)
-    CHECK(orthographic[i] == doctest::Approx(perspective[i]).epsilon(1e-4));
-}
-
 TEST_CASE("cli lenses: a panorama is twice as wide as high and has depths by distance") {
   const TemporaryFolder place;
   const Image panorama = front(place, "--scale 0.1 --panorama --json all.json");

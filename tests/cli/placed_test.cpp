@@ -88,20 +88,4 @@ TEST_CASE("cli placed: what cannot be placed is named") {
         {"swiftgs: --json a.ply: expected another file than that of SCENE\n"});
 }
 
-TEST_CASE("cli placed: each scene is drawn as it was trained, unless --model says otherwise") {
-  const TemporaryFolder place;
-  Scene scene = swiftgs::make_builtin_scene(20);
-  write_scene(place / "a.spz", scene);
-  scene.model.antialiased = true;
-  write_scene(place / "b.spz", scene);
-  const auto picture = [&](const std::string& scenes) {
-    run(place, "render " + scenes + " --place --scale 0.05 --format pfm");
-    return content_of(place / "renders/view.pfm");
-  };
-  const std::string both = picture("a.spz b.spz"), plain = picture("a.spz a.spz");
-  CHECK(both != plain);
-  CHECK(both != picture("b.spz b.spz"));
-  CHECK(picture("a.spz b.spz --model antialiased=no") == plain);
-}
-
 }  // namespace swiftgs::test::placed_test

@@ -116,23 +116,6 @@ TEST_CASE("cuda arithmetic: a group meets the limit exactly as its splats one by
   }
 }
 
-TEST_CASE("cuda arithmetic: groups one after another are blended as all splats one by one") {
-  Random random(3);
-  int differences = 0, stopped = 0;
-  for (int i = 0; i < 3000; ++i) {
-    const std::vector<Layer> layers = random_layers(random, 40, random.scale(0.05, 1));
-    const float unit = i % 2 ? 0.99f : exact_unit;
-    Pixel together, single;
-    together.start(1e-4f), single.start(1e-4f);
-    for (std::size_t k = 0; k < layers.size(); k += group_size) blend_together(together, &layers[k], unit);
-    for (const Layer& layer : layers) blend_one<false>(single, layer, INFINITY, unit);
-    differences += !same_bits(together, single), stopped += !single.live();
-  }
-  CHECK(differences == 0);
-  CHECK(stopped > 500);
-  CHECK(stopped < 2500);
-}
-
 TEST_CASE("cuda arithmetic: a weight is what the pixel is dimmed by until it stops") {
   const float unit = 0.75f;
   Random random(1);

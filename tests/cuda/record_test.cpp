@@ -298,14 +298,6 @@ SWIFTGS_DEVICE_CASE("cuda record: a graph sorts before the event is recorded tha
   CHECK(differing(images.finish(r.cuda), expected) == 0);
 }
 
-SWIFTGS_DEVICE_CASE("cuda record: an empty scene is drawn as its background") {
-  Recording<> r{Scene()};
-  const Graph graph = r.capture(frame_of(1), {10, 10});
-  graph.run();
-  CHECK(r.wrong(*r.reserved, frame_of(1)) == 0);
-  CHECK(r.report.get(r.cuda).overflowed == 0);
-}
-
 SWIFTGS_DEVICE_CASE("cuda record: a graph that runs again shows what its scene was updated to") {
   // Enough chunks for a list of those that show.
   Scene expected = order_spatially(make_builtin_scene(300'000));

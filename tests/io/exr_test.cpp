@@ -67,7 +67,15 @@ TEST_CASE("exr: every plane has channels of its own") {
   CHECK(channel<float>(file, "features.1") == every(frame.features, 2, 1));
   CHECK(channel<std::uint32_t>(file, "id.gaussian") == frame.id);
   CHECK(channel<std::uint32_t>(file, "id.median") == frame.median_id);
-  CHECK(read_image(folder / "a.exr").channels == 4);
+
+  const Image image = read_image(folder / "a.exr");
+  REQUIRE(image.channels == 4);
+  for (std::size_t i = 0; i < pixels; ++i) {
+    for (std::size_t c = 0; c < 3; ++c) CHECK(image.pixels[4 * i + c] == frame.colour[3 * i + c]);
+    CHECK(image.pixels[4 * i + 3] == frame.alpha[i]);
+  }
+  check_every_truncation(content_of(folder / "a.exr"),
+                         [](const std::string& content) { read_image(as_bytes(content), "test image"); });
 }
 
 }  // namespace swiftgs::test::exr_test

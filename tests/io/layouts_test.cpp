@@ -148,22 +148,6 @@ TEST_CASE("layouts: names with the prefix of CloudCompare are those of Gaussians
   CHECK(contains(all_notes(file.notes), "scalar_opacity"));
 }
 
-// Brush 0.3.0: alphabetical properties with the position last, and comments.
-TEST_CASE("layouts: Brush sorts properties by name") {
-  auto gaussian = plain_gaussian();
-  for (int i = 0; i < 24; ++i) gaussian.push_back({"float", "f_rest_" + std::to_string(i), 0.01 * i});
-  std::sort(gaussian.begin(), gaussian.end(), [](const auto& a, const auto& b) { return a.name < b.name; });
-  const SceneFile file = read(
-      ply(gaussian,
-          {.before = "comment Exported from Brush\ncomment Vertical axis: y\ncomment SH degree: 2\ncomment "
-                     "SplatRenderMode: mip\n"}));
-  check_plain(file);
-  CHECK(file.scene.model.antialiased);
-  CHECK(file.scene.sh_degree == 2);
-  CHECK(file.scene.sh_rest[3 * 7 + 1] == doctest::Approx(0.15));  // green, the last coefficient
-  CHECK(file.notes.empty());
-}
-
 // gsplat 1.5.3, export_splats(format="ply_compressed"), of degree 0: an element `sh` without properties.
 TEST_CASE("layouts: gsplat's compressed PLY has an empty element of harmonics") {
   CompressedPly compressed;

@@ -79,17 +79,6 @@ TEST_CASE("png: a size that the file cannot hold is refused before memory is tak
   }
 }
 
-TEST_CASE("png: a frame with alpha is written with straight colours") {
-  Frame frame;
-  frame.width = 4, frame.height = 1;
-  frame.colour = {0.1f, 0.2f, 0.4f, 0, 0, 0, 0.3f, 0.5f, 2, NAN, 0.2f, 0.1f};
-  frame.alpha = {0.4f, 0, 1, NAN};
-  const TemporaryFolder folder;
-  write_png(folder / "a.png", frame);
-  check_pixels(read_image(folder / "a.png"), 4, 1,
-               {64, 128, 255, 102, 0, 0, 0, 0, 77, 128, 255, 255, 0, 0, 0, 0}, 255);
-}
-
 TEST_CASE("png: a frame is written clamped and rounded and is read back") {
   Frame frame;
   frame.width = 3, frame.height = 2;

@@ -53,10 +53,8 @@ void check_drawn_frames(AnyRenderer& any, BoundRenderer<B>& typed, const PlacedS
 }
 
 /// Checks that `any`, whose scenes are set, records views of every kind as `typed` renders them.
-/// `record(report)` has `any` record a frame.
-template <class B, class Record>
-void check_recorded_frames(AnyRenderer& any, BoundRenderer<B>& typed, const PlacedScenes& scenes,
-                           const Record& record) {
+template <class B>
+void check_recorded_frames(AnyRenderer& any, BoundRenderer<B>& typed, const PlacedScenes& scenes) {
   const B& backend = typed.backend();
   const std::vector<AskedView> asked = views_of_every_kind();
   std::vector<AskedView> moved = asked;
@@ -67,7 +65,7 @@ void check_recorded_frames(AnyRenderer& any, BoundRenderer<B>& typed, const Plac
   const Statistics taken = typed.statistics();
   any.reserve(reserved.span(), {2 * taken.visible, 2 * taken.intersections});
   any.set_views(set.span());
-  record(report.data());
+  any.record(report.data());
   any.wait();
   const FrameReport found = report.get(backend);
   CHECK(found.overflowed == 0);

@@ -163,14 +163,6 @@ def test_a_batch_of_one_and_of_empty_scenes(gsplat_arguments):
     assert (colours == together["backgrounds"][:, :, None, None]).all() and not alphas.any()
 
 
-def test_lower_degrees_leave_bands_out(gsplat_arguments, scene):
-    for degree in (0, 1, 2):
-        coefficients = (degree + 1) ** 2
-        cut = np.ascontiguousarray(scene.sh[:, :coefficients])
-        wanted = swiftgs.rasterization(**dict(gsplat_arguments, colors=cut, sh_degree=degree))[0]
-        assert np.array_equal(swiftgs.rasterization(**dict(gsplat_arguments, sh_degree=degree))[0], wanted)
-
-
 def test_quaternions_need_no_length_and_conventions_are_arguments(gsplat_arguments):
     plain = swiftgs.rasterization(**gsplat_arguments)[0]
     longer = dict(gsplat_arguments, quats=gsplat_arguments["quats"] * 5)
@@ -198,12 +190,6 @@ def test_other_orders_and_libraries_of_arrays(gsplat_arguments):
     given = dict(gsplat_arguments, viewmats=gsplat_arguments["viewmats"].tolist(),
                  Ks=Lent(gsplat_arguments["Ks"].copy()))
     assert np.array_equal(swiftgs.rasterization(**given)[0], plain)
-
-
-def test_no_gaussians_leave_the_background(gsplat_arguments):
-    none = dict(gsplat_arguments, **{name: gsplat_arguments[name][:0] for name in OF_GAUSSIANS})
-    colours, alphas, _ = swiftgs.rasterization(**none, backgrounds=np.array([[0.25, 0.5, 1]]))
-    assert np.all(colours == np.array([0.25, 0.5, 1], np.float32)) and not alphas.any()
 
 
 def test_a_renderer_of_the_callers(gsplat_arguments):
@@ -255,15 +241,6 @@ def test_lenses(options, lens, focal, gsplat_arguments, same_rotations, camera):
     assert np.allclose(colours[0, ..., 3], frame.depth, rtol=1e-3, atol=1e-3)
     pinhole = swiftgs.rasterization(**gsplat_arguments)[0]
     assert alphas.max() > 0.5 and decibels(pinhole[0], frame.colour) < 30
-
-
-def test_each_camera_has_its_own_distortion(gsplat_arguments):
-    for name in ("viewmats", "Ks"):
-        gsplat_arguments[name] = np.repeat(gsplat_arguments[name], 2, axis=0)
-    radial = np.array([[0.2, 0, 0, 0, 0, 0], [0, 0, 0, 0, 0, 0]])
-    both = swiftgs.rasterization(**gsplat_arguments, radial_coeffs=radial, with_ut=True)[0]
-    plain = swiftgs.rasterization(**gsplat_arguments)[0]
-    assert np.array_equal(both[1], plain[1]) and decibels(both[0], plain[0]) < 40
 
 
 @pytest.mark.parametrize("change, kind, text", [

@@ -4,7 +4,6 @@ import gc
 import math
 import os
 import re
-import subprocess
 import threading
 import time
 import weakref
@@ -13,7 +12,7 @@ import numpy as np
 import pytest
 
 import swiftgs
-from conftest import HEIGHT, WIDTH, Lent, arrays_of, decibels, has_device, seen_from, side_by_side
+from conftest import HEIGHT, WIDTH, Lent, arrays_of, has_device, seen_from, side_by_side
 from swiftgs._c import PLANES
 
 
@@ -39,20 +38,6 @@ def test_scenes_are_uploaded_with_the_harmonics_that_were_asked_for(scene, camer
               for kept in ("smallest", "float", "half")]
     assert np.array_equal(images[0], images[1]) and not np.array_equal(images[1], images[2])
     assert np.abs(images[1] - images[2]).max() < 1e-2
-
-
-def test_images_are_those_of_the_command_line_tool(tmp_path):
-    tool = os.environ.get("SWIFTGS_TOOL")
-    if not tool:
-        pytest.skip("SWIFTGS_TOOL does not name the tool")
-    renderer = swiftgs.Renderer("cpu", scene=swiftgs.Scene.builtin(3000))
-    subprocess.run([tool, "render", "builtin:3000", "--scale", "0.1", "--format", "pfm", "--out", tmp_path,
-                    "--renderer", renderer.name], check=True, stdout=subprocess.DEVNULL)
-    header, size, scale, pixels = next(tmp_path.glob("*.pfm")).read_bytes().split(b"\n", 3)
-    width, height = map(int, size.split())
-    assert header == b"PF" and float(scale) < 0
-    image = np.frombuffer(pixels, "<f4").reshape(height, width, 3)[::-1]
-    assert np.array_equal(renderer.render(swiftgs.Camera.builtin(width, height)).colour, image)
 
 
 def test_formats_and_conversions_have_names(renderer, camera, expected):
@@ -152,14 +137,6 @@ def test_models_of_scenes_and_arrays_reach_the_frame(renderer, arrays, camera):
     assert np.array_equal(renderer.render(camera).colour, wanted)
     renderer.set_gaussians(**arrays, any_rotations=False, model=model)
     assert np.array_equal(renderer.render(camera).colour, wanted)
-
-
-def test_arrays_are_drawn_as_the_scene_that_has_them(scene, camera, expected, arrays):
-    renderer = swiftgs.Renderer("cpu")
-    renderer.set_gaussians(**arrays, any_rotations=False)
-    assert np.array_equal(renderer.render(camera).colour, expected.colour)
-    renderer.set_gaussians(**{name: Lent(array.copy()) for name, array in arrays.items()})
-    assert decibels(renderer.render(camera).colour, expected.colour) > 90  # rotations are normalised once more
 
 
 def test_measures_are_taken_where_they_are_asked_for(renderer, camera):
@@ -318,23 +295,6 @@ def test_rows_that_go_up_are_saved_from_the_top_and_pictures_below_as_a_whole(re
     renderer.render(camera, out=swiftgs.Frame(np.ones((HEIGHT, WIDTH, 3), np.float32), alpha, over=True)).save(
         tmp_path / "a.png")
     assert swiftgs.load_image(tmp_path / "a.png").shape == (HEIGHT, WIDTH, 3)
-
-
-def test_vulkan_draws_into_arrays_of_the_host(scene, camera):
-    if not any(entry.usable and entry.name.startswith("vulkan/") for entry in swiftgs.list_renderers()):
-        pytest.skip("no renderer of vulkan runs here")
-    renderer = swiftgs.Renderer("vulkan", scene=scene)
-    frame = renderer.render(camera, format="rgba8")
-    wanted = swiftgs.Renderer("serial", scene=scene).render(camera, format="rgba8")
-    assert np.abs(np.int16(frame.colour) - np.int16(wanted.colour)).max() <= 1 and not renderer.on_device
-    dark = np.full((3, 3), -1, np.float32)
-    serial = swiftgs.Renderer("serial", scene=scene)
-    for drawing in (renderer, serial):
-        drawing.update_scene(first=2, sh0=dark[::2])
-    found, wanted = (np.int16(drawing.render(camera, format="rgba8").colour) for drawing in (renderer, serial))
-    assert np.abs(found - wanted).max() <= 1
-    with pytest.raises(swiftgs.Unavailable, match="draws in memory of Vulkan, expected swiftgs_renderer_render"):
-        renderer.reserve(camera, swiftgs.Frame(np.empty((HEIGHT, WIDTH, 3), np.float32)))
 
 
 def test_without_a_device_what_needs_one_is_refused(scene):

@@ -2,7 +2,6 @@
 """Scenes from files, from arrays, to files."""
 import dataclasses
 import gc
-import pathlib
 import signal
 import sys
 import threading
@@ -207,12 +206,6 @@ def test_a_capsule_is_held_as_long_as_its_memory_is_read_and_no_longer(arrays):
     gc.collect()
     assert sys.getrefcount(means) <= before + 1
     del scene
-
-
-def test_a_folder_of_a_capture_is_a_scene_with_cameras(fox):
-    scene = swiftgs.load(pathlib.Path(fox))
-    cameras = swiftgs.load_cameras(fox)
-    assert len(scene) > 100_000 and len(cameras) > 10 and all(camera.name for camera in cameras)
 
 
 def test_a_scene_may_be_closed_while_it_is_written(tmp_path):

@@ -38,41 +38,6 @@ StressSubject spoiled(StressSubject subject, Change change) {
           }};
 }
 
-/// Stores the factor with the digits of a bfloat16.
-struct Bfloat : PerPixel {
-  static constexpr std::string_view name = "bfloat";
-};
-
-float with_eight_bits(float value) {
-  const float scale = std::ldexp(1.0f, std::ilogb(value) - 7);
-  return value == 0 ? 0 : std::nearbyint(value / scale) * scale;
-}
-
-void rasterize(Serial& serial, Bfloat, const RasterJob& job) {
-  std::vector<SplatShape> rounded(job.splats.shapes.data, job.splats.shapes.data + job.splats.shapes.size);
-  for (SplatShape& shape : rounded) {
-    shape.l0 = with_eight_bits(shape.l0);
-    shape.l1 = with_eight_bits(shape.l1);
-    shape.l2 = with_eight_bits(shape.l2);
-  }
-  RasterJob with = job;
-  with.splats.shapes = {rounded.data(), rounded.size()};
-  rasterize(serial, PerPixel{}, with);
-}
-
-double worst_of(const StressSearch& search) {
-  double worst = 0;
-  for (std::size_t family = 0; family < search.families().size(); ++family)
-    worst = std::max(worst, search.worst(0, StressSearch::colour, family).normalised_error);
-  return worst;
-}
-
-/// Tries until the normalised error is above the gate, at most `most`.
-std::uint64_t tries_to_find(StressSearch& search, std::uint64_t most) {
-  while (search.tries() < most && !(worst_of(search) > test::normalised_error_gate)) search.try_one();
-  return search.tries();
-}
-
 bool same_case(const StressCase& a, const StressCase& b) {
   const auto same_gaussians = [](const Scene& c, const Scene& d) {
     return c.means == d.means && c.scales == d.scales && c.opacities == d.opacities && c.sh0 == d.sh0;
@@ -125,30 +90,6 @@ TEST_CASE("search: the same seed and number of tries find the same and another s
     }
   CHECK(found > search_families().size());
   CHECK(differing > search_families().size());
-}
-
-TEST_CASE("search: a factor that is rounded to eight bits is found at once") {
-  StressSearch search({subject<Bfloat>()}, search_families(), 1);
-  CHECK(tries_to_find(search, 200) < 200);
-}
-
-TEST_CASE("search: a defect that only thin splats have is climbed to") {
-  // The normalised error grows with thinness, up to what no family begins with.
-  const auto spoil = [](const StressCase& drawn, Frame& frame) {
-    double thinness = 0;
-    for (const vec3 s : drawn.scene.scales)
-      thinness = std::max(thinness,
-                          std::log10(double(std::max({s.x, s.y, s.z})) / double(std::min({s.x, s.y, s.z}))));
-    const auto off = float(1e-10 * std::pow(std::min(thinness, 30.0), 3));
-    for (float& value : frame.colour) value += off;
-  };
-  std::vector<StressFamily> families;
-  for (const StressFamily& family : stress_families())
-    if (family.name == "needles") families.push_back(family);
-  StressSearch search({spoiled(subject<PerPixel>(), spoil)}, families, 1);
-  const std::uint64_t tries = tries_to_find(search, 4000);
-  CHECK(tries > 20);
-  CHECK(tries < 4000);
 }
 
 TEST_CASE("search: a renderer that throws or leaves out a number or differs between sorts is a find") {
