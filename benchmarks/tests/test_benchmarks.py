@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""What `swiftgs` writes fits docs/schemas, your_machine.sh makes its tables of what it has measured, and no script
-deletes folders. SWIFTGS_TOOL names the program, SWIFTGS_BUILD the folder of its build; without them exit code 77."""
+"""What `swiftgs` writes fits docs/schemas, your_machine.sh makes its tables of what it has measured, `compare` names what
+is slower, and no script deletes folders. SWIFTGS_TOOL names the program, SWIFTGS_BUILD the folder of its build; without them exit code 77."""
 import json
 import os
 import pathlib
@@ -89,6 +89,20 @@ class Benchmarks(unittest.TestCase):
         for table in ("pareto", "steps", "accuracy", "vanilla", "pruned", "paper-scenes", "paper-steps",
                       "paper-accuracy", "paper-pruned"):
             self.assertRegex(page, rf"<!-- table: {table}( \w+)? -->\n\n[^<]+\| --- \|[^<]+<!-- end -->")
+
+    def test_compare_names_a_stage_that_is_slower_and_nothing_of_equal_files(self):
+        before, after = ROOT / "benchmarks/results/gpu/lenses.json", self.place / "after.json"
+        results = json.loads(before.read_text(encoding="utf-8"))
+        for row in results["rows"]:
+            longer = 0.2 * row["ms"]["sort"]["median"]
+            for stage in ("sort", "total", "wall"):
+                row["ms"][stage] = {name: ms + longer for name, ms in row["ms"][stage].items()}
+        after.write_text(json.dumps(results), encoding="utf-8")
+        for other, code, said in ((before, 0, set()), (after, 1, {"sort"})):
+            ran = subprocess.run([sys.executable, str(ROOT / "benchmarks/compare"), str(before), str(other)], check=False,
+                                 capture_output=True, text=True)
+            named = {stage for stage in ("project", "sort", "raster", "total", "wall") if f"| {stage} |" in ran.stdout}
+            self.assertEqual((ran.returncode, named), (code, said), ran.stdout + ran.stderr)
 
     def test_stored_results_stay_small(self):
         stored = (ROOT / "benchmarks/results").rglob("*")
