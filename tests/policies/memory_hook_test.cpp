@@ -10,7 +10,6 @@
 #include <vector>
 
 #include <swiftgs/contribution.hpp>
-#include <swiftgs/drivers/renderer_table.hpp>
 
 #include "policies/hooked.hpp"
 
@@ -219,21 +218,6 @@ TEST_CASE("trim: the adaptive sort does not count frames that take memory again"
   };
   CHECK(frames_until_decided(-1) == 4);  // one to warm up and one to measure, of either strategy
   CHECK(frames_until_decided(2) == 6);
-}
-
-TEST_CASE("trim: of a renderer that was chosen at run time keeps the scene") {
-  std::vector<RendererEntry> table;
-  append_renderers<Cpu>(table, TypeList<EarlySort>{}, TypeList<AxisSharedThreshold<FloatCholesky>>{},
-                        TypeList<Ellipse>{});
-  const std::unique_ptr<AnyRenderer> renderer = table.front().make();
-  renderer->set_scene(std::make_shared<const Scene>(random_scene(500, 1, 5)));
-  Frame before, after;
-  renderer->render(forward_camera(64, 48), {}, before);
-  CHECK(renderer->memory().total() > 0);
-  renderer->trim();
-  CHECK(renderer->memory().total() == 0);
-  renderer->render(forward_camera(64, 48), {}, after);
-  CHECK(same_bits(after.colour, before.colour));
 }
 
 namespace {
