@@ -20,13 +20,4 @@ inline std::string cameras_json(const std::vector<std::string>& images) {
   return text + "]";
 }
 
-/// The same as a COLMAP model in text, in `folder`.
-inline void write_colmap(const TemporaryFolder& place, const std::string& folder,
-                         const std::vector<std::string>& images) {
-  place.write(folder + "/cameras.txt", "1 PINHOLE 32 16 30 30 16 8\n");
-  std::string text;
-  for (const std::string& image : images) text += "1 1 0 0 0 0 1 4 1 " + image + "\n\n";
-  place.write(folder + "/images.txt", text);
-}
-
 }  // namespace swiftgs::test
