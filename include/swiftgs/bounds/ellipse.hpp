@@ -40,8 +40,17 @@ struct SWIFTGS_API Ellipse {
     }
 
    private:
+    /// y from `top` to `bottom` and within the ellipse.
     SWIFTGS_HD float clamp(float y, float top, float bottom) const {
-      return within(within(y, top, bottom), -height_, height_);
+      return limited(limited(y, top, bottom), -height_, height_);
+    }
+    SWIFTGS_HD static float limited(float x, float low, float high) {
+#if defined(__CUDA_ARCH__)
+      return fminf(fmaxf(x, low), high);
+#else
+      x = x < low ? low : x;
+      return x > high ? high : x;
+#endif
     }
     /// x = (u - l1 y) / l0 with u^2 + (l2 y)^2 = cutoff.
     SWIFTGS_HD float edge(float y, float sign) const {

@@ -127,16 +127,6 @@ SWIFTGS_HD inline float near_inverse(float x) {
 #endif
 }
 
-/// x within [low, high]. If low > high it is high.
-SWIFTGS_HD inline float within(float x, float low, float high) {
-#if defined(__CUDA_ARCH__)
-  return fminf(fmaxf(x, low), high);
-#else
-  x = x < low ? low : x;
-  return x > high ? high : x;
-#endif
-}
-
 /// 1 / x, 2 units in the last place. Of 0, of subnormal and of infinite numbers a device makes no number.
 SWIFTGS_HD inline double inverse(double x) {
 #if defined(__CUDA_ARCH__)
