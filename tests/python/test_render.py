@@ -297,6 +297,23 @@ def test_rows_that_go_up_are_saved_from_the_top_and_pictures_below_as_a_whole(re
     assert swiftgs.load_image(tmp_path / "a.png").shape == (HEIGHT, WIDTH, 3)
 
 
+def test_vulkan_draws_into_arrays_of_the_host(scene, camera):
+    if not any(entry.usable and entry.name.startswith("vulkan/") for entry in swiftgs.list_renderers()):
+        pytest.skip("no renderer of vulkan runs here")
+    renderer = swiftgs.Renderer("vulkan", scene=scene)
+    frame = renderer.render(camera, format="rgba8")
+    wanted = swiftgs.Renderer("serial", scene=scene).render(camera, format="rgba8")
+    assert np.abs(np.int16(frame.colour) - np.int16(wanted.colour)).max() <= 1 and not renderer.on_device
+    dark = np.full((3, 3), -1, np.float32)
+    serial = swiftgs.Renderer("serial", scene=scene)
+    for drawing in (renderer, serial):
+        drawing.update_scene(first=2, sh0=dark[::2])
+    found, wanted = (np.int16(drawing.render(camera, format="rgba8").colour) for drawing in (renderer, serial))
+    assert np.abs(found - wanted).max() <= 1
+    with pytest.raises(swiftgs.Unavailable, match="draws in memory of Vulkan, expected swiftgs_renderer_render"):
+        renderer.reserve(camera, swiftgs.Frame(np.empty((HEIGHT, WIDTH, 3), np.float32)))
+
+
 def test_without_a_device_what_needs_one_is_refused(scene):
     if has_device():
         pytest.skip("there is a device; tests/python/test_device.py has the other half")
