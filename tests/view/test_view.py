@@ -45,23 +45,26 @@ class Viewer:
     def __init__(self, folder, environment, process):
         self.folder, self.environment, self.process = folder, environment, process
         self.pictures = 0
-        wait_for("the window", lambda: self.window() or process.poll() is not None)
-        self.do("windowfocus", "--sync", self.window())
+        self.window = ""
+        wait_for("the window", lambda: self.found() or process.poll() is not None)
+        self.do("windowfocus", "--sync", self.window)
 
-    def window(self):
+    def found(self):
+        """The number stays, while a search under load may miss the window whose title changes."""
         found = subprocess.run([XDOTOOL, "search", "--onlyvisible", "--name", "SwiftGS - "], env=self.environment,
                                capture_output=True, text=True, check=False)
-        return found.stdout.strip()
+        self.window = found.stdout.strip()
+        return self.window
 
     def place(self):
         """Its screen, and the window's number there."""
-        return self.environment["DISPLAY"], int(self.window())
+        return self.environment["DISPLAY"], int(self.window)
 
     def do(self, *words):
         subprocess.run([XDOTOOL, *words], env=self.environment, check=True, timeout=60)
 
     def drag(self, button, right, down):
-        self.do("mousemove", "800", "400", "mousedown", button)
+        self.do("mousemove", "800", "400", "sleep", "0.5", "mousedown", button)
         for step in range(10):
             self.do("mousemove", str(800 + right * (step + 1) // 10), str(400 + down * (step + 1) // 10))
         self.do("mouseup", button)
