@@ -19,11 +19,12 @@ Scene needle_before_a_wall() {
 
 /// The best that a renderer in float can do: each value is rounded once.
 Frame rounded(const ReferenceFrame& exact) {
-  return {exact.width,
-          exact.height,
-          {exact.colour.begin(), exact.colour.end()},
-          {exact.alpha.begin(), exact.alpha.end()},
-          {exact.depth.begin(), exact.depth.end()}};
+  Frame frame;
+  frame.width = exact.width, frame.height = exact.height;
+  frame.colour.assign(exact.colour.begin(), exact.colour.end());
+  frame.alpha.assign(exact.alpha.begin(), exact.alpha.end());
+  frame.depth.assign(exact.depth.begin(), exact.depth.end());
+  return frame;
 }
 
 TEST_CASE("judge: users judge frames of their own and find what is off and where") {
