@@ -227,7 +227,8 @@ SWIFTGS_CONTRACT("any renderer: recorded frames show the poses that work writes 
   const auto write = [&](const Similarity& pose) {
     const Span<StoredScene> recorded = any->recorded_scenes();
     REQUIRE(recorded.size == 3);
-    CopyToBackend<B>::copy(Span<const Similarity>{&pose, 1}, &recorded.data[0].world_from_scene);
+    CopyToBackend<RecordedScenesOn<B>>::copy(Span<const Similarity>{&pose, 1},
+                                             &recorded.data[0].world_from_scene);
   };
   const auto shows = [&](PlacedViews<B>& expected) {
     PlacedViews views(backend, asked);  // some are drawn over what they hold
@@ -238,7 +239,7 @@ SWIFTGS_CONTRACT("any renderer: recorded frames show the poses that work writes 
   write(two.placements(-0.4)[0].world_from_scene);
   CHECK(shows(moved));
   write({.scale = -1});
-  if constexpr (B::reaches_host_memory) {
+  if constexpr (on_host<RecordedScenesOn<B>>) {
     CHECK_THROWS_WITH_AS(any->record(report.data()), "placed scene: expected a finite scale above 0",
                          std::invalid_argument);
   } else {

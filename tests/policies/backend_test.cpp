@@ -42,7 +42,8 @@ bool scans(B& backend, const std::vector<std::uint32_t>& counts) {
 
 }  // namespace
 
-SWIFTGS_CONTRACT("backend: exclusive_scan replaces each count by the sum before it and returns the total") {
+SWIFTGS_CASE_ON("backend: exclusive_scan replaces each count by the sum before it and returns the total",
+                SWIFTGS_TEST_FUNCTOR_BACKENDS) {
   for (const std::size_t n : {0, 1, 2, 31, 32, 33, 1000, 32'767, 32'768, 300'001, 1'000'000}) {
     CAPTURE(n);
     Random random(n);

@@ -65,12 +65,18 @@ template <>
 inline constexpr bool has_shaders<Vulkan> = true;
 #endif
 
+/// The backend in whose memory recorded frames keep placed scenes, for work of the program to write to.
+/// `Vulkan` reads them from the host when it records.
+template <class B>
+using RecordedScenesOn = std::conditional_t<has_shaders<B>, Serial, B>;
+
 }  // namespace swiftgs::test
 
-/// Types of a TEST_CASE_TEMPLATE: the backends of hosts, and all of this build. With `Vulkan` it has no
-/// others, whose cases other programs have.
+/// Types of a TEST_CASE_TEMPLATE: the backends of hosts, those that run functors, and all of this build. With
+/// `Vulkan` it has no others, whose cases other programs have.
 #if defined(SWIFTGS_TEST_VULKAN)
 #define SWIFTGS_TEST_HOSTS
+#define SWIFTGS_TEST_FUNCTOR_BACKENDS
 #define SWIFTGS_TEST_BACKENDS swiftgs::Vulkan
 TYPE_TO_STRING(swiftgs::Vulkan);
 #else
@@ -81,6 +87,7 @@ TYPE_TO_STRING(swiftgs::Cuda);
 #else
 #define SWIFTGS_TEST_BACKENDS SWIFTGS_TEST_HOSTS
 #endif
+#define SWIFTGS_TEST_FUNCTOR_BACKENDS SWIFTGS_TEST_BACKENDS
 #endif
 
 TYPE_TO_STRING(swiftgs::Serial);

@@ -172,8 +172,10 @@ TEST_CASE_TEMPLATE("trim: gives all memory back and the next frame has the same 
     renderer.reserve(scene.view(), recorded.span());
     renderer.record(scene.view(), report.data());
     CHECK(differing(recorded.finish(renderer.backend()), expected) == 0);
-    auto words = to_backend(renderer.backend(), std::vector<std::uint32_t>(100));
-    CHECK(renderer.backend().exclusive_scan(words.span()) == 0);  // may take memory too
+    if constexpr (FunctorBackend<B>) {
+      auto words = to_backend(renderer.backend(), std::vector<std::uint32_t>(100));
+      CHECK(renderer.backend().exclusive_scan(words.span()) == 0);  // may take memory too
+    }
     const Statistics statistics = renderer.statistics();
     CHECK(memory.in_use() >= renderer.memory().total());
     renderer.trim();

@@ -231,8 +231,9 @@ SWIFTGS_CONTRACT("placed scenes: recorded ones that others write to are drawn wh
   const auto write = [&](std::size_t which, const PlacedScene& to) {
     const std::size_t begin = offsetof(PlacedScene, world_from_scene), end = sizeof(PlacedScene);
     const auto* bytes = reinterpret_cast<const unsigned char*>(&to);
-    CopyToBackend<B>::copy(Span<const unsigned char>{bytes + begin, end - begin},
-                           reinterpret_cast<unsigned char*>(renderer.recorded_scenes().data + which) + begin);
+    CopyToBackend<RecordedScenesOn<B>>::copy(
+        Span<const unsigned char>{bytes + begin, end - begin},
+        reinterpret_cast<unsigned char*>(renderer.recorded_scenes().data + which) + begin);
   };
   const auto draws = [&](const std::vector<PlacedScene>& wanted) {
     renderer.record(report.data());
@@ -262,7 +263,7 @@ SWIFTGS_CONTRACT("placed scenes: recorded ones that others write to are drawn wh
       defect.make(bad);
       CHECK_FALSE(bad.is_valid());
       write(which, bad);
-      if constexpr (on_host<B>) {
+      if constexpr (on_host<RecordedScenesOn<B>>) {
         CHECK_THROWS_WITH_AS(renderer.record(report.data()), doctest::Contains(defect.refusal),
                              std::invalid_argument);
         CHECK(renderer.refused_scenes().empty());
@@ -281,7 +282,7 @@ SWIFTGS_CONTRACT("placed scenes: recorded ones that others write to are drawn wh
   PlacedScene bad = good[0];
   bad.world_from_scene.rotation = dmat3(0.0);
   for (const std::size_t which : {0, 1, 2}) write(which, bad);
-  if constexpr (!on_host<B>) {
+  if constexpr (!on_host<RecordedScenesOn<B>>) {
     std::vector<PlacedScene> none = good;
     for (PlacedScene& placed : none) placed.opacity = 0;
     CHECK(draws(none));
@@ -300,7 +301,7 @@ SWIFTGS_CONTRACT("placed scenes: recorded ones that others write to are drawn wh
   CHECK(renderer.refused_scenes().empty());
 }
 
-SWIFTGS_CONTRACT("placed scenes: ten thousand frames of scenes that come and go and move keep their bits") {
+SWIFTGS_CONTRACT("placed scenes: thousands of frames of scenes that come and go and move keep their bits") {
   Usual<B> renderer(test::make_backend<B>());
   std::vector<typename B::SceneOn> uploaded;
   for (std::size_t i = 0; i < 5; ++i)
@@ -308,7 +309,7 @@ SWIFTGS_CONTRACT("placed scenes: ten thousand frames of scenes that come and go 
   const Camera camera = forward_camera(40, 30);
   RenderSettings settings;
   settings.outputs.id = true;
-  constexpr int cycle = 50, frames = 10'000;
+  constexpr int cycle = 50, frames = has_shaders<B> ? 1000 : 10'000;
   std::vector<Frame> first;
   std::size_t memory = 0, different = 0;
   Frame frame;

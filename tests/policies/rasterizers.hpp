@@ -50,6 +50,11 @@ using SomeRastersOf =
     std::conditional_t<has_shaders<B>, TypeList<AxisShared<FloatSplit>, AxisSharedThreshold<FloatCholesky>>,
                        AllRasters>;
 
+/// Those for tests that draw views of every kind, which have many shaders each.
+template <class B>
+using FewestRastersOf =
+    std::conditional_t<has_shaders<B>, TypeList<AxisSharedThreshold<FloatCholesky>>, AllRasters>;
+
 /// Calls f(raster) with the `BoundRaster` of each rasterizer, or of what `As` makes of it.
 template <class B, template <class> class As = std::type_identity_t, class Rasters = RastersOf<B>, class F>
 void with_each_raster(const F& f) {
