@@ -45,8 +45,8 @@ struct Closing {
 }  // namespace
 
 void clear_images(const VulkanDevice::State& device, CommandSlot& slot) {
-  for (const VkDescriptorPool pool : slot.images)
-    device.vk.vkDestroyDescriptorPool(device.device, pool, nullptr);
+  for (const Descriptors& image : slot.images)
+    device.vk.vkDestroyDescriptorPool(device.device, image.pool, nullptr);
   slot.images.clear();
 }
 
@@ -70,18 +70,34 @@ Commands::~Commands() {
   if (b_.open && !b_.recording && std::uncaught_exceptions() > exceptions_) drop();
 }
 
-const void* Commands::copy(const void* from, std::size_t bytes) {
+const void* Commands::copy(const void* from, std::size_t bytes, std::size_t room) {
   CommandSlot& slot = *b_.open;
-  constexpr std::size_t least = 1 << 16, alignment = 64;
-  while (slot.block < slot.blocks.size() && slot.blocks[slot.block].bytes - slot.used < bytes)
+  constexpr std::size_t least = 1 << 16, alignment = 256;  // of uniforms on any device
+  room = std::max(room, bytes);
+  while (slot.block < slot.blocks.size() && slot.blocks[slot.block].block.bytes - slot.used < room)
     ++slot.block, slot.used = 0;
-  if (slot.block == slot.blocks.size())
-    slot.blocks.push_back(device_.allocate_host_block(std::max(bytes, least), HostMemory::of_device));
-  const Block& block = slot.blocks[slot.block];
+  if (slot.block == slot.blocks.size()) {
+    Constants& made = slot.blocks.emplace_back();
+    made.uniforms = device_.make_descriptors(device_.uniforms, {uniform_type});
+    made.block = device_.allocate_host_block(std::max(room, least), HostMemory::of_device);
+    const VkDescriptorBufferInfo of_buffer{made.block.allocation.buffer, 0, Uniform::most};
+    VkWriteDescriptorSet write{};
+    write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
+    write.dstSet = made.uniforms.set, write.descriptorCount = 1;
+    write.descriptorType = uniform_type, write.pBufferInfo = &of_buffer;
+    device_.vk.vkUpdateDescriptorSets(device_.device, 1, &write, 0, nullptr);
+  }
+  const Block& block = slot.blocks[slot.block].block;
   std::memcpy(block.host + slot.used, from, bytes);
   const void* const to = block.device + slot.used;
   slot.used = std::min((slot.used + bytes + alignment - 1) / alignment * alignment, block.bytes);
   return to;
+}
+
+Uniform Commands::uniform_at(const void* copied) const {
+  const Constants& constants = b_.open->blocks[b_.open->block];
+  const auto offset = static_cast<const std::byte*>(copied) - constants.block.device;
+  return {constants.uniforms.set, std::uint32_t(offset)};
 }
 
 Commands::Shape Commands::Shape::of(std::size_t elements, std::size_t each, std::uint32_t threads) {
@@ -115,6 +131,9 @@ void Commands::run(Kernel kernel, const std::vector<std::uint32_t>& constants, P
         b_.launches_written || (access.how != Access::read && groups.conflicts_with(access));
   vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
   vk.vkCmdPushConstants(commands, device_.layout, VK_SHADER_STAGE_COMPUTE_BIT, 0, push.size(), push.data());
+  if (const Uniform& uniform = push.uniform(); uniform.set)
+    vk.vkCmdBindDescriptorSets(commands, VK_PIPELINE_BIND_POINT_COMPUTE, device_.layout, 1, 1, &uniform.set,
+                               1, &uniform.offset);
   Profile& profile = b_.profile;
   if (!profile.on || profile.kernels.size() == Profile::most) return dispatch(shape);
   const auto query = std::uint32_t(2 * profile.kernels.size());
@@ -136,17 +155,8 @@ void Commands::dispatch(const Shape& shape) {
 
 void Commands::bind_image(VkImageView image, std::uint32_t binding) {
   const Functions& vk = device_.vk;
-  const VkDescriptorPoolSize sizes[] = {{image_types[0], 1}, {image_types[1], 1}};
-  VkDescriptorPoolCreateInfo info{};
-  info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO;
-  info.maxSets = 1, info.poolSizeCount = 2, info.pPoolSizes = sizes;
-  VkDescriptorPool& pool = b_.open->images.emplace_back(VK_NULL_HANDLE);
-  check(vk.vkCreateDescriptorPool(device_.device, &info, nullptr, &pool), "vkCreateDescriptorPool");
-  VkDescriptorSetAllocateInfo of_set{};
-  of_set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO;
-  of_set.descriptorPool = pool, of_set.descriptorSetCount = 1, of_set.pSetLayouts = &device_.images;
-  VkDescriptorSet set = VK_NULL_HANDLE;
-  check(vk.vkAllocateDescriptorSets(device_.device, &of_set, &set), "vkAllocateDescriptorSets");
+  const VkDescriptorSet set =
+      b_.open->images.emplace_back(device_.make_descriptors(device_.images, image_types)).set;
   const VkDescriptorImageInfo of_image{VK_NULL_HANDLE, image, VK_IMAGE_LAYOUT_GENERAL};
   VkWriteDescriptorSet write{};
   write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;

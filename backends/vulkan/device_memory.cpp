@@ -24,8 +24,8 @@ std::uint32_t VulkanDevice::State::memory_type(VkMemoryPropertyFlags required,
 VkBuffer VulkanDevice::State::make_buffer(std::size_t bytes) const {
   VkBufferCreateInfo buffer{};
   buffer.sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO, buffer.size = bytes;
-  buffer.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
-                 VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
+  buffer.usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
+                 VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT;
   VkBuffer made = VK_NULL_HANDLE;
   vulkan::check(vk.vkCreateBuffer(device, &buffer, nullptr, &made), "vkCreateBuffer");
   return made;

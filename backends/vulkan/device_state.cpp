@@ -115,21 +115,13 @@ void VulkanDevice::State::create() {
   vulkan::check(vk.vkCreateSemaphore(device, &semaphore, nullptr, &timeline), "vkCreateSemaphore");
 
   stores_images = handles.enabled_features->features.shaderStorageImageWriteWithoutFormat;
-  VkDescriptorSetLayoutBinding of_images[2]{};
-  for (std::uint32_t k = 0; k < 2; ++k) {
-    of_images[k].binding = k, of_images[k].descriptorCount = 1;
-    of_images[k].descriptorType = vulkan::image_types[k];
-    of_images[k].stageFlags = VK_SHADER_STAGE_COMPUTE_BIT;
-  }
-  VkDescriptorSetLayoutCreateInfo of_set{};
-  of_set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
-  of_set.bindingCount = 2, of_set.pBindings = of_images;
-  vulkan::check(vk.vkCreateDescriptorSetLayout(device, &of_set, nullptr, &images),
-                "vkCreateDescriptorSetLayout");
+  images = make_layout(vulkan::image_types);
+  uniforms = make_layout({vulkan::uniform_type});
+  const VkDescriptorSetLayout sets[] = {images, uniforms};
   const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, vulkan::push_bytes};
   VkPipelineLayoutCreateInfo of_layout{};
   of_layout.sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO;
-  of_layout.setLayoutCount = 1, of_layout.pSetLayouts = &images;
+  of_layout.setLayoutCount = 2, of_layout.pSetLayouts = sets;
   of_layout.pushConstantRangeCount = 1, of_layout.pPushConstantRanges = &push;
   vulkan::check(vk.vkCreatePipelineLayout(device, &of_layout, nullptr, &layout), "vkCreatePipelineLayout");
   VkPipelineCacheCreateInfo of_cache{};
@@ -143,7 +135,8 @@ VulkanDevice::State::~State() {
   for (const auto& [address, allocation] : memories_) free(allocation);
   vk.vkDestroyPipelineCache(device, pipelines, nullptr);
   vk.vkDestroyPipelineLayout(device, layout, nullptr);
-  vk.vkDestroyDescriptorSetLayout(device, images, nullptr);
+  for (const VkDescriptorSetLayout of_set : {images, uniforms})
+    vk.vkDestroyDescriptorSetLayout(device, of_set, nullptr);
   vk.vkDestroySemaphore(device, timeline, nullptr);
 }
 
@@ -173,6 +166,37 @@ void VulkanDevice::State::wait(std::uint64_t value) {
   wait.sType = VK_STRUCTURE_TYPE_SEMAPHORE_WAIT_INFO;
   wait.semaphoreCount = 1, wait.pSemaphores = &timeline, wait.pValues = &value;
   vulkan::check(vk.vkWaitSemaphores(device, &wait, ~std::uint64_t(0)), "vkWaitSemaphores");
+}
+
+VkDescriptorSetLayout VulkanDevice::State::make_layout(const std::vector<VkDescriptorType>& types) const {
+  std::vector<VkDescriptorSetLayoutBinding> bindings;
+  for (const VkDescriptorType type : types)
+    bindings.push_back({std::uint32_t(bindings.size()), type, 1, VK_SHADER_STAGE_COMPUTE_BIT, nullptr});
+  VkDescriptorSetLayoutCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO;
+  info.bindingCount = std::uint32_t(bindings.size()), info.pBindings = bindings.data();
+  VkDescriptorSetLayout made = VK_NULL_HANDLE;
+  vulkan::check(vk.vkCreateDescriptorSetLayout(device, &info, nullptr, &made), "vkCreateDescriptorSetLayout");
+  return made;
+}
+
+vulkan::Descriptors VulkanDevice::State::make_descriptors(VkDescriptorSetLayout of,
+                                                          const std::vector<VkDescriptorType>& types) const {
+  std::vector<VkDescriptorPoolSize> sizes;
+  for (const VkDescriptorType type : types) sizes.push_back({type, 1});
+  VkDescriptorPoolCreateInfo info{};
+  info.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO, info.maxSets = 1;
+  info.poolSizeCount = std::uint32_t(sizes.size()), info.pPoolSizes = sizes.data();
+  vulkan::Descriptors made;
+  vulkan::check(vk.vkCreateDescriptorPool(device, &info, nullptr, &made.pool), "vkCreateDescriptorPool");
+  VkDescriptorSetAllocateInfo of_set{};
+  of_set.sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO;
+  of_set.descriptorPool = made.pool, of_set.descriptorSetCount = 1, of_set.pSetLayouts = &of;
+  if (const VkResult r = vk.vkAllocateDescriptorSets(device, &of_set, &made.set); r != VK_SUCCESS) {
+    vk.vkDestroyDescriptorPool(device, made.pool, nullptr);
+    vulkan::check(r, "vkAllocateDescriptorSets");
+  }
+  return made;
 }
 
 VkQueryPool VulkanDevice::State::make_queries(std::uint32_t timestamps) const {

@@ -30,11 +30,18 @@ enum class HostMemory { cached, of_device };
 Functions functions_of(PFN_vkGetInstanceProcAddr get, VkInstance instance);
 
 /// Descriptors of an image to store to, and of one to load from, by their bindings.
-inline constexpr VkDescriptorType image_types[] = {VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
-                                                   VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE};
+inline const std::vector image_types{VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE};
+/// The descriptor of a kernel's uniform.
+inline constexpr VkDescriptorType uniform_type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC;
 
 /// Push constants of a kernel at most: every device has so many. @units{bytes}
 inline constexpr std::uint32_t push_bytes = 128;
+
+/// A descriptor set in a pool of its own.
+struct Descriptors {
+  VkDescriptorPool pool = VK_NULL_HANDLE;
+  VkDescriptorSet set = VK_NULL_HANDLE;
+};
 
 /// A buffer with memory of its own.
 struct Allocation {
@@ -82,6 +89,9 @@ struct VulkanDevice::State {
   bool is_done(std::uint64_t value);
   void wait(std::uint64_t value);
 
+  /// A set of the layout `of`, which has a descriptor of each of `types`.
+  vulkan::Descriptors make_descriptors(VkDescriptorSetLayout of,
+                                       const std::vector<VkDescriptorType>& types) const;
   VkQueryPool make_queries(std::uint32_t timestamps) const;
   /// Between two timestamps that were submitted; nothing while they are not reached.
   std::optional<double> milliseconds(VkQueryPool times, std::uint32_t from, std::uint32_t to) const;
@@ -106,7 +116,8 @@ struct VulkanDevice::State {
   float nanoseconds = 0;          ///< of a tick of timestamps; 0: there are none
   std::uint64_t tick_mask = 0;
   bool stores_images = false;
-  VkDescriptorSetLayout images = VK_NULL_HANDLE;  ///< of an image to store to, and of one to load from
+  VkDescriptorSetLayout images = VK_NULL_HANDLE;    ///< set 0: an image to store to, and one to load from
+  VkDescriptorSetLayout uniforms = VK_NULL_HANDLE;  ///< set 1: a uniform
   VkPipelineLayout layout = VK_NULL_HANDLE;
   VkPipelineCache pipelines = VK_NULL_HANDLE;
   VkSemaphore timeline = VK_NULL_HANDLE;
@@ -127,6 +138,7 @@ struct VulkanDevice::State {
   std::pair<vulkan::Allocation, void*> allocate_buffer(std::size_t bytes, std::uint32_t type);
   std::pair<vulkan::Allocation, void*> allocate_host_buffer(std::size_t bytes, vulkan::HostMemory kind);
   std::pair<vulkan::Allocation, void*> try_allocate_buffer(std::size_t bytes, std::uint32_t type);
+  VkDescriptorSetLayout make_layout(const std::vector<VkDescriptorType>& types) const;
   VkBuffer make_buffer(std::size_t bytes) const;
   void free(const vulkan::Allocation& allocation);
   void put_off(const vulkan::Allocation& allocation);

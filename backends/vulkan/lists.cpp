@@ -40,13 +40,11 @@ void find_ranges(Vulkan& b, const FootprintsView& footprints, Count count, Keys 
   Vulkan::State& state = b.state();
   const Access launch =
       writes(state.groups.device + Vulkan::State::long_launch, sizeof(VkDispatchIndirectCommand));
-  const Access launches = writes(state.groups.device + Vulkan::State::long_launch,
-                                 Vulkan::State::groups_bytes - Vulkan::State::long_launch);
   const std::size_t most_long = count.most / long_list;
-  state.long_tiles.reset(most_long), state.long_of = ranges, state.long_blocks_empty = true;
+  state.long_tiles.reset(most_long), state.long_of = ranges;
   commands.run(Kernel::ranges_clear, {},
-               Push(writes(ranges, tiles), reads(footprints.overflowed, 1), launches, std::uint32_t(tiles)),
-               Commands::Shape::of(std::max<std::size_t>(tiles, 6)));
+               Push(writes(ranges, tiles), reads(footprints.overflowed, 1), launch, std::uint32_t(tiles)),
+               Commands::Shape::of(std::max<std::size_t>(tiles, 3)));
   const auto blocks = std::uint32_t(footprints.views.tiles.side / raster_side);
   commands.run(Kernel::ranges, {keys.each},
                Push(reads(keys.words, keys.each * count.most), writes(ranges, tiles), launch,

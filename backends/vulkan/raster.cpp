@@ -80,9 +80,6 @@ bool has_no_planes(const FrameView& frame) {
   return none;
 }
 
-/// Splats that raster.comp blends of a block before it hands it over: a multiple of SEGMENT of raster.glsl.
-constexpr std::uint32_t hands_over_after = 1024;
-
 /// Lists that a launch of raster.comp draws.
 enum class Lists : std::uint32_t { all, with_many, others };
 
@@ -100,9 +97,6 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
     return std::size_t((std::uint32_t(frame.width) + side - 1) / side) *
            ((std::uint32_t(frame.height) + side - 1) / side);
   };
-  // All views write to one buffer: it must not grow between them.
-  std::size_t most_blocks = 0;
-  for (const View& view : job.views) most_blocks = std::max(most_blocks, blocks_of(view.frame));
   for (const View& view : job.views) {
     if (!contributions && has_no_planes(view.frame)) continue;
     const RasterView words(view);
@@ -118,25 +112,19 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
         std::size_t(view.grid.side / int(side)) * std::size_t(view.grid.side / int(side));
     const bool knows_long = parts == 1 && n >= long_list && job.lists.ranges.data == state.long_of &&
                             std::min(state.long_tiles.size(), job.lists.ranges.size) * of_tile <= most_groups;
-    // raster_long.comp draws colour, alpha and depths of means. Its launch has a row alone.
-    const bool hands_over = knows_long && is_base && job.attributes.rows == 0 && !job.picks(view) &&
-                            !frame.occluder && blocks < most_groups;
-    std::byte* const launch = state.groups.device + Vulkan::State::long_blocks_launch;
-    if (hands_over) {
-      state.long_blocks.reset(std::max(state.long_blocks.size(), most_blocks));
-      if (!std::exchange(state.long_blocks_empty, false)) commands.fill(words_at(launch), 3, 1);
-    }
-    const auto draw = [&](Kernel kernel, Lists lists, Access::How to_blocks, const Commands::Shape& shape) {
-      Push push(
-          address(commands.constants(Span<const RasterView>{&words, 1})), reads(job.splats.shapes.data, n),
-          reads(job.colours.each.data, n), reads(job.splats.gaussians.data, n),
-          reads(job.lists.ids.data, job.lists.ids.size), reads(job.lists.ranges.data, job.lists.ranges.size),
-          address(commands.constants(Span<const AttributeList>{&list, 1})), reads(job.attributes.data, rows),
-          reads(job.attributes.first_row, n * job.attributes.first_stride), shares(contributions, 1),
-          reads(state.long_tiles.data(), state.long_tiles.size()),
-          Access(launch, hands_over ? sizeof(VkDispatchIndirectCommand) : 0, to_blocks),
-          Access(state.long_blocks.data(), state.long_blocks.size(), to_blocks),
-          job.attributes.first_stride * AttributeRow::channels, std::uint32_t(lists), long_list);
+    // A workgroup draws colour, alpha and depths of means of a block of a long list, a subgroup all that
+    // there is.
+    const bool by_workgroups = is_base && job.attributes.rows == 0 && !job.picks(view) && !frame.occluder;
+    const Uniform uniform = commands.uniform(words);
+    const auto draw = [&](Kernel kernel, Lists lists, const Commands::Shape& shape) {
+      Push push(uniform, reads(job.splats.shapes.data, n), reads(job.colours.each.data, n),
+                reads(job.splats.gaussians.data, n), reads(job.lists.ids.data, job.lists.ids.size),
+                reads(job.lists.ranges.data, job.lists.ranges.size),
+                address(commands.constants(Span<const AttributeList>{&list, 1})),
+                reads(job.attributes.data, rows),
+                reads(job.attributes.first_row, n * job.attributes.first_stride), shares(contributions, 1),
+                reads(state.long_tiles.data(), state.long_tiles.size()),
+                job.attributes.first_stride * AttributeRow::channels, std::uint32_t(lists), long_list);
       // The views of a frame do not overlap in memory, nor do the planes of its passes.
       for_each_plane(
           [&](std::size_t, const auto& plane) { push.touch(pixels_of(plane, frame.height, Access::shared)); },
@@ -147,18 +135,16 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
           {kind.exponent, asks(kind.threshold), asks(sums_depth), asks(job.picks(view)),
            asks(bool(frame.occluder)), asks(frame.conversion != Conversion::as_is),
            job.attributes.rows * AttributeRow::channels, asks(is_base), asks(view.camera.depth_along_ray),
-           asks(contributions != nullptr), asks(!contributions || job.colours.each.data), parts,
-           hands_over && lists == Lists::with_many ? hands_over_after : 0},
+           asks(contributions != nullptr), asks(!contributions || job.colours.each.data), parts},
           push, shape);
     };
     const Commands::Shape all{columns, blocks / std::max(columns, 1u), commands.subgroup(), parts};
     if (knows_long)
-      draw(Kernel::raster, Lists::with_many, Access::shared,
-           {.columns = 1, .threads = commands.subgroup(), .at = Vulkan::State::long_launch});
-    draw(Kernel::raster, knows_long ? Lists::others : Lists::all, Access::shared, all);
-    if (hands_over)
-      draw(Kernel::raster_long, Lists::all, Access::read,
-           {.columns = 1, .threads = commands.sort_threads(), .at = Vulkan::State::long_blocks_launch});
+      draw(by_workgroups ? Kernel::raster_long : Kernel::raster, Lists::with_many,
+           {.columns = 1,
+            .threads = by_workgroups ? commands.sort_threads() : commands.subgroup(),
+            .at = Vulkan::State::long_launch});
+    draw(Kernel::raster, knows_long ? Lists::others : Lists::all, all);
   }
   commands.submit();
 }
@@ -190,9 +176,8 @@ void pick_pixels(Vulkan& b, const PickJob& job) {
   const std::size_t n = job.splats.size();
   vulkan::Commands commands(b);
   commands.run(vulkan::Kernel::pick, {},
-               vulkan::Push(vulkan::address(commands.constants(Span<const vulkan::RasterView>{&view, 1})),
-                            vulkan::reads(job.splats.shapes.data, n), vulkan::reads(job.colours.data, n),
-                            vulkan::reads(job.splats.gaussians.data, n),
+               vulkan::Push(commands.uniform(view), vulkan::reads(job.splats.shapes.data, n),
+                            vulkan::reads(job.colours.data, n), vulkan::reads(job.splats.gaussians.data, n),
                             vulkan::reads(job.lists.ids.data, job.lists.ids.size),
                             vulkan::reads(job.lists.ranges.data, job.lists.ranges.size),
                             vulkan::writes(job.to, 1), std::uint32_t(job.x), std::uint32_t(job.y),

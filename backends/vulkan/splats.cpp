@@ -25,10 +25,9 @@ namespace {
 template <class F>
 std::size_t for_each_part(const FramePlan& plan, const F& f) {
   std::size_t workgroups = 0;
-  const Span<const StoredScene> all = plan.scenes.each();
   for (std::size_t v = 0; v < plan.views.size(); ++v)
     for (const StoredScene& placed : plan.scenes.shown(plan.views[v])) {
-      f(v, std::size_t(&placed - all.data), placed, workgroups);
+      f(v, placed, workgroups);
       workgroups += (placed.size() + usual_threads - 1) / usual_threads;
     }
   return workgroups;
@@ -47,7 +46,7 @@ void project(Vulkan& b, const FramePlan& plan, BoundsKind bounds, ProjectScratch
   footprints.found_within = {};
   Commands commands(b);
   b.state().counted = {};
-  scratch.projected.reset(workgroups * usual_threads);
+  scratch.shapes.reset(workgroups * usual_threads), scratch.projected.reset(workgroups * usual_threads);
   const std::size_t most_counts = (workgroups + 3) / 4 * 4, runs = workgroups / run_size + 1;
   scratch.counts.reset(most_counts), scratch.runs.reset(runs);
   splats.reset(capacity, views), footprints.each.reset(capacity), footprints.totals.reset(1);
@@ -56,26 +55,26 @@ void project(Vulkan& b, const FramePlan& plan, BoundsKind bounds, ProjectScratch
   commands.fill(words_at(totals), sizeof *totals / sizeof(std::uint32_t), 0);
   splats.count = capacity, splats.exact = words_at(&totals->report.visible);
 
-  const Seen* const seen = all_seen(commands, plan.views, plan.scenes);
   const TileGrid* const grids = grids_of(commands, plan.views);
-  const std::size_t scenes = plan.scenes.size();
   std::uint32_t* const counts = scratch.counts.data();
   std::uint32_t* const view_words = views > 1 ? words_at(splats.of_view.data()) : nullptr;
   if (view_words) commands.fill(view_words, (capacity + 1) / 2, 0);
-  for_each_part(plan, [&](std::size_t v, std::size_t s, const StoredScene& placed, std::size_t first) {
+  for_each_part(plan, [&](std::size_t v, const StoredScene& placed, std::size_t first) {
     const std::size_t n = placed.size();
     const ViewConstants& camera = plan.views[v].camera;
     commands.run(
         camera.through_lens ? Kernel::project_lens : Kernel::project, {Eye::lens_of(camera)},
-        Push(address(seen + v * scenes + s), writes(scratch.projected.data() + first * usual_threads, n),
-             shares(counts, most_counts), shares(scratch.runs.data(), runs), shares(totals, 1),
-             std::uint32_t(n), std::uint32_t(first)),
+        Push(commands.uniform(Seen(plan.views[v], placed)),
+             writes(scratch.shapes.data() + first * usual_threads, n),
+             writes(scratch.projected.data() + first * usual_threads, n), shares(counts, most_counts),
+             shares(scratch.runs.data(), runs), shares(totals, 1), std::uint32_t(n), std::uint32_t(first)),
         Commands::Shape::of(n));
   });
-  for_each_part(plan, [&](std::size_t v, std::size_t, const StoredScene& placed, std::size_t first) {
+  for_each_part(plan, [&](std::size_t v, const StoredScene& placed, std::size_t first) {
     const std::size_t n = placed.size();
     commands.run(Kernel::compact, {bounds.number},
-                 Push(reads(scratch.projected.data() + first * usual_threads, n), reads(counts, most_counts),
+                 Push(reads(scratch.shapes.data() + first * usual_threads, n),
+                      reads(scratch.projected.data() + first * usual_threads, n), reads(counts, most_counts),
                       reads(scratch.runs.data(), runs), shares(splats.shapes.data(), capacity),
                       shares(splats.depths.data(), capacity), shares(splats.gaussians.data(), capacity),
                       shares(view_words, (capacity + 1) / 2), shares(footprints.each.data(), capacity),

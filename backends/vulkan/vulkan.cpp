@@ -31,7 +31,10 @@ void vulkan::refuse_while_recording(const Vulkan::State& b, const char* call) {
 namespace {
 void release(VulkanDevice::State& device, vulkan::CommandSlot& slot) {
   vulkan::clear_images(device, slot);
-  for (vulkan::Block& block : slot.blocks) device.release(block);
+  for (vulkan::Constants& constants : slot.blocks) {
+    device.vk.vkDestroyDescriptorPool(device.device, constants.uniforms.pool, nullptr);
+    device.release(constants.block);
+  }
   slot.blocks.clear();
 }
 }  // namespace
@@ -39,7 +42,7 @@ void release(VulkanDevice::State& device, vulkan::CommandSlot& slot) {
 Vulkan::State::State(const VulkanDevice& on, const std::optional<MemoryHook>& memory)
     : device(on), hook(memory ? *memory : on.memory_hook()), hooked(memory) {
   if (memory) validate(*memory);
-  use_memory(hook, numbers, long_tiles, long_blocks);
+  use_memory(hook, numbers, long_tiles);
 }
 
 void Vulkan::State::create() {
@@ -184,7 +187,7 @@ void Vulkan::wait() const {
 
 void Vulkan::trim() {
   wait();
-  trim_parts(*this, state_->numbers, state_->long_tiles, state_->long_blocks), state_->long_of = nullptr;
+  trim_parts(*this, state_->numbers, state_->long_tiles), state_->long_of = nullptr;
   for (vulkan::CommandSlot& slot : state_->slots) release(state_->device.state(), slot);
   state_->device.state().release(state_->staging);
 }

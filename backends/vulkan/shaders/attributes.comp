@@ -53,7 +53,7 @@ void main() {
   const float most = lists.at[view].most;
   Floats features = Floats(element(seen.at[of].scene.features, g, seen.at[of].scene.features_stride));
   const Eye eye = seen.at[of].eye;
-  const Gaussian drawn = gaussian_of(seen, of, g);
+  const Gaussian drawn = gaussian_of(seen.at[of].scene, g);
   const float depth = drawn_depth(eye, drawn.mean, depths.at[i]);
   vec3 normal = vec3(0.0), along_ray = vec3(0.0);
   if (lists.at[view].has_normal != 0u) normal = normal_of(eye, drawn);

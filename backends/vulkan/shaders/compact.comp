@@ -9,7 +9,8 @@
 // Gives the splats of a view and a placed scene their places, and finds their footprints. Counts the tiles of splats
 // beyond the capacity too.
 layout(push_constant, scalar) uniform Push {
-  Projecteds projected;  // of this view and scene
+  Shapes from;  // of this view and scene
+  Projecteds projected;
   Uints counts, runs;    // visible Gaussians of all workgroups of projection
   Shapes shapes;
   Floats depths;
@@ -28,14 +29,15 @@ void main() {
   const uint first = numbers_before(counts, runs, of_all);
   uint tiles = 0u;
   if (thread() < visible) {
-    const Projected p = projected.at[workgroup() * THREADS + thread()];
-    const uvec4 footprint = footprint_of(BOUNDS, shape_of(p.shape), grid.at[0]);
+    const ShapeWords shape = from.at[workgroup() * THREADS + thread()];
+    const uvec2 depth_gaussian = projected.at[workgroup() * THREADS + thread()];
+    const uvec4 footprint = footprint_of(BOUNDS, shape_of(shape), grid.at[0]);
     const uint at = first + thread();
     tiles = footprint.z;
     if (at < capacity) {
-      shapes.at[at] = p.shape;
-      depths.at[at] = uintBitsToFloat(p.depth_gaussian.x);
-      gaussians.at[at] = first_gaussian + p.depth_gaussian.y;
+      shapes.at[at] = shape;
+      depths.at[at] = uintBitsToFloat(depth_gaussian.x);
+      gaussians.at[at] = first_gaussian + depth_gaussian.y;
       footprints.at[at] = footprint;
       // Two views share a word, which was cleared.
       if (!is_null(of_view)) atomicOr(Uints(of_view).at[at >> 1], view << (16u * (at & 1u)));

@@ -77,15 +77,14 @@ vec4 normalised(vec4 q) {
               times(pair(r.z, 0.0), inverse).high, times(pair(r.w, 0.0), inverse).high);
 }
 
-// Gaussian `i` of a scene.
-Gaussian gaussian_of(Seens seen, uint of, uint i) {
+Gaussian gaussian_of(SceneArrays scene, uint i) {
   Gaussian g;
-  g.mean = vector_at(seen.at[of].scene.means, i, seen.at[of].scene.means_stride);
-  g.scale = vector_at(seen.at[of].scene.scales, i, seen.at[of].scene.scales_stride);
-  Floats q = Floats(element(seen.at[of].scene.rotations, i, seen.at[of].scene.rotations_stride));
+  g.mean = vector_at(scene.means, i, scene.means_stride);
+  g.scale = vector_at(scene.scales, i, scene.scales_stride);
+  Floats q = Floats(element(scene.rotations, i, scene.rotations_stride));
   g.rotation = vec4(q.at[0], q.at[1], q.at[2], q.at[3]);
-  if (seen.at[of].scene.any_rotations != 0u) g.rotation = normalised(g.rotation);
-  g.opacity = Floats(element(seen.at[of].scene.opacities, i, seen.at[of].scene.opacities_stride)).at[0];
+  if (scene.any_rotations != 0u) g.rotation = normalised(g.rotation);
+  g.opacity = Floats(element(scene.opacities, i, scene.opacities_stride)).at[0];
   return g;
 }
 
@@ -106,12 +105,8 @@ ShapeWords stored_shape(Shape s) {
 }
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Grids { TileGrid at[]; };
 
-// A visible Gaussian before its splat has a place.
-struct Projected {
-  ShapeWords shape;
-  uvec4 depth_gaussian;  // the depth's bits, and the number of the Gaussian in its scene
-};
-layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Projecteds { Projected at[]; };
+// Bits of the depth of a visible Gaussian, whose splat has no place yet, and its number in its scene.
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Projecteds { uvec2 at[]; };
 
 // `FrameTotals` of the host: 64-bit numbers by halves.
 struct Totals {

@@ -7,8 +7,8 @@
 #include "alpha.glsl"
 
 // Picks at the pixels of a rectangle, as `PickPixel` does.
+layout(set = 1, binding = 0, scalar) uniform Constants { RasterView view; };
 layout(push_constant, scalar) uniform Push {
-  RasterViews views;  // this view alone
   Shapes shapes;
   Colours colours;
   Uints gaussians, ids, ranges;
@@ -21,7 +21,6 @@ const uint NONE = 0xffffffffu;
 void main() {
   const uint i = invocation();
   if (i >= width * height) return;
-  const RasterView view = views.at[0];
   const TileGrid grid = view.grid;
   const ivec2 pixel = ivec2(grid.first_column, grid.first_row) * grid.side + ivec2(x + i % width, y + i / width);
   const uint tile = tile_number(grid, pixel.x / grid.side, pixel.y / grid.side);

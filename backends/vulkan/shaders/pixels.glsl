@@ -17,7 +17,6 @@ struct RasterView {
   vec3 background;
   vec2 middle;  // of the image
 };
-layout(buffer_reference, scalar, buffer_reference_align = 16) readonly buffer RasterViews { RasterView at[]; };
 
 uvec2 pixel_of(Plane plane, uvec2 at, uint bytes) {
   uint high, low, carry;

@@ -12,9 +12,10 @@
 layout(constant_id = 3) const uint LENS = perspective;
 #endif
 
+layout(set = 1, binding = 0, scalar) uniform Constants { Seen seen; };
 layout(push_constant, scalar) uniform Push {
-  Seens seen;
-  Projecteds projected;  // of this scene
+  Shapes shapes;  // of this scene
+  Projecteds projected;
   Uints counts, runs;    // visible ones of all workgroups
   TotalsAt to;
   uint gaussians, first_workgroup;
@@ -22,14 +23,14 @@ layout(push_constant, scalar) uniform Push {
 
 // As `Clip::shows`.
 bool shows(vec3 mean) {
-  for (uint k = 0u; k < seen.at[0].half_space_count; ++k) {
-    const vec4 h = seen.at[0].half_spaces[k];
+  for (uint k = 0u; k < seen.half_space_count; ++k) {
+    const vec4 h = seen.half_spaces[k];
     FloatPair sum = add(two_product(h.x, mean.x), add(two_product(h.y, mean.y), add(two_product(h.z, mean.z), pair(h.w, 0.0))));
     if (!(sum.high >= 0.0)) return false;
   }
-  const float radius = seen.at[0].clip_radius;
+  const float radius = seen.clip_radius;
   if (!(radius <= 3.4e38)) return true;
-  const vec3 from = mean - seen.at[0].clip_centre;
+  const vec3 from = mean - seen.clip_centre;
   return dot(from, from) <= radius * radius;
 }
 
@@ -37,8 +38,8 @@ void main() {
   if (workgroup() * THREADS >= gaussians) return;
 #ifndef THROUGH_LENS
   // A workgroup has a chunk.
-  const uvec2 chunks = seen.at[0].scene.chunks;
-  if (!is_null(chunks) && hides(seen.at[0].eye, seen.at[0].culler, Chunks(chunks).at[workgroup()])) {
+  const uvec2 chunks = seen.scene.chunks;
+  if (!is_null(chunks) && hides(seen.eye, seen.culler, Chunks(chunks).at[workgroup()])) {
     if (thread() == 0u) counts.at[first_workgroup + workgroup()] = 0u;
     return;
   }
@@ -47,18 +48,18 @@ void main() {
   ProjectedShape shape;
   shape.visible = false;
   if (i < gaussians) {
-    const Gaussian g = gaussian_of(seen, 0u, i);
+    const Gaussian g = gaussian_of(seen.scene, i);
 #ifdef THROUGH_LENS
-    if (shows(g.mean)) shape = project_through_lens(LENS, seen.at[0].eye, g);
+    if (shows(g.mean)) shape = project_through_lens(LENS, seen.eye, g);
 #else
-    if (shows(g.mean)) shape = project_through_pinhole(seen.at[0].eye, g);
+    if (shows(g.mean)) shape = project_through_pinhole(seen.eye, g);
 #endif
   }
   uint visible;
   const uint place = workgroup() * THREADS + sum_before(shape.visible ? 1u : 0u, visible);
   if (shape.visible) {
-    projected.at[place].shape = stored_shape(shape.shape);
-    projected.at[place].depth_gaussian = uvec4(floatBitsToUint(shape.depth), i, 0u, 0u);
+    shapes.at[place] = stored_shape(shape.shape);
+    projected.at[place] = uvec2(floatBitsToUint(shape.depth), i);
   }
   if (thread() == 0u) {
     add_number(counts, runs, first_workgroup + workgroup(), visible);

@@ -4,7 +4,7 @@
 #include "common.glsl"
 
 // Empties the ranges of tiles; of a frame that overflowed they become those that no rasterizer draws. Also empties the
-// launches over long lists and over blocks that are handed over; the latter has a workgroup more than blocks.
+// launch over long lists.
 layout(push_constant, scalar) uniform Push {
   Uints ranges;
   uvec2 overflowed;
@@ -14,7 +14,7 @@ layout(push_constant, scalar) uniform Push {
 
 void main() {
   const uint i = invocation();
-  if (i < 6u) long_launch.at[i] = i == 0u ? 0u : 1u;
+  if (i < 3u) long_launch.at[i] = i == 0u ? 0u : 1u;
   if (i >= tiles) return;
   const bool undrawn = !is_null(overflowed) && Uints(overflowed).at[0] != 0u;
   ranges.at[2u * i] = undrawn ? 1u : 0u;

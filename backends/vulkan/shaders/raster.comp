@@ -38,19 +38,14 @@ uint id_at(uint from, uint end) { return from + gl_SubgroupInvocationID < end ? 
 
 void main() {
   // Only what blending needs: the rest of the view would take registers until it is needed at the end.
-  const TileGrid grid = views.at[0].grid;
-  const uvec2 size = uvec2(views.at[0].width, views.at[0].height);
-  const float least = views.at[0].least, alpha_max = views.at[0].alpha_max, stop_below = views.at[0].stop_below;
+  const TileGrid grid = view.grid;
+  const uvec2 size = uvec2(view.width, view.height);
+  const float least = view.least, alpha_max = view.alpha_max, stop_below = view.stop_below;
   uvec2 block = gl_WorkGroupID.xy * SIDE;
-  if (lists == long_lists) {
-    const uint side = uint(grid.side), blocks = side / SIDE, of_tile = gl_WorkGroupID.x % (blocks * blocks);
-    const uint tile = long_tiles.at[gl_WorkGroupID.x / (blocks * blocks)], of_view = tile - grid.first;
-    block = uvec2(of_view % grid.stride, of_view / grid.stride) * side + uvec2(of_tile % blocks, of_tile / blocks) * SIDE;
-    if (tile < grid.first || block.x >= size.x || block.y >= size.y) return;  // of another view, or outside
-  }
+  if (lists == long_lists && !long_block(block)) return;
   const ivec2 first_pixel = ivec2(grid.first_column, grid.first_row) * grid.side + ivec2(block);
   const vec2 first_centre = vec2(first_pixel) + 0.5;
-  const vec2 first_place = first_centre - views.at[0].middle;
+  const vec2 first_place = first_centre - view.middle;
   const int log2_side = findMSB(grid.side);
   const uint tile = tile_number(grid, first_pixel.x >> log2_side, first_pixel.y >> log2_side);
   const uint begin = ranges.at[2u * tile], end = ranges.at[2u * tile + 1u];
@@ -68,7 +63,7 @@ void main() {
     for (uint k = 0u; k < SUMS; ++k) sums_of_all[p * SUMS + k] = sums[p * SUMS + k] = 0.0;
     first[p] = median[p] = largest[p] = NONE;
     weight_of_largest[p] = 0.0;
-    occluded_from[p] = OCCLUDER && inside ? occluder_at(views.at[0], at) : 0.0;
+    occluded_from[p] = OCCLUDER && inside ? occluder_at(view, at) : 0.0;
   }
 
   // Shapes are loaded a step ahead, and their ids two.
@@ -155,7 +150,7 @@ void main() {
               largest[p] = of_splat;
               weight_of_largest[p] = w;
             }
-            if (first[p] == NONE && behind < views.at[0].first_below) first[p] = of_splat;
+            if (first[p] == NONE && behind < view.first_below) first[p] = of_splat;
             if (median[p] == NONE && behind < 0.5) median[p] = of_splat;
           }
           if (CONTRIBUTES) {
@@ -173,11 +168,6 @@ void main() {
     bool all_stopped = true;
     [[unroll]] for (uint p = 0u; p < EACH; ++p) all_stopped = all_stopped && pixels[p].limit < 0.0;
     if (subgroupAll(all_stopped)) break;
-    if (HANDS_OVER != 0u && blended == HANDS_OVER && (waiting != 0u || from + SUBGROUP < end)) {
-      const uint columns = (size.x + SIDE - 1u) / SIDE;
-      if (lane == 0u) long_blocks.at[atomicAdd(long_launch.at[0], 1u) - 1u] = block.y / SIDE * columns + block.x / SIDE;
-      return;
-    }
     if (blended % SEGMENT == 0u) {
       [[unroll]] for (uint p = 0u; p < EACH; ++p) {
         for (uint k = 0u; k < ATTRIBUTES; ++k) {
@@ -200,7 +190,6 @@ void main() {
     shown[p] = all[p];
     picked[p] = uvec3(first[p], median[p], largest[p]);
   }
-  const RasterView view = views.at[0];
   for (uint p = 0u; p < EACH; ++p) {
     const uvec2 at = block + place_of(p);
     if (at.x >= size.x || at.y >= size.y) continue;

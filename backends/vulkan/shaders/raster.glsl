@@ -24,11 +24,9 @@ layout(constant_id = 12) const bool CONTRIBUTES = false;
 layout(constant_id = 13) const bool HAS_COLOURS = true;
 
 layout(constant_id = 14) const uint PARTS = 1u;
-// Splats after which raster_long.comp takes a block over: a multiple of SEGMENT, or 0 for never.
-layout(constant_id = 15) const uint HANDS_OVER = 0u;
 
+layout(set = 1, binding = 0, scalar) uniform Constants { RasterView view; };
 layout(push_constant, scalar) uniform Push {
-  RasterViews views;  // this view alone
   Shapes shapes;
   Colours colours;
   Uints gaussians, ids, ranges;
@@ -37,8 +35,6 @@ layout(push_constant, scalar) uniform Push {
   Floats ray_depths;    // the first of the frame's attributes
   Uints contributions;  // 64-bit sums of Gaussians, by halves
   Uints long_tiles;
-  Uints long_launch;  // workgroups of raster_long.comp: one more than there are `long_blocks`
-  Uints long_blocks;
   uint ray_depth_stride;
   uint lists;      // which are drawn
   uint long_list;  // intersections of a list that is long
@@ -53,6 +49,14 @@ const uint GROUP = EACH > 4u ? 1u : EACH > 2u ? 2u : 4u, GROUP_END = GROUP + 1u;
 uvec2 place_of(uint p) {
   const uint first = (gl_WorkGroupID.z * SUBGROUP + gl_SubgroupInvocationID) * EACH;
   return uvec2(first % SIDE + p % SIDE, first / SIDE + p / SIDE);
+}
+
+// The block of this workgroup in a launch over the tiles of long lists. None where it is of another view or outside.
+bool long_block(out uvec2 block) {
+  const uint side = uint(view.grid.side), blocks = side / SIDE, of_tile = gl_WorkGroupID.x % (blocks * blocks);
+  const uint tile = long_tiles.at[gl_WorkGroupID.x / (blocks * blocks)], of_view = tile - view.grid.first;
+  block = uvec2(of_view % view.grid.stride, of_view / view.grid.stride) * side + uvec2(of_tile % blocks, of_tile / blocks) * SIDE;
+  return tile >= view.grid.first && block.x < view.width && block.y < view.height;
 }
 
 // Splats that touch the block are blended in segments. Each is blended as if it were alone and composited behind those in
@@ -108,7 +112,7 @@ struct Group {
 // quarter more, rasterizing takes a tenth longer on an H200.
 shared vec4 exponents[THREADS], shades[THREADS];
 shared uvec2 rests[THREADS];  // bits of the first two
-shared float cutoffs[THREADS], last_terms[THREADS];
+shared float cutoffs[THREADS], last_terms[EXPONENT == float_split ? THREADS : 1u];
 
 // Numbers that the lanes of a subgroup exchange while nothing is queued: twice as many as it has lanes.
 void exchange(uint k, uint number) {

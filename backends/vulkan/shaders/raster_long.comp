@@ -4,8 +4,9 @@
 #include "common.glsl"
 #include "raster.glsl"
 
-// Blends a block that raster.comp hands over, by a workgroup in rounds: all threads find the splats that touch it, each
-// subgroup blends a segment of them, and segments are composited. A segment starts with too low a limit, so its pixels
+// Blends a block of a tile with a long list by a workgroup, in rounds: all threads find the splats that touch it, each
+// subgroup blends a segment of them, and segments are composited. A round has twice as many segments as the one before it,
+// so that blocks whose pixels stop early cost little. A segment starts with too low a limit, so its pixels
 // stop late. Once transmittances are known, blend again where a pixel stops.
 
 const uint SUBGROUPS = THREADS / SUBGROUP, PIXELS = SIDE * SIDE;
@@ -18,7 +19,7 @@ uint front = 0u, found = 0u, visited;
 // Colour and transmittance of pixels behind the segments that are composited, and of each segment of a round; the
 // transmittance of a pixel that stopped is negative.
 shared vec4 composited[PIXELS], segments[SUBGROUPS * PIXELS];
-shared float depths[PIXELS], segment_depths[SUBGROUPS * PIXELS];
+shared float depths[DEPTH ? PIXELS : 1u], segment_depths[DEPTH ? SUBGROUPS * PIXELS : 1u];
 
 // Finds splats until there are `wanted`, or the list ends. All threads call it, and test some neighbours each.
 const uint TESTS = 4u;
@@ -100,14 +101,13 @@ void store_segment(Pixel pixels[EACH]) {
 bool stops_in(float left, float before) { return left < 0.0 || left < limit_of(stop_below, before); }
 
 void main() {
-  if (gl_WorkGroupID.x + 1u >= gl_NumWorkGroups.x) return;
-  const TileGrid grid = views.at[0].grid;
-  const uvec2 size = uvec2(views.at[0].width, views.at[0].height);
-  least = views.at[0].least;
-  alpha_max = views.at[0].alpha_max;
-  stop_below = views.at[0].stop_below;
-  const uint columns = (size.x + SIDE - 1u) / SIDE, number = long_blocks.at[gl_WorkGroupID.x];
-  const uvec2 block = uvec2(number % columns, number / columns) * SIDE;
+  const TileGrid grid = view.grid;
+  const uvec2 size = uvec2(view.width, view.height);
+  least = view.least;
+  alpha_max = view.alpha_max;
+  stop_below = view.stop_below;
+  uvec2 block;
+  if (!long_block(block)) return;
   const ivec2 first_pixel = ivec2(grid.first_column, grid.first_row) * grid.side + ivec2(block);
   const vec2 first_centre = vec2(first_pixel) + 0.5;
   const int log2_side = findMSB(grid.side);
@@ -118,19 +118,21 @@ void main() {
   for (uint i = thread(); i < PIXELS; i += THREADS) {
     const uvec2 at = block + uvec2(i % SIDE, i / SIDE);
     composited[i] = vec4(vec3(0.0), at.x < size.x && at.y < size.y ? 1.0 : -1.0);
-    depths[i] = 0.0;
+    if (DEPTH) depths[i] = 0.0;
   }
+  barrier();
 
   Pixel pixels[EACH];
   uint count = 0u;
-  for (;;) {
-    front = (front + count) % RING;
-    found -= count;
-    find(SUBGROUPS * SEGMENT, end, first_centre);
-    count = min(found, SUBGROUPS * SEGMENT);
+  for (uint most = SEGMENT;; most = min(2u * most, SUBGROUPS * SEGMENT)) {
     bool some_live = false;
     [[unroll]] for (uint p = 0u; p < EACH; ++p) some_live = some_live || composited[number_of_pixel(p)].w > 0.0;
-    if (count == 0u || !subgroupAny(some_live)) break;
+    if (!subgroupAny(some_live)) break;
+    front = (front + count) % RING;
+    found -= count;
+    find(most, end, first_centre);
+    count = min(found, most);
+    if (count == 0u) break;
 
     const uint from = gl_SubgroupID * SEGMENT, own = min(count - min(from, count), SEGMENT);
     [[unroll]] for (uint p = 0u; p < EACH; ++p) {
@@ -162,11 +164,12 @@ void main() {
     barrier();
 
     for (uint i = thread(); i < PIXELS; i += THREADS) {
-      Pixel all = Pixel(composited[i].w, 0.0, depths[i], composited[i].rgb);
+      Pixel all = Pixel(composited[i].w, 0.0, DEPTH ? depths[i] : 0.0, composited[i].rgb);
       bool live = all.transmittance > 0.0;
       for (uint s = 0u; s < SUBGROUPS && live; ++s) {
         const vec4 segment = segments[s * PIXELS + i];
-        composite(all, Pixel(abs(segment.w), 0.0, segment_depths[s * PIXELS + i], segment.rgb), alpha_max);
+        const float depth = DEPTH ? segment_depths[s * PIXELS + i] : 0.0;
+        composite(all, Pixel(abs(segment.w), 0.0, depth, segment.rgb), alpha_max);
         live = segment.w >= 0.0;
       }
       composited[i] = vec4(all.colour, live ? all.transmittance : -abs(all.transmittance));
@@ -178,6 +181,6 @@ void main() {
   for (uint i = thread(); i < PIXELS; i += THREADS) {
     const uvec2 at = block + uvec2(i % SIDE, i / SIDE);
     if (at.x < size.x && at.y < size.y)
-      store(views.at[0], at, Pixel(abs(composited[i].w), 0.0, depths[i], composited[i].rgb));
+      store(view, at, Pixel(abs(composited[i].w), 0.0, DEPTH ? depths[i] : 0.0, composited[i].rgb));
   }
 }

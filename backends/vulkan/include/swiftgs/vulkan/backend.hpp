@@ -130,9 +130,9 @@ class SWIFTGS_API Vulkan {
   /// `commands` instead of submitting it: commands that the program has begun, outside of a render pass, for
   /// the device's queue. It neither submits nor waits. The frame sees what all commands before it wrote, and
   /// all commands behind it see the frame; `record` changes the compute pipeline, push constants and
-  /// descriptor set 0. The renderer stays as it is until the commands are done. The recording keeps views and
-  /// placed scenes as they were: `set_views` and `set_scenes` change later recordings alone. If `draw`
-  /// throws, drop the commands.
+  /// descriptor sets 0 and 1. The renderer stays as it is until the commands are done. The recording keeps
+  /// views and placed scenes as they were: `set_views` and `set_scenes` change later recordings alone. If
+  /// `draw` throws, drop the commands.
   VulkanRecording record(VkCommandBuffer_T* commands, const std::function<void()>& draw);
 
   /// Copies the colours of `frame` to an image of the program, or from it, so that a frame is drawn over it.

@@ -38,11 +38,10 @@ struct FrameTotals {
   std::uint32_t splats = 0, intersections = 0;  ///< 0 where the frame overflowed
 };
 
-/// A visible Gaussian before its splat has a place, as frame.glsl declares it.
-struct alignas(16) Projected {
-  std::uint32_t shape[8];
+/// A visible Gaussian, whose splat has no place yet, as frame.glsl declares it.
+struct Projected {
   float depth;
-  std::uint32_t gaussian, unused[2];
+  std::uint32_t gaussian;
 };
 
 /// The number of a policy in its list, as shaders have it.
@@ -82,10 +81,11 @@ struct KindOf<AxisSharedThreshold<Exponent>> {
 /// Memory of projection between its steps.
 template <>
 struct ProjectScratch<Vulkan> {
+  VulkanBuffer<SplatShape> shapes;
   VulkanBuffer<vulkan::Projected> projected;
   VulkanBuffer<std::uint32_t> counts, runs;  ///< visible Gaussians by workgroup, and by run of workgroups
 
-  static auto buffers(auto& self) { return std::tie(self.projected, self.counts, self.runs); }
+  static auto buffers(auto& self) { return std::tie(self.shapes, self.projected, self.counts, self.runs); }
 };
 
 /// Splats on a device. After `bin` within limits, `count` is an upper bound and `exact` points to the number,
