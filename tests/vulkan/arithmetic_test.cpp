@@ -100,32 +100,56 @@ TEST_CASE("vulkan arithmetic: products are split into the bits of a product that
   }
 }
 
-TEST_CASE("vulkan arithmetic: chunks that shaders cull are culled by the library and few others are") {
-  const Scene scene = order_spatially(make_builtin_scene(100'000));
-  const std::vector<ChunkBounds> chunks = chunk_bounds(view(scene));
-  Random random(9);
-  std::size_t culled = 0, found = 0;
-  for (int i = 0; i < 50; ++i) {
-    Camera camera = builtin_camera(640, 360);
-    camera.fx = camera.fy = random.scale(300, 20000);
-    camera.cx += random.in(-300, 300), camera.translation.z += random.in(-5, 1);
-    Conventions conventions;
-    conventions.near_plane = float(random.scale(0.1, 10));
-    conventions.far_plane = conventions.near_plane + float(random.scale(1, 30));
-    const ViewConstants constants = view_constants(camera, conventions);
-    const ChunkCuller culler(constants);
-    const glsl::Eye eye = in_glsl(vulkan::Eye(constants));
+namespace {
+
+/// Chunks of a scene that the library culls for a view, and those that shaders cull, which are some of them.
+struct CulledChunks {
+  std::size_t by_library = 0, by_shaders = 0;
+
+  void add(const ViewConstants& camera, const std::vector<ChunkBounds>& chunks) {
+    const ChunkCuller culler(camera);
+    const glsl::Eye eye = in_glsl(vulkan::Eye(camera));
     const auto in_shader = std::bit_cast<glsl::Culler>(vulkan::Culler(culler));
     for (const ChunkBounds& chunk : chunks) {
       const bool expected = culler.culls(chunk);
-      const bool culls = glsl::hides(eye, in_shader, std::bit_cast<glsl::Chunk>(chunk));
+      const bool culls = glsl::hides(eye.lens, eye, in_shader, std::bit_cast<glsl::Chunk>(chunk));
       REQUIRE((expected || !culls));
-      culled += expected, found += culls;
+      by_library += expected, by_shaders += culls;
     }
   }
-  MESSAGE(found, " of ", culled, " culled chunks of ", 50 * chunks.size(), " are culled");
-  CHECK(culled > 10 * chunks.size());
-  CHECK(found * 100 > culled * 98);
+};
+
+}  // namespace
+
+TEST_CASE("vulkan arithmetic: chunks that shaders cull are culled by the library and few others are") {
+  const Scene scene = order_spatially(make_builtin_scene(100'000));
+  const std::vector<ChunkBounds> chunks = chunk_bounds(view(scene));
+  std::vector<Camera> cameras = cameras_of_lenses(640, 360);
+  cameras.push_back(cameras[0]);  // by distance
+  for (std::size_t lens = 0; lens < cameras.size(); ++lens) {
+    Random random(9);
+    CulledChunks culled;
+    Conventions conventions;
+    if (lens + 1 == cameras.size()) conventions.depth = Conventions::Depth::distance;
+    for (int i = 0; i < 50; ++i) {
+      Camera camera = cameras[lens];
+      const bool panorama = camera.lens.model == LensModel::equirectangular;
+      if (!panorama) camera.fx = camera.fy = camera.fx * random.scale(0.5, 40);
+      camera.cx += random.in(-300, 300), camera.translation.z += random.in(-5, 1);
+      conventions.near_plane = float(random.scale(0.1, 10));
+      conventions.far_plane = conventions.near_plane + float(random.scale(1, 30));
+      FrameView part{.width = 96, .height = 96};
+      culled.add(
+          make_view(camera, conventions, part, vec3(0), {.x = 16 * (i % 34), .y = 16 * (i % 16)}).camera,
+          chunks);
+      culled.add(view_constants(camera, conventions), chunks);
+    }
+    CAPTURE(name_of(cameras[lens].lens.model));
+    MESSAGE(culled.by_shaders, " of ", culled.by_library, " culled chunks of ", 100 * chunks.size(),
+            " are culled");
+    CHECK(culled.by_library > 20 * chunks.size());
+    CHECK(culled.by_shaders * 100 > culled.by_library * 98);
+  }
 }
 
 TEST_CASE("vulkan arithmetic: projection has the bits of the library but for ties of its rounding") {

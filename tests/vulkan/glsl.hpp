@@ -33,6 +33,7 @@ inline bool FUSES = false;
 #include "project.glsl"
 #include "bounds.glsl"
 #include "lens.glsl"
+#include "lens_box.glsl"
 #include "chunks.glsl"
 // clang-format on
 #undef FUNCTION

@@ -6,6 +6,7 @@
 #include "project.glsl"
 #include "lens.glsl"
 #include "bounds.glsl"
+#include "lens_box.glsl"
 #include "chunks.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Chunks { Chunk at[]; };

@@ -10,6 +10,8 @@
 
 #ifdef THROUGH_LENS
 layout(constant_id = 3) const uint LENS = perspective;
+#else
+const uint LENS = pinhole;
 #endif
 
 layout(set = 1, binding = 0, scalar) uniform Constants { Seen seen; };
@@ -36,14 +38,12 @@ bool shows(vec3 mean) {
 
 void main() {
   if (workgroup() * THREADS >= gaussians) return;
-#ifndef THROUGH_LENS
   // A workgroup has a chunk.
   const uvec2 chunks = seen.scene.chunks;
-  if (!is_null(chunks) && hides(seen.eye, seen.culler, Chunks(chunks).at[workgroup()])) {
+  if (!is_null(chunks) && hides(LENS, seen.eye, seen.culler, Chunks(chunks).at[workgroup()])) {
     if (thread() == 0u) counts.at[first_workgroup + workgroup()] = 0u;
     return;
   }
-#endif
   const uint i = invocation();
   ProjectedShape shape;
   shape.visible = false;
