@@ -40,15 +40,16 @@ void find_ranges(Vulkan& b, const FootprintsView& footprints, Count count, Keys 
   Vulkan::State& state = b.state();
   const Access launch =
       writes(state.groups.device + Vulkan::State::long_launch, sizeof(VkDispatchIndirectCommand));
-  const std::size_t most_long = count.most / long_list;
-  state.long_tiles.reset(most_long), state.long_of = ranges;
+  const std::uint32_t long_from = long_list(count.most, tiles);
+  const std::size_t most_long = count.most / long_from;
+  state.long_tiles.reset(most_long), state.long_of = ranges, state.long_from = long_from;
   commands.run(Kernel::ranges_clear, {},
                Push(writes(ranges, tiles), reads(footprints.overflowed, 1), launch, std::uint32_t(tiles)),
                Commands::Shape::of(std::max<std::size_t>(tiles, 3)));
   const auto blocks = std::uint32_t(footprints.views.tiles.side / raster_side);
   commands.run(Kernel::ranges, {keys.each},
                Push(reads(keys.words, keys.each * count.most), writes(ranges, tiles), launch,
-                    writes(state.long_tiles.data(), most_long), count, std::uint32_t(tiles), long_list,
+                    writes(state.long_tiles.data(), most_long), count, std::uint32_t(tiles), long_from,
                     blocks * blocks),
                commands.over(count, Groups::fours));
   commands.finish();
