@@ -38,8 +38,8 @@ FEATURES = {
 # The headers of the frame that each of these features includes. Placed scenes are part of the frame: they are what
 # it shows.
 OF_FRAME = {
-    "drivers": "api backend bounds frame_plan frame_renderer frame_view harmonics learnt math passes placed_scene placing raster "
-               "render_input sort span splats stages stored_scenes tiles views",
+    "drivers": "api backend bounds frame_plan frame_renderer frame_view harmonics learnt math passes placed_scene "
+               "placing raster render_input sort span splats stages stored_scenes tiles views",
     "planes": "backend frame_view lens math passes raster scene_view splats stored_scenes tiles view_constants views",
     "lenses": "frame_view lens math rendering_model tiles view_constants views",
 }
