@@ -31,7 +31,7 @@ FUNCTION uint tile_number(TileGrid grid, int column, int row) {
 // The tiles from `begin` to `end`, without their fractions; what is too large for an integer is limited.
 FUNCTION TileRun whole_tiles(float begin, float end) {
   const float most = 1073741824.0f;
-  return tile_run(int(clamp(begin, -most, most)), int(clamp(end, -most, most)));
+  return tile_run(int(max(min(begin, most), -most)), int(max(min(end, most), -most)));
 }
 
 FUNCTION TileRun run_within(TileRun run, int begin, int end) {
