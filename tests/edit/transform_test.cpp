@@ -226,6 +226,19 @@ TEST_CASE("edit: the rotation in a rotation after a stretch along the axes is th
   CHECK(rotation_of({diagonal(dmat3(1.0), {1e60, 1, 1e-60})}) == dmat3(1.0));
 }
 
+TEST_CASE("edit: a stretch that is a similarity does what the similarity does") {
+  Random random(15);
+  const Scene before = random_scene(50, 3, 16);
+  const Affine whole{dmat3(2.0), {0.5, 1, 2}};
+  Scene stretched = before, transformed = before;
+  stretch(stretched, whole, dvec3(0));
+  transform(transformed, {.scale = 2, .translation = whole.translation}, dvec3(0));
+  CHECK((stretched.means == transformed.means));
+  CHECK((stretched.scales == transformed.scales));
+  CHECK((stretched.rotations == transformed.rotations));
+  CHECK(stretched.sh_rest == transformed.sh_rest);
+}
+
 TEST_CASE("edit: a stretched disk stays a disk, and a stretched needle a needle") {
   Random random(17);
   Scene before = random_scene(100, 0, 18);
