@@ -57,7 +57,7 @@ HWY_INLINE Shapes LoadShapes(const SplatShape* HWY_RESTRICT shapes) {
 /// `tile_run`.
 HWY_INLINE Runs WholeTiles(Vec begin, Vec end) {
   const auto limited = [](Vec v) HWY_ATTR {
-    return hn::ConvertTo(I32(), hn::Min(hn::Max(v, All(-0x1p30f)), All(0x1p30f)));
+    return hn::ConvertTo(I32(), hn::Floor(hn::Min(hn::Max(v, All(-0x1p30f)), All(0x1p30f))));
   };
   return {limited(begin), limited(end)};
 }

@@ -22,16 +22,17 @@ FUNCTION TileRun tile_run(int begin, int end) {
   run.end = end;
   return run;
 }
+FUNCTION bool is_one(TileRun run) { return uint(run.end) - uint(run.begin) == 1u; }
 FUNCTION int run_size(TileRun run) { return run.end > run.begin ? run.end - run.begin : 0; }
 
 FUNCTION uint tile_number(TileGrid grid, int column, int row) {
   return grid.first + uint(row - grid.first_row) * grid.stride + uint(column - grid.first_column);
 }
 
-// The tiles from `begin` to `end`, without their fractions; what is too large for an integer is limited.
+// The tiles from `begin` to `end`, rounded down; what is too large for an integer is limited.
 FUNCTION TileRun whole_tiles(float begin, float end) {
   const float most = 1073741824.0f;
-  return tile_run(int(max(min(begin, most), -most)), int(max(min(end, most), -most)));
+  return tile_run(int(floor(max(min(begin, most), -most))), int(floor(max(min(end, most), -most))));
 }
 
 FUNCTION TileRun run_within(TileRun run, int begin, int end) {
@@ -78,7 +79,9 @@ struct SplatTiles {
   float corner, top;
 };
 
-FUNCTION SplatTiles within_grid(SplatTiles t, TileRun columns, TileRun rows, TileGrid grid) {
+// The box of these tiles within a grid.
+FUNCTION SplatTiles box_within(TileRun columns, TileRun rows, TileGrid grid) {
+  SplatTiles t;
   t.columns = run_within(columns, grid.first_column, grid.end_column);
   t.rows = run_within(rows, grid.first_row, grid.end_row);
   t.full = false;
@@ -161,9 +164,8 @@ FUNCTION SplatTiles three_sigma_tiles(Shape s, TileGrid grid) {
   PRECISE float top = y - radius;
   PRECISE float bottom = y + radius;
   PRECISE float bottom_end = bottom + rest;
-  SplatTiles t;
-  return within_grid(t, whole_tiles(left * inverse_side, right_end * inverse_side),
-                     whole_tiles(top * inverse_side, bottom_end * inverse_side), grid);
+  return box_within(whole_tiles(left * inverse_side, right_end * inverse_side),
+                    whole_tiles(top * inverse_side, bottom_end * inverse_side), grid);
 }
 
 FUNCTION SplatTiles tiles_of(uint bounds, Shape s, TileGrid grid) {
@@ -187,10 +189,9 @@ FUNCTION SplatTiles tiles_of(uint bounds, Shape s, TileGrid grid) {
   PRECISE float right = s.mean.x + x;
   PRECISE float up = s.mean.y - y;
   PRECISE float down = s.mean.y + y;
-  SplatTiles t;
   TileRun columns = tiles_meeting(left, right, grid.side), rows = tiles_between(up, down, grid.side);
-  t = within_grid(t, columns, rows, grid);
-  t.full = run_size(columns) == 1 || run_size(rows) == 1;
+  SplatTiles t = box_within(columns, rows, grid);
+  t.full = is_one(columns) || is_one(rows);
   t.mean_x = s.mean.x;
   t.mean_y = s.mean.y;
   t.slack = slack;

@@ -39,9 +39,9 @@ struct BoxTiles {
 /// rows need; `row` then finds the run of columns in one row of the box. An ellipse meets a row of tiles in
 /// one run, so one evaluation per row replaces a test per tile; a `full` box needs none. Conservative bounds
 /// include every tile in which a pixel keeps the splat, and every tile that the test of a warp block accepts:
-/// the ellipse s
-/// <= 1.0001 cutoff meets the box of its 8x8 pixel centres, 2^-8 pixels wider on each side. Devices cut long
-/// lists into segments of such splats. A splat between two rows of pixel centres is listed nowhere.
+/// the ellipse s <= 1.0001 cutoff meets the box of its 8x8 pixel centres, 2^-8 pixels wider on each side.
+/// Devices cut long lists into segments of such splats. A splat between two rows of pixel centres is listed
+/// nowhere.
 template <class P>
 concept BoundsPolicy = requires(const P bounds, const SplatShape& shape, TileGrid grid, int row) {
   { P::name } -> std::convertible_to<std::string_view>;
@@ -54,14 +54,14 @@ concept BoundsPolicy = requires(const P bounds, const SplatShape& shape, TileGri
 template <class Bounds>
 using TilesWithin = decltype(std::declval<const Bounds&>().tiles(SplatShape(), TileGrid()));
 
-/// The tiles from `begin` to `end`, without their fractions; what is too large for an integer is limited.
+/// The tiles from `begin` to `end`, rounded down; what is too large for an integer is limited.
 SWIFTGS_HD inline TileRun tile_run(float begin, float end) {
 #if defined(__CUDA_ARCH__)
-  return {__float2int_rz(begin), __float2int_rz(end)};
+  return {__float2int_rd(begin), __float2int_rd(end)};
 #else
   const auto limited = [](float v) {
     constexpr float most = 0x1p30f;
-    return int(v >= -most ? (v < most ? v : most) : -most);
+    return int(std::floor(v >= -most ? (v < most ? v : most) : -most));
   };
   return {limited(begin), limited(end)};
 #endif
@@ -123,7 +123,7 @@ SWIFTGS_HD inline TileRect opacity_box(const SplatShape& shape, const EllipseExt
 SWIFTGS_HD inline TileRect convex_box(const SplatShape& shape, const EllipseExtent& half,
                                       const TileGrid& grid) {
   TileRect box = opacity_box(shape, half, grid.side);
-  box.full = box.columns.size() == 1 || box.rows.size() == 1;
+  box.full = box.columns.is_one() || box.rows.is_one();
   return box.within(grid);
 }
 

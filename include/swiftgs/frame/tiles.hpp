@@ -22,6 +22,8 @@ struct TileRun {
   int begin = 0, end = 0;
 
   SWIFTGS_HD constexpr int size() const { return end > begin ? end - begin : 0; }
+  /// Whether it is a single one, also of ends that lie too far apart for an integer.
+  SWIFTGS_HD constexpr bool is_one() const { return std::uint32_t(end) - std::uint32_t(begin) == 1; }
   /// Those of them that are among these.
   SWIFTGS_HD constexpr TileRun within(TileRun among) const {
     return {limited(begin, among), limited(end, among)};

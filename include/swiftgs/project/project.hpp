@@ -124,10 +124,10 @@ struct SplatFactor {
 inline constexpr double to_base_2 = 0.84932180028801904272;  ///< sqrt(log2(e) / 2)
 
 /// Factors the covariance of `m`. The determinant is |m.x cross m.y|^2 + blur (trace + blur), a sum of
-/// squares (Lagrange's identity); the textbook xx yy - xy^2 loses all digits of a needle's. Only views that
-/// `sharpens` need the division of a sharpness.
+/// squares (Lagrange's identity); the textbook xx yy - xy^2 loses all digits of a needle's. Its
+/// sharpness is found for `antialiased` views alone.
 template <class Real>
-SWIFTGS_HD SplatFactor factor(const ImageAxes<Real>& m, Real blur, bool sharpens) {
+SWIFTGS_HD SplatFactor factor(const ImageAxes<Real>& m, Real blur, bool antialiased) {
   const Real xx = dot(m.x, m.x), yy = dot(m.y, m.y), xy = dot(m.x, m.y);
   const Real var_x = xx + blur, var_y = yy + blur;
   const Real inv_sigma_y = inverse_sqrt(var_y), inv_var_y = inv_sigma_y * inv_sigma_y;
@@ -140,7 +140,7 @@ SWIFTGS_HD SplatFactor factor(const ImageAxes<Real>& m, Real blur, bool sharpens
   SplatFactor out;
   out.l0 = float(l0), out.l1 = float(-l0 * (xy * inv_var_y)), out.l2 = float(Real(to_base_2) * inv_sigma_y);
   out.var_x = float(var_x), out.var_y = float(var_y);
-  out.sharpness = sharpens ? float(sharp / var_x_given_y) : 1.0f;
+  out.sharpness = antialiased ? float(sharp / var_x_given_y) : 1.0f;
   // In double, the factor may leave the range of float where the variances do not.
   out.valid = var_x_given_y > 0 && var_y > 0 && var_x <= Real(largest_variance) &&
               var_y <= Real(largest_variance) && var_x_given_y < Real(INFINITY) &&

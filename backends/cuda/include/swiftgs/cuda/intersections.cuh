@@ -137,7 +137,7 @@ __device__ __noinline__ void emit_outside(const Bounds bounds, const SplatShape 
   const TileRect& rect = tiles.rect;
   for (int row = grid.rows.begin; row < grid.rows.end && at < end; ++row) {
     TileRun run;
-    if (row >= rect.rows.begin && row < rect.rows.end) run = detail::row_within(tiles, row);
+    if (row >= rect.rows.begin && row < rect.rows.end) run = rect.full ? rect.columns : tiles.row(row);
     for (int column = grid.columns.begin; column < grid.columns.end && at < end; ++column)
       if (column < run.begin || column >= run.end)
         out.write(at++, grid.number(column, row), splat.depth, splat.id);
@@ -167,7 +167,7 @@ __global__ void __launch_bounds__(emit_threads)
     const std::uint32_t end = splat.at + splat.footprint.count;
     for (int first_row = rect.rows.begin; first_row < rect.rows.end; first_row += int(warp_size)) {
       const int row = first_row + int(lane_index());
-      const TileRun run = row < rect.rows.end ? detail::row_within(tiles, row) : TileRun();
+      const TileRun run = row >= rect.rows.end ? TileRun() : rect.full ? rect.columns : tiles.row(row);
       const std::uint32_t size = std::uint32_t(run.size()), first = sum_below(size);
       const std::uint32_t total = __shfl_sync(whole_warp, first + size, warp_size - 1);
       const std::uint32_t first_tile = grid.number(run.begin, row);
