@@ -69,8 +69,9 @@ class JointFrame {
            one_->memory().total();
   }
 
-  /// Draws this rank's strip and returns the counters of all ranks. Collective. `provide` gives what is
-  /// `drawn` memory; `finish` is called when it is. Throws as `DistributedRenderer::render_into`.
+  /// Draws this rank's strip and returns the counters of all ranks. Collective. `provide` gives memory to
+  /// what `drawn` names, before it is drawn, and `finish` is called behind it. Throws as
+  /// `DistributedRenderer::render_into`.
   template <class Provide, class Finish>
   FrameCounters draw(const PlacedScenes& part, Span<const View> views, Failure& failure,
                      const Provide& provide, const Finish& finish) {
