@@ -72,14 +72,16 @@ Commands::~Commands() {
 
 const void* Commands::copy(const void* from, std::size_t bytes, std::size_t room) {
   CommandSlot& slot = *b_.open;
-  constexpr std::size_t least = 1 << 16, alignment = 256;  // of uniforms on any device
+  constexpr std::size_t least = 1 << 16, most = 1 << 24, alignment = 256;  // of uniforms on any device
   room = std::max(room, bytes);
   while (slot.block < slot.blocks.size() && slot.blocks[slot.block].block.bytes - slot.used < room)
     ++slot.block, slot.used = 0;
   if (slot.block == slot.blocks.size()) {
+    // As large as the last two, since devices limit how many there are.
+    const std::size_t last = slot.blocks.empty() ? least : 2 * slot.blocks.back().block.bytes;
     Constants& made = slot.blocks.emplace_back();
     made.uniforms = device_.make_descriptors(device_.uniforms, {uniform_type});
-    made.block = device_.allocate_host_block(std::max(room, least), HostMemory::of_device);
+    made.block = device_.allocate_host_block(std::max(room, std::min(last, most)), HostMemory::of_device);
     const VkDescriptorBufferInfo of_buffer{made.block.allocation.buffer, 0, Uniform::most};
     VkWriteDescriptorSet write{};
     write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;
@@ -156,7 +158,9 @@ void Commands::dispatch(const Shape& shape) {
 void Commands::bind_image(VkImageView image, std::uint32_t binding) {
   const Functions& vk = device_.vk;
   const VkDescriptorSet set =
-      b_.open->images.emplace_back(device_.make_descriptors(device_.images, image_types)).set;
+      b_.open->images
+          .emplace_back(device_.make_descriptors(device_.images, {image_types.begin(), image_types.end()}))
+          .set;
   const VkDescriptorImageInfo of_image{VK_NULL_HANDLE, image, VK_IMAGE_LAYOUT_GENERAL};
   VkWriteDescriptorSet write{};
   write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -24,7 +23,7 @@ namespace swiftgs {
 
 namespace vulkan {
 
-/// A value of kernels in a uniform buffer: a descriptor set and bytes into its buffer.
+/// Where a kernel finds its uniform: a descriptor set, and an offset into its buffer. @units{bytes}
 struct Uniform {
   static constexpr std::uint32_t most = 1024;  ///< bytes
   VkDescriptorSet set = VK_NULL_HANDLE;
@@ -98,13 +97,11 @@ struct Groups {
 /// Side of the blocks that subgroups rasterize. @units{pixels}
 inline constexpr std::uint32_t raster_side = 8;
 
-/// Intersections from which on a list is long. Workgroups rasterize its blocks beside others: they take more
-/// work and less time for a block than subgroups. On an H200 1, 4 and 12 million Gaussians of the built-in
-/// scene, with mean lists of 280, 680 and 1,640, are quickest from 3,072, 6,144 and 12,288 or more on.
-constexpr std::uint32_t long_list(std::size_t intersections, std::size_t tiles) {
-  constexpr std::size_t least = 4096, most = 0x7fffffff, times_mean = 9;
-  return std::uint32_t(std::clamp(times_mean * intersections / std::max<std::size_t>(tiles, 1), least, most));
-}
+/// Least intersections of a list that is long, and their least part of all: its blocks are rasterized beside
+/// others, by workgroups, which take more work and less time for a block. On an H200 frames of
+/// `builtin:1000000` are quickest from 3,072 on, of four million from 6,144 on, of twelve from 12,288 on:
+/// with 4,096 these take 6 and 30 % longer.
+inline constexpr std::uint32_t long_list = 3072, long_part = 1000;
 
 /// Memory of commands for what kernels read, at addresses and as uniforms.
 struct Constants {
@@ -174,9 +171,8 @@ struct Vulkan::State {
   VulkanBuffer<std::uint32_t> numbers;     ///< of digits, of sorts
   vulkan::Block groups;                    ///< two `Groups`, by the last `bin`, and a launch
   std::array<Count, 2> counted{};          ///< its numbers of splats and intersections
-  VulkanBuffer<std::uint32_t> long_tiles;  ///< tiles with long lists, from the last `find_ranges`
+  VulkanBuffer<std::uint32_t> long_tiles;  ///< length from which lists are long, tiles of these
   const TileRange* long_of = nullptr;      ///< ranges that `long_tiles` belongs to
-  std::uint32_t long_from = 0;             ///< `long_list` of these
 
   /// Bytes into `groups` of the launch over blocks of long lists.
   static constexpr std::size_t long_launch = 2 * sizeof(vulkan::Groups);
@@ -262,7 +258,7 @@ class Commands {
   std::uint64_t submit();
 
  private:
-  /// Copies to the current block of constants, which has `room` bytes from there on at least.
+  /// Copies to the constants, where at least `room` bytes follow.
   const void* copy(const void* from, std::size_t bytes, std::size_t room = 0);
   Uniform uniform_at(const void* copied) const;
   void dispatch(const Shape& shape);

@@ -115,7 +115,7 @@ void VulkanDevice::State::create() {
   vulkan::check(vk.vkCreateSemaphore(device, &semaphore, nullptr, &timeline), "vkCreateSemaphore");
 
   stores_images = handles.enabled_features->features.shaderStorageImageWriteWithoutFormat;
-  images = make_layout(vulkan::image_types);
+  images = make_layout({vulkan::image_types.begin(), vulkan::image_types.end()});
   uniforms = make_layout({vulkan::uniform_type});
   const VkDescriptorSetLayout sets[] = {images, uniforms};
   const VkPushConstantRange push{VK_SHADER_STAGE_COMPUTE_BIT, 0, vulkan::push_bytes};

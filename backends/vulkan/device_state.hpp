@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -30,7 +31,7 @@ enum class HostMemory { cached, of_device };
 Functions functions_of(PFN_vkGetInstanceProcAddr get, VkInstance instance);
 
 /// Descriptors of an image to store to, and of one to load from, by their bindings.
-inline const std::vector image_types{VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE};
+inline constexpr std::array image_types{VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, VK_DESCRIPTOR_TYPE_SAMPLED_IMAGE};
 /// The descriptor of a kernel's uniform.
 inline constexpr VkDescriptorType uniform_type = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER_DYNAMIC;
 

@@ -110,7 +110,7 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
                         blocks = std::uint32_t(blocks_of(frame));
     const std::size_t of_tile =
         std::size_t(view.grid.side / int(side)) * std::size_t(view.grid.side / int(side));
-    const bool knows_long = parts == 1 && n >= state.long_from && job.lists.ranges.data == state.long_of &&
+    const bool knows_long = parts == 1 && n >= long_list && job.lists.ranges.data == state.long_of &&
                             std::min(state.long_tiles.size(), job.lists.ranges.size) * of_tile <= most_groups;
     // A workgroup draws colour, alpha and depths of means of a block of a long list, a subgroup all that
     // there is.
@@ -124,7 +124,7 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
                 reads(job.attributes.data, rows),
                 reads(job.attributes.first_row, n * job.attributes.first_stride), shares(contributions, 1),
                 reads(state.long_tiles.data(), state.long_tiles.size()),
-                job.attributes.first_stride * AttributeRow::channels, std::uint32_t(lists), state.long_from);
+                job.attributes.first_stride * AttributeRow::channels, std::uint32_t(lists));
       // The views of a frame do not overlap in memory, nor do the planes of its passes.
       for_each_plane(
           [&](std::size_t, const auto& plane) { push.touch(pixels_of(plane, frame.height, Access::shared)); },
@@ -180,8 +180,9 @@ void pick_pixels(Vulkan& b, const PickJob& job) {
                             vulkan::reads(job.colours.data, n), vulkan::reads(job.splats.gaussians.data, n),
                             vulkan::reads(job.lists.ids.data, job.lists.ids.size),
                             vulkan::reads(job.lists.ranges.data, job.lists.ranges.size),
-                            vulkan::writes(job.to, 1), std::uint32_t(job.x), std::uint32_t(job.y),
-                            std::uint32_t(job.width), std::uint32_t(job.height), std::uint32_t(job.pitch)),
+                            vulkan::writes(job.to, std::size_t(job.pitch) * std::size_t(job.height)),
+                            std::uint32_t(job.x), std::uint32_t(job.y), std::uint32_t(job.width),
+                            std::uint32_t(job.height), std::uint32_t(job.pitch)),
                vulkan::Commands::Shape::of(std::size_t(job.width) * std::size_t(job.height)));
   commands.submit();
 }

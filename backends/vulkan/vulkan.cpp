@@ -121,7 +121,7 @@ VulkanRecording Vulkan::record(VkCommandBuffer_T* commands, const std::function<
   const struct Recording {
     State& b;
     Recording(State& of, vulkan::CommandSlot& slot) : b(of) {
-      b.open = &slot, b.recording = true, b.hazards.forget();
+      b.open = &slot, b.recording = true, b.hazards.forget(), b.forget_launches();
     }
     ~Recording() {
       b.open = nullptr, b.recording = false;

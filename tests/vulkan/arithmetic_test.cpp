@@ -112,7 +112,7 @@ struct CulledChunks {
     const auto in_shader = std::bit_cast<glsl::Culler>(vulkan::Culler(culler));
     for (const ChunkBounds& chunk : chunks) {
       const bool expected = culler.culls(chunk);
-      const bool culls = glsl::hides(eye.lens, eye, in_shader, std::bit_cast<glsl::Chunk>(chunk));
+      const bool culls = glsl::culls(eye.lens, eye, in_shader, std::bit_cast<glsl::Chunk>(chunk));
       REQUIRE((expected || !culls));
       by_library += expected, by_shaders += culls;
     }

@@ -31,8 +31,8 @@ FUNCTION float most(Eye eye, ChunkBox box, float x, float y, float z) {
   return sum;
 }
 
-// As `ChunkCuller::hidden_by_distance`.
-FUNCTION bool hidden_by_distance(Eye eye, ChunkBox box) {
+// As `ChunkCuller::culled_by_distance`.
+FUNCTION bool culled_by_distance(Eye eye, ChunkBox box) {
   float nearest = 0.0f, furthest = 0.0f;
   for (int k = 0; k < 3; ++k) {
     float to = abs(box.centre[k]), extent = box.extent[k] + box.rounding, near = max(to - extent, 0.0f);
@@ -43,8 +43,8 @@ FUNCTION bool hidden_by_distance(Eye eye, ChunkBox box) {
          0.997f * eye.depth_scale.high * sqrt(nearest) > eye.far_plane;
 }
 
-// As `ChunkCuller::hidden_through_lens`; a splat reaches `k` deviations.
-FUNCTION bool hidden_through_lens(uint lens, Eye eye, ChunkBox box, float k, float size, float blur) {
+// As `ChunkCuller::culled_through_lens`; a splat reaches `k` deviations.
+FUNCTION bool culled_through_lens(uint lens, Eye eye, ChunkBox box, float k, float size, float blur) {
   CameraBox of;
   for (int row = 0; row < 3; ++row) {
     of.centre[row] = 0.0f;
@@ -72,8 +72,8 @@ FUNCTION bool hidden_through_lens(uint lens, Eye eye, ChunkBox box, float k, flo
   return abs(x - middle) - reach_x > shown;
 }
 
-// A number that is NaN hides nothing.
-FUNCTION bool hides(uint lens, Eye eye, Culler culler, Chunk chunk) {
+// A number that is NaN culls nothing, where the driver compares NaN as IEEE 754 has it.
+FUNCTION bool culls(uint lens, Eye eye, Culler culler, Chunk chunk) {
   float opacity = eye.opacity * chunk.opacity;
   if (opacity < eye.alpha_min) return true;
   ChunkBox box;
@@ -87,7 +87,7 @@ FUNCTION bool hides(uint lens, Eye eye, Culler culler, Chunk chunk) {
     box.rounding = box.rounding + 4e-6f * (abs(low) + abs(high));
   }
   if (eye.depth_is_distance != 0u) {
-    if (hidden_by_distance(eye, box)) return true;
+    if (culled_by_distance(eye, box)) return true;
   } else {
     float furthest = eye.depth_scale.high * most(eye, box, 0.0f, 0.0f, 1.0f);
     if (furthest + 1e-6f * abs(furthest) <= eye.near_plane) return true;
@@ -96,7 +96,7 @@ FUNCTION bool hides(uint lens, Eye eye, Culler culler, Chunk chunk) {
   }
   // sqrt(2 ln(opacity / alpha_min))
   float k = 1.1775f * sqrt(log2(1.0001f * opacity / eye.alpha_min));
-  if (lens != pinhole) return hidden_through_lens(lens, eye, box, k, chunk.size, culler.blur);
+  if (lens != pinhole) return culled_through_lens(lens, eye, box, k, chunk.size, culler.blur);
   float cx = eye.cx.high, cy = eye.cy.high, fx = eye.fx.high, fy = eye.fy.high;
   float margin = 0.03f + k * culler.blur, size = 1.0001f * k * chunk.size, x = size * culler.wide, y = size * culler.high;
   float across = margin + 1e-6f * abs(cx), down = margin + 1e-6f * abs(cy);

@@ -40,7 +40,7 @@ void main() {
   if (workgroup() * THREADS >= gaussians) return;
   // A workgroup has a chunk.
   const uvec2 chunks = seen.scene.chunks;
-  if (!is_null(chunks) && hides(LENS, seen.eye, seen.culler, Chunks(chunks).at[workgroup()])) {
+  if (!is_null(chunks) && culls(LENS, seen.eye, seen.culler, Chunks(chunks).at[workgroup()])) {
     if (thread() == 0u) counts.at[first_workgroup + workgroup()] = 0u;
     return;
   }

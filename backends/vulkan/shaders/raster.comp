@@ -50,7 +50,7 @@ void main() {
   const uint tile = tile_number(grid, first_pixel.x >> log2_side, first_pixel.y >> log2_side);
   const uint begin = ranges.at[2u * tile], end = ranges.at[2u * tile + 1u];
   if (begin > end) return;  // as of `TileRange::undrawn`
-  if (lists == other_lists && end - begin >= long_list) return;
+  if (lists == other_lists && end - begin >= long_tiles.at[0]) return;
 
   Pixel all[EACH], pixels[EACH];  // behind the segments that are composited, and within one
   float sums_of_all[EACH * SUMS], sums[EACH * SUMS], weight_of_largest[EACH], occluded_from[EACH];

@@ -19,7 +19,7 @@ layout(constant_id = 10) const bool IS_BASE = true;
 // Whether depths are those along the ray: the first attributes of a splat.
 layout(constant_id = 11) const bool ALONG_RAY = false;
 
-// Whether the weights are added to `contributions` and nothing is drawn, and whether colours tell who is hidden.
+// Whether the weights are added to `contributions` and nothing is drawn, and whether colours tell who has none.
 layout(constant_id = 12) const bool CONTRIBUTES = false;
 layout(constant_id = 13) const bool HAS_COLOURS = true;
 
@@ -34,10 +34,9 @@ layout(push_constant, scalar) uniform Push {
   Floats attributes;
   Floats ray_depths;    // the first of the frame's attributes
   Uints contributions;  // 64-bit sums of Gaussians, by halves
-  Uints long_tiles;
+  Uints long_tiles;  // the length from which on lists are long, tiles of these
   uint ray_depth_stride;
-  uint lists;      // which are drawn
-  uint long_list;  // intersections of a list that is long
+  uint lists;  // which are drawn
 };
 const uint all_lists = 0u, long_lists = 1u, other_lists = 2u;
 
@@ -54,7 +53,7 @@ uvec2 place_of(uint p) {
 // The block of this workgroup in a launch over the tiles of long lists. None where it is of another view or outside.
 bool long_block(out uvec2 block) {
   const uint side = uint(view.grid.side), blocks = side / SIDE, of_tile = gl_WorkGroupID.x % (blocks * blocks);
-  const uint tile = long_tiles.at[gl_WorkGroupID.x / (blocks * blocks)], of_view = tile - view.grid.first;
+  const uint tile = long_tiles.at[1u + gl_WorkGroupID.x / (blocks * blocks)], of_view = tile - view.grid.first;
   block = uvec2(of_view % view.grid.stride, of_view / view.grid.stride) * side + uvec2(of_tile % blocks, of_tile / blocks) * SIDE;
   return tile >= view.grid.first && block.x < view.width && block.y < view.height;
 }
@@ -120,7 +119,7 @@ void exchange(uint k, uint number) {
 }
 uint exchanged(uint k) { return rests[gl_SubgroupID * SUBGROUP + k % SUBGROUP][k / SUBGROUP]; }
 
-// Puts a splat where its subgroup blends it. A hidden one shows nothing.
+// Puts a splat where its subgroup blends it. A colourless one shows nothing.
 void enqueue(ShapeWords shape, vec4 shade, vec2 first_centre, float alpha_max) {
   Terms terms = no_terms();
   if (shade.w > 0.0) terms = terms_of(shape_of(shape), first_centre, alpha_max);

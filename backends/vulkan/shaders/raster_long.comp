@@ -45,7 +45,7 @@ void find(uint wanted, uint end, vec2 first_centre) {
 // Of the view. The rest of it would take registers until it is needed at the end.
 float least, alpha_max, stop_below;
 
-// The k-th splat found: one that does not exist is hidden.
+// The k-th splat found: one that does not exist shows nothing.
 struct Found {
   ShapeWords shape;
   vec4 shade;

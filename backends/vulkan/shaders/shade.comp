@@ -11,7 +11,7 @@ layout(push_constant, scalar) uniform Push {
   uvec2 of_view;
   Floats depths;
   Colours colours;
-  Uints hidden;
+  Uints colourless;
   Count count;
   uint scenes, first;  // splat of this launch
 };
@@ -93,7 +93,7 @@ void main() {
   vec3 colour = colour_of(scene.sh_degree, sh0, direction, 1.0);
   if (!is_finite(colour)) colour = colour_of(scene.sh_degree, sh0, direction, 0.015625) / 0.015625;
   if (!is_finite(colour)) {
-    hidden.at[0] = 1u;
+    colourless.at[0] = 1u;
     colours.at[i] = vec4(0.0);
     return;
   }
