@@ -110,7 +110,8 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
                         blocks = std::uint32_t(blocks_of(frame));
     const std::size_t of_tile =
         std::size_t(view.grid.side / int(side)) * std::size_t(view.grid.side / int(side));
-    const bool knows_long = parts == 1 && n >= long_list && job.lists.ranges.data == state.long_of &&
+    const bool knows_long = parts == 1 && n >= long_list(commands.subgroup()) &&
+                            job.lists.ranges.data == state.long_of &&
                             std::min(state.long_tiles.size(), job.lists.ranges.size) * of_tile <= most_groups;
     // A workgroup draws colour, alpha and depths of means of a block of a long list, a subgroup all that
     // there is.
