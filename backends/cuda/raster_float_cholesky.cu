@@ -11,13 +11,13 @@ bool is_of_colour(const RasterJob& job) { return !kernels::sums_or_picks(job) &&
 
 void rasterize(Cuda& cuda, AxisShared<FloatCholesky>, const RasterJob& job) {
   const char* const name = "rasterize axis-shared-float-cholesky";
-  is_of_colour(job) ? kernels::rasterize_colour<kernels::CholeskyExponent, false>(cuda, name, job)
-                    : kernels::rasterize_planes<false>(cuda, name, job);
+  if (is_of_colour(job)) return kernels::rasterize_colour<kernels::CholeskyExponent, false>(cuda, name, job);
+  kernels::rasterize_planes<false>(cuda, name, job);
 }
 void rasterize(Cuda& cuda, AxisSharedThreshold<FloatCholesky>, const RasterJob& job) {
   const char* const name = "rasterize axis-shared-threshold-float-cholesky";
-  is_of_colour(job) ? kernels::rasterize_colour<kernels::CholeskyExponent, true>(cuda, name, job)
-                    : kernels::rasterize_planes<true>(cuda, name, job);
+  if (is_of_colour(job)) return kernels::rasterize_colour<kernels::CholeskyExponent, true>(cuda, name, job);
+  kernels::rasterize_planes<true>(cuda, name, job);
 }
 
 }  // namespace swiftgs

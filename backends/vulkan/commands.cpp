@@ -77,11 +77,11 @@ const void* Commands::copy(const void* from, std::size_t bytes, std::size_t room
   while (slot.block < slot.blocks.size() && slot.blocks[slot.block].block.bytes - slot.used < room)
     ++slot.block, slot.used = 0;
   if (slot.block == slot.blocks.size()) {
-    // As large as the last two, since devices limit how many there are.
-    const std::size_t last = slot.blocks.empty() ? least : 2 * slot.blocks.back().block.bytes;
+    // Twice as large as the last one, since devices limit how many there are.
+    const std::size_t wanted = slot.blocks.empty() ? least : 2 * slot.blocks.back().block.bytes;
     Constants& made = slot.blocks.emplace_back();
     made.uniforms = device_.make_descriptors(device_.uniforms, {uniform_type});
-    made.block = device_.allocate_host_block(std::max(room, std::min(last, most)), HostMemory::of_device);
+    made.block = device_.allocate_host_block(std::max(room, std::min(wanted, most)), HostMemory::of_device);
     const VkDescriptorBufferInfo of_buffer{made.block.allocation.buffer, 0, Uniform::most};
     VkWriteDescriptorSet write{};
     write.sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET;

@@ -29,7 +29,7 @@ FUNCTION uint tile_number(TileGrid grid, int column, int row) {
   return grid.first + uint(row - grid.first_row) * grid.stride + uint(column - grid.first_column);
 }
 
-// The tiles from `begin` to `end`, rounded down; what is too large for an integer is limited.
+// The tiles from `begin` to `end`. Both are rounded down, and limited to what an integer holds.
 FUNCTION TileRun whole_tiles(float begin, float end) {
   const float most = 1073741824.0f;
   return tile_run(int(floor(max(min(begin, most), -most))), int(floor(max(min(end, most), -most))));

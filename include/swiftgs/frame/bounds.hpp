@@ -54,7 +54,7 @@ concept BoundsPolicy = requires(const P bounds, const SplatShape& shape, TileGri
 template <class Bounds>
 using TilesWithin = decltype(std::declval<const Bounds&>().tiles(SplatShape(), TileGrid()));
 
-/// The tiles from `begin` to `end`, rounded down; what is too large for an integer is limited.
+/// The tiles from `begin` to `end`. Both are rounded down, and limited to what an integer holds.
 SWIFTGS_HD inline TileRun tile_run(float begin, float end) {
 #if defined(__CUDA_ARCH__)
   return {__float2int_rd(begin), __float2int_rd(end)};
