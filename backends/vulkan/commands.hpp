@@ -100,8 +100,8 @@ inline constexpr std::uint32_t raster_side = 8;
 /// Least intersections of a list that is long, and their least part of all: its blocks are rasterized beside
 /// others, by workgroups, which take more work and less time for a block. On an H200 frames of
 /// `builtin:1000000` are quickest from 3,072 on, of four million from 6,144 on, of twelve from 12,288 on:
-/// with 4,096 these take 6 and 30 % longer. Software, with few lanes, compiles such kernels for a minute.
-constexpr std::uint32_t long_list(std::uint32_t lanes) { return lanes < 32 ? 8192 : 3072; }
+/// with 4,096 these take 6 and 30 % longer.
+inline constexpr std::uint32_t long_list = 3072;
 inline constexpr std::uint32_t long_part = 1000;
 
 /// Memory of commands for what kernels read, at addresses and as uniforms.

@@ -40,12 +40,12 @@ void find_ranges(Vulkan& b, const FootprintsView& footprints, Count count, Keys 
   Vulkan::State& state = b.state();
   const Access launch =
       writes(state.groups.device + Vulkan::State::long_launch, sizeof(VkDispatchIndirectCommand));
-  const std::size_t most_long = 1 + count.most / long_list(commands.subgroup());
+  const std::size_t most_long = 1 + count.most / long_list;
   state.long_tiles.reset(most_long), state.long_of = ranges;
   const Access long_tiles = writes(state.long_tiles.data(), most_long);
   commands.run(Kernel::ranges_clear, {},
                Push(writes(ranges, tiles), reads(footprints.overflowed, 1), launch, long_tiles, count,
-                    std::uint32_t(tiles), long_list(commands.subgroup()), long_part),
+                    std::uint32_t(tiles), long_list, long_part),
                Commands::Shape::of(std::max<std::size_t>(tiles, 3)));
   const auto blocks = std::uint32_t(footprints.views.tiles.side / raster_side);
   commands.run(Kernel::ranges, {keys.each},

@@ -90,7 +90,7 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
   Vulkan::State& state = b.state();
   constexpr std::uint32_t side = raster_side;
   const std::size_t most_groups = state.device.state().most_groups;
-  // lavapipe, whose subgroups are small, would compile the sums of all pixels of a block for a minute.
+  // lavapipe, whose subgroups are small, would compile sums of all pixels of a block for up to 20 seconds.
   const std::uint32_t parts =
       job.attributes.rows != 0 && commands.subgroup() < 32 ? side * side / commands.subgroup() : 1;
   const auto blocks_of = [](const FrameView& frame) {
@@ -110,8 +110,7 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
                         blocks = std::uint32_t(blocks_of(frame));
     const std::size_t of_tile =
         std::size_t(view.grid.side / int(side)) * std::size_t(view.grid.side / int(side));
-    const bool knows_long = parts == 1 && n >= long_list(commands.subgroup()) &&
-                            job.lists.ranges.data == state.long_of &&
+    const bool knows_long = parts == 1 && n >= long_list && job.lists.ranges.data == state.long_of &&
                             std::min(state.long_tiles.size(), job.lists.ranges.size) * of_tile <= most_groups;
     // A workgroup draws colour, alpha and depths of means of a block of a long list, a subgroup all that
     // there is.

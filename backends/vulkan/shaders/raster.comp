@@ -190,7 +190,10 @@ void main() {
     shown[p] = all[p];
     picked[p] = uvec3(first[p], median[p], largest[p]);
   }
-  for (uint p = 0u; p < EACH; ++p) {
+  // Mesa unrolls a loop over an array if it can count the rounds. Software would compile what stores a pixel EACH times: it
+  // gets a number that it does not know.
+  const uint pixels_of_lane = SUBGROUP < 32u ? min(EACH, size.x * EACH) : EACH;
+  for (uint p = 0u; p < pixels_of_lane; ++p) {
     const uvec2 at = block + place_of(p);
     if (at.x >= size.x || at.y >= size.y) continue;
     const vec2 place = first_place + vec2(place_of(p));

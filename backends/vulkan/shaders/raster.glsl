@@ -41,8 +41,9 @@ layout(push_constant, scalar) uniform Push {
 const uint all_lists = 0u, long_lists = 1u, other_lists = 2u;
 
 const uint SIDE = 8u, EACH = SIDE * SIDE / (SUBGROUP * PARTS);
-// Splats that are blended together: fewer where a lane has many pixels, or software would compile for a minute.
-const uint GROUP = EACH > 4u ? 1u : EACH > 2u ? 2u : 4u, GROUP_END = GROUP + 1u;
+// Splats that are blended together: fewer where a lane has many pixels. One in parts, which sum attributes: four would take
+// software 1.6 times as long to compile.
+const uint GROUP = PARTS > 1u ? 1u : EACH > 2u ? 2u : 4u, GROUP_END = GROUP + 1u;
 
 // Place of pixel `p` of this lane in the block.
 uvec2 place_of(uint p) {
