@@ -9,7 +9,7 @@ import ctypes
 import functools
 import importlib
 import sys
-from typing import Any, Iterable, List, NamedTuple, Optional, Set, Tuple
+from typing import Any, Dict, Iterable, NamedTuple, Optional, Tuple
 
 import numpy as np
 
@@ -38,6 +38,9 @@ class Memory(NamedTuple):
         return "the host" if self.device is None else f"CUDA device {self.device}"
 
 
+NOWHERE = Memory(0, (), (), "", None, False, None)
+
+
 def library_of(array: Any) -> str:
     """The library that an array's type belongs to, or is derived from."""
     kind: Any = type(array)
@@ -62,12 +65,17 @@ def read(array: Any, what: str, stream: Optional[int] = 0) -> Memory:
         return _of_interface(array.__array_interface__, None, array)
     library = library_of(array)
     if library == "torch":
-        if array.requires_grad and sys.modules["torch"].is_grad_enabled():
+        torch = sys.modules["torch"]
+        if array.requires_grad and torch.is_grad_enabled():
             raise InvalidArgument(f"{what} requires gradients, expected none: swiftgs renders forward only. Call it "
                                   "under torch.no_grad(), or give it tensors after detach()")
-        kind = _kind_of_tensor(array.dtype)
-        if kind and array.device.type in ("cpu", "cuda") and array.layout is sys.modules["torch"].strided:
-            return _of_tensor(array, kind, stream)
+        usual = _usual_tensor(array.dtype, array.device, array.layout is torch.strided)
+        if usual:
+            kind, device = usual
+            if device is not None and stream is not None:
+                _make_ready(array, device, stream)
+            return Memory(array.data_ptr(), tuple(array.shape), _in_bytes(array.stride(), kind), kind, device, True,
+                          array)
         array = array.detach()
     if hasattr(array, "__dlpack_device__"):
         kind, device = array.__dlpack_device__()
@@ -90,24 +98,29 @@ def read(array: Any, what: str, stream: Optional[int] = 0) -> Memory:
                       "__cuda_array_interface__, or of NumPy")
 
 
-def _of_tensor(array: Any, kind: str, stream: Optional[int]) -> Memory:
-    device, item = array.device.index, int(kind[1:])
-    if device is not None and stream is not None:
-        ready = stream_of(array, device) or 0
-        if ready != stream and device == current_device():  # others are refused
-            lib.device_order(ready or None, stream or None)
-    return Memory(array.data_ptr(), tuple(array.shape), tuple(item * step for step in array.stride()), kind, device,
-                  True, array)
+def _make_ready(array: Any, device: int, stream: int) -> None:
+    """Work on `stream` comes after what the array's library works on now."""
+    ready = stream_of(array, device) or 0
+    if ready != stream and device == current_device():  # others are refused
+        lib.device_order(ready or None, stream or None)
+
+
+@functools.lru_cache(maxsize=256)
+def _in_bytes(strides: Tuple[int, ...], kind: str) -> Tuple[int, ...]:
+    return tuple(int(kind[1:]) * step for step in strides)
 
 
 @functools.lru_cache(maxsize=64)
-def _kind_of_tensor(dtype: Any) -> Optional[str]:
-    """Such as "f4"; None of what is no number of NumPy's own."""
+def _usual_tensor(dtype: Any, device: Any, strided: bool) -> Optional[Tuple[str, Optional[int]]]:
+    """The kind, such as "f4", and the CUDA device of a tensor that its own members describe; None of others, such as
+    one of no number of NumPy's own."""
     try:
         found = np.dtype(str(dtype).rpartition(".")[2])
     except TypeError:
         return None
-    return found.str.lstrip("<|=") if found.kind in "fiu" else None
+    if not strided or device.type not in ("cpu", "cuda") or found.kind not in "fiu":
+        return None
+    return found.str.lstrip("<|="), device.index if device.type == "cuda" else None
 
 
 def _of_interface(interface, device, owner):
@@ -123,6 +136,16 @@ def _kind_of(typestr: str) -> Tuple[str, int]:
     """Such as "f4", and its bytes."""
     kind = "!" + typestr if typestr[0] == ">" else typestr.lstrip("<|=")
     return kind, int("".join(filter(str.isdigit, kind)) or 0)
+
+
+def device_of(array: Any) -> Optional[int]:
+    """The CUDA device where an array lies; None: the host."""
+    if library_of(array) == "torch" and array.device.type in ("cpu", "cuda"):
+        return array.device.index if array.device.type == "cuda" else None
+    if hasattr(array, "__dlpack_device__"):
+        kind, number = array.__dlpack_device__()
+        return int(number) if int(kind) in (_dlpack.CUDA, _dlpack.CUDA_MANAGED) else None
+    return current_device() if hasattr(array, "__cuda_array_interface__") else None
 
 
 def current_device() -> int:
@@ -143,14 +166,14 @@ def stream_of(array: Any, device: int) -> Optional[int]:
     return None
 
 
-def streams_of(arrays: Iterable[Any], device: int) -> Set[Optional[int]]:
-    """Those of all of them, each library asked once."""
-    return {stream_of(array, device) for array in one_of_each_stream(arrays)}
+def whose_stream(array: Any) -> Any:
+    """Equal for arrays that tell of one stream: all of a library's do, and each `DeviceArray` of its own."""
+    return array if isinstance(array, DeviceArray) else library_of(array)
 
 
-def one_of_each_stream(arrays: Iterable[Any]) -> List[Any]:
-    """One array of each library tells of its stream; each `DeviceArray` has its own."""
-    return list({array if isinstance(array, DeviceArray) else library_of(array): array for array in arrays}.values())
+def one_of_each_stream(arrays: Iterable[Any]) -> Dict[Any, Any]:
+    """By `whose_stream`."""
+    return {whose_stream(array): array for array in arrays}
 
 
 def stream_handle(stream: Any) -> int:
@@ -211,6 +234,16 @@ def empty(like: Any, shape: Tuple[int, ...], device: Optional[int]) -> Any:
     if library == "cupy" and device is not None:
         return sys.modules["cupy"].empty(shape, np.float32)
     return np.empty(shape, np.float32) if device is None else DeviceArray(shape, device)
+
+
+def address_of(array: Any) -> int:
+    """Where an array of `empty` begins."""
+    library = library_of(array)
+    if library == "torch":
+        return array.data_ptr()
+    if library == "cupy":
+        return array.data.ptr
+    return array.ctypes.data if isinstance(array, np.ndarray) else array._memory.pointer
 
 
 def returned(like: Any, array: Any) -> Any:

@@ -1,22 +1,42 @@
 # SPDX-License-Identifier: Apache-2.0
 """Arrays of Gaussians as the struct that the library takes."""
 import functools
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, NamedTuple, Optional, Tuple
 
 from . import _arrays, _c, _checks, _dlpack
 from ._errors import InvalidArgument, InvalidType
 from ._model import RenderingModel
 
-# Names of the struct's members, and the shapes of one Gaussian.
-_PARTS = {"means": (3,), "scales": (3,), "rotations": (4,), "opacities": (), "sh0": (3,)}
+# Names of the struct's members, and of `sh0` with `sh_rest` in one, and the shapes of one Gaussian.
+_PARTS: Dict[str, Tuple[Optional[int], ...]] = {
+    "means": (3,), "scales": (3,), "rotations": (4,), "opacities": (), "sh0": (3,), "sh": (None, 3),
+    "sh_rest": (None, 3), "features": (None,)}
 
 
-def _rows(array: Any, what: str, count: Optional[int], shape: Tuple[Optional[int], ...],
+class Given(NamedTuple):
+    """Arrays of Gaussians as the library takes them."""
+
+    struct: _c.Gaussians
+    memory: List[_arrays.Memory]  # that the struct points to
+    sources: Dict[Any, Any]  # an array of each stream, by `whose_stream`
+    key: Any  # all that the struct follows from; None where a copy was made
+
+    @property
+    def count(self) -> int:
+        return self.memory[0].shape[0]
+
+    @property
+    def device(self) -> Optional[int]:
+        return self.memory[0].device
+
+
+def _rows(memory: _arrays.Memory, array: Any, what: str, shape: Tuple[Optional[int], ...],
           stream: int) -> _arrays.Memory:
-    """Float32 of `count` Gaussians, the numbers of one side by side. None in a shape stands for any length."""
-    memory = _arrays.read(array, what, stream)
-    if not _lies_in_rows(what, memory.kind, memory.shape, memory.strides, (count, *shape)):
-        return _rows(_copied(array, what), what, count, shape, stream)
+    """Float32 of this shape, the numbers of one Gaussian side by side: `memory` of `array`, or that of a copy. None in
+    a shape stands for any length."""
+    if not _lies_in_rows(what, memory.kind, memory.shape, memory.strides, shape):
+        copy = _copied(array, what)
+        return _rows(_arrays.read(copy, what, stream), copy, what, shape, stream)
     if memory.address % 4 != 0:
         raise InvalidArgument(f"{what} begins at the address {memory.address}, expected a multiple of 4")
     return memory
@@ -52,44 +72,65 @@ def gaussians_of(means: Any, scales: Any, rotations: Any, opacities: Any, sh0: A
                  sh: Any = None, sh_degree: Optional[int] = None, colours: Any = None, log_scales: bool = False,
                  logit_opacities: bool = False, any_rotations: bool = True,
                  model: RenderingModel = RenderingModel(), features: Any = None, stream: int = 0, some: bool = False,
-                 names: Optional[dict] = None) -> Tuple[_c.Gaussians, List[_arrays.Memory]]:
-    """The struct, and the memory that it points to, ready on `stream`.
+                 names: Optional[dict] = None, last: Tuple[Any, Any] = (None, None)) -> Given:
+    """The arrays, ready on `stream`.
 
     Colours are `sh0` [N, 3] with `sh_rest` [N, K, 3], or `sh` [N, K, 3] with both, or `colours` [N, 3] without
-    harmonics. `some`: arrays that are None are left out. `names` are those of the caller's arguments.
+    harmonics. `some`: arrays that are None are left out. `names` are those of the caller's arguments. `last` are the
+    key and the struct of an earlier call: where arrays lie as those did, the struct serves again.
     """
     said = (names or {}).get
-    given = {"means": means, "scales": scales, "rotations": rotations, "opacities": opacities}
-    if sh is None:
-        given["sh0"] = sh0 if colours is None else colours
-    count: Optional[int] = None
-    memory: Dict[str, _arrays.Memory] = {}
-    for name, array in given.items():
-        if array is None and some:
-            continue
-        memory[name] = _rows(array, said(name, name), count, _PARTS[name], stream)
-        count = memory[name].shape[0]
-    struct = _c.Gaussians()
-    _checks.of_type(model, RenderingModel, "model")._fill(struct)
+    arrays = {"means": means, "scales": scales, "rotations": rotations, "opacities": opacities}
     if sh is not None:
-        both = memory["sh"] = _rows(sh, said("sh", "sh"), count, (None, 3), stream)
-        struct.sh_degree = _degree(both.shape[1], said("sh", "sh"), 1, sh_degree)
-        struct.sh0 = _array(both)
-        struct.sh_rest = _array(both, 12)
-    elif sh_rest is not None:
-        rest = memory["sh_rest"] = _rows(sh_rest, said("sh_rest", "sh_rest"), count, (None, 3), stream)
-        struct.sh_degree = _degree(rest.shape[1], said("sh_rest", "sh_rest"), 0, sh_degree)
-        struct.sh_rest = _array(rest)
-        count = rest.shape[0]
+        arrays["sh"] = sh
+    else:
+        arrays["sh0"] = sh0 if colours is None else colours
+        if sh_rest is not None:
+            arrays["sh_rest"] = sh_rest
     if features is not None:
-        found = memory["features"] = _rows(features, said("features", "features"), count, (None,), stream)
-        struct.feature_channels = found.shape[1]
-        struct.features = _array(found)
-    for name in _PARTS:
-        if name in memory:
-            setattr(struct, name, _array(memory[name]))
+        arrays["features"] = features
+    if some:
+        arrays = {name: array for name, array in arrays.items() if array is not None}
+    memory: Dict[str, _arrays.Memory] = {}
+    sources: Dict[Any, Any] = {}
+    for name, array in arrays.items():
+        source = _arrays.whose_stream(array)
+        is_ready = source == "torch" and source in sources  # protocols make each array ready by itself
+        memory[name] = _arrays.read(array, said(name, name), None if is_ready else stream)
+        sources[source] = array
+    _checks.of_type(model, RenderingModel, "model")
+    raw = (_c.LOG_SCALES * bool(log_scales) + _c.LOGIT_OPACITIES * bool(logit_opacities) +
+           _c.ANY_ROTATIONS * bool(any_rotations) + _c.PLAIN_COLOURS * (colours is not None))
+    key: Any = (*memory, *[found[:-1] for found in memory.values()], sh_degree, raw, model, stream)
+    if key == last[0]:
+        return Given(last[1], list(memory.values()), sources, key)
     if not memory:
         raise InvalidType("all arrays are None, expected one or more")
+    first: Optional[_arrays.Memory] = None
+    for name, found in memory.items():
+        expected = (first.shape[0] if first else None, *_PARTS[name])
+        memory[name] = _rows(found, arrays[name], said(name, name), expected, stream)
+        first = first or memory[name]
+        if memory[name] is not found:
+            key = None
+    struct = _c.Gaussians(raw=raw, stream=stream or None)
+    model._fill(struct)
+    _fill(struct, memory, said, sh_degree)
+    return Given(struct, list(memory.values()), sources, key)
+
+
+def _fill(struct: _c.Gaussians, memory: Dict[str, _arrays.Memory], said: Any, sh_degree: Optional[int]) -> None:
+    """Points `struct` to arrays in rows, which lie in one place."""
+    for name, found in memory.items():
+        if name == "sh":
+            struct.sh0, struct.sh_rest = _array(found), _array(found, 12)
+        else:
+            setattr(struct, name, _array(found))
+    for name, of_band_0 in (("sh", 1), ("sh_rest", 0)):
+        if name in memory:
+            struct.sh_degree = _degree(memory[name].shape[1], said(name, name), of_band_0, sh_degree)
+    if "features" in memory:
+        struct.feature_channels = memory["features"].shape[1]
     first_name, first = next(iter(memory.items()))
     for name, found in memory.items():
         if found.device != first.device:
@@ -98,10 +139,6 @@ def gaussians_of(means: Any, scales: Any, rotations: Any, opacities: Any, sh0: A
     check_device(first.device, said(first_name, first_name))
     struct.count = first.shape[0]
     struct.memory = _c.HOST if first.device is None else _c.DEVICE
-    struct.stream = stream or None
-    struct.raw = (_c.LOG_SCALES * bool(log_scales) + _c.LOGIT_OPACITIES * bool(logit_opacities) +
-                  _c.ANY_ROTATIONS * bool(any_rotations) + _c.PLAIN_COLOURS * (colours is not None))
-    return struct, list(memory.values())
 
 
 def check_device(device: Optional[int], what: str) -> None:

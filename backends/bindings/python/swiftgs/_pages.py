@@ -128,8 +128,8 @@ class PagePool:
                 raise InvalidArgument(f"{name} is {value:g}, expected 0 or more")
         told = _c.Cut()
         with self._renderer._scene_lock:
-            lib.pool_cut(self._open(), frame._argument, None if later is None else later._argument, ctypes.byref(goal),
-                         ctypes.byref(told))
+            self._renderer._change(lib.pool_cut, self._open(), frame._argument,
+                                   None if later is None else later._argument, ctypes.byref(goal), ctypes.byref(told))
             self._renderer._cut = cut = _cut_of(told)
             if wait:
                 lib.pool_wait(self._open(), ctypes.byref(told))

@@ -11,7 +11,7 @@ from ._c import Handle, count_of, lib, render, text_of
 from ._camera import Camera, check_cameras
 from ._errors import InvalidArgument, InvalidType, OrderError
 from ._frame import Frame
-from ._gaussians import gaussians_of
+from ._gaussians import Given, gaussians_of
 from ._model import RenderingModel
 from ._placement import Placement, RecordedScenes
 from ._scene import Scene
@@ -111,12 +111,6 @@ def _entry_of(entry: _c.RendererEntry) -> RendererEntry:
     return RendererEntry(entry.name.decode(), bool(entry.usable), bool(entry.on_device))
 
 
-def _given(arrays: Sequence[Any], options: Dict[str, Any]) -> List[Any]:
-    """All arrays among the arguments of `gaussians_of`."""
-    beside = (options.get(name) for name in ("sh", "colours", "features"))
-    return [array for array in (*arrays, *beside) if array is not None]
-
-
 class Renderer:
     """Draws frames of the scenes that it was given.
 
@@ -152,7 +146,9 @@ class Renderer:
         self._counts: List[int] = []  # Gaussians of each scene
         self._placed: List[range] = []  # Gaussians of each placement, as its scene numbers them
         self._cut: Any = None  # of a pool, which frames show in place of `_placed`
-        self._borrowed: Optional[Tuple[List[_arrays.Memory], List[Any]]] = None  # what frames read where it lies
+        self._borrowed: Optional[Given] = None  # what frames read where it lies
+        self._shown: Any = None  # the struct of borrowed arrays and the number of worlds, until something else shows
+        self._last: Tuple[Any, Any] = None, None  # key and struct of the arrays of `_draw_gaussians`
         self._recorded: Optional[Frame] = None  # keeps the arrays that recorded frames are drawn into
         self._report: Any = None
         self._has_recorded = False
@@ -168,7 +164,7 @@ class Renderer:
         """Uploads `scene` for the frames that follow, in place of all scenes and placements before; backends of the
         host share its memory."""
         with self._scene_lock:
-            lib.renderer_set_scene(self._open(), self._handle_of(scene))
+            self._change(lib.renderer_set_scene, self._open(), self._handle_of(scene))
             self._forget(len(scene))
 
     def add_scene(self, scene: Scene) -> int:
@@ -176,7 +172,7 @@ class Renderer:
         itself, until the next `place`."""
         number = ctypes.c_uint64()
         with self._scene_lock:
-            lib.renderer_add_scene(self._open(), self._handle_of(scene), ctypes.byref(number))
+            self._change(lib.renderer_add_scene, self._open(), self._handle_of(scene), ctypes.byref(number))
             self._counts.append(len(scene))
             self._placed.append(range(len(scene)))
             self._cut = None
@@ -195,7 +191,7 @@ class Renderer:
         for index, placement in enumerate(found):
             structs[index] = _checks.of_type(placement, Placement, f"placement {index}")._struct()
         with self._scene_lock:
-            lib.renderer_place(self._open(), structs, len(structs))
+            self._change(lib.renderer_place, self._open(), structs, len(structs))
             ends = (each.first + each.count if each.count else self._counts[each.scene] for each in structs)
             self._placed = [range(each.first, end) for each, end in zip(structs, ends)]
             self._cut = None
@@ -228,7 +224,7 @@ class Renderer:
         _checks.of_type(other, Renderer, "other")
         first, second = sorted((self, other), key=id)  # two that share with each other must not wait for ever
         with first._scene_lock, second._scene_lock:
-            lib.renderer_share_scene(self._open(), other._open())
+            self._change(lib.renderer_share_scene, self._open(), other._open())
             self._give_back()
             self._counts, self._placed, self._cut = list(other._counts), list(other._placed), None
             self._borrowed = other._borrowed
@@ -251,25 +247,34 @@ class Renderer:
 
     def _set_gaussians(self, *arrays: Any, **options: Any) -> None:
         with self._scene_lock:
-            memory = self._give(lib.renderer_set_gaussians, (), arrays, options)
-            self._forget(memory[0].shape[0])
-            self._hand_on_all(memory, arrays, options)
+            given = self._read(arrays, options)
+            self._give(lib.renderer_set_gaussians, (), given)
+            self._forget(given.count)
+            self._hand_on_all(given)
 
     def _draw_gaussians(self, out: Frame, worlds: int, arrays: Sequence[Any], options: Dict[str, Any]) -> None:
         """Draws a frame of as many worlds, which lie one behind another in the arrays, and which of them an image shows
         `out` tells. Those of a device are read where they lie, in each frame until another scene is set."""
         with self._scene_lock:
-            call = lib.renderer_borrow_gaussians if self.on_device else lib.renderer_set_gaussians
-            memory = self._give(call, (), arrays, options)
-            count = memory[0].shape[0]
-            self._forget(count)
+            given = self._read(arrays, options, self._last)
+            self._last, shown = (given.key, given.struct), (given.struct, worlds)
+            is_shown = shown == self._shown
+            if not is_shown:
+                self._give(lib.renderer_borrow_gaussians if self.on_device else lib.renderer_set_gaussians, (), given)
+                self._forget(given.count)
             if self.on_device:
-                self._borrowed = memory, _given(arrays, options)
-            if worlds > 1:
-                each = count // worlds
+                self._borrowed = given
+            if worlds > 1 and not is_shown:
+                each = given.count // worlds
                 self.place([Placement(first=world * each, count=each or None) for world in range(worlds)])
-            self._draw(out)
-            self._hand_on_all(memory, arrays, options)
+            if self.on_device:
+                self._shown = shown
+            self._draw(out, given.sources)
+
+    def _change(self, call: Any, *arguments: Any) -> None:
+        """Calls a function of the library that may change what frames show."""
+        self._shown = None
+        call(*arguments)
 
     def _forget(self, count: int) -> None:
         """The scenes of before: there is one of so many Gaussians."""
@@ -279,9 +284,8 @@ class Renderer:
     def _give_back(self) -> None:
         """Borrowed arrays: what their libraries do next with the memory comes after the frames that read it."""
         if self._borrowed is not None:
-            (memory, given), self._borrowed = self._borrowed, None
-            for stream in _arrays.streams_of(given, memory[0].device or 0):
-                self._hand_on(self._open(), stream)
+            given, self._borrowed = self._borrowed, None
+            self._hand_on_all(given)
 
     def update_scene(self, scene: int = 0, first: int = 0, *, means: Any = None, scales: Any = None,
                      rotations: Any = None, opacities: Any = None, sh0: Any = None, sh_rest: Any = None,
@@ -305,24 +309,25 @@ class Renderer:
         options = dict(colours=colours, log_scales=log_scales, logit_opacities=logit_opacities,
                        any_rotations=any_rotations, features=features)
         with self._scene_lock:
-            memory = self._give(lib.renderer_update_scene, (number, start), arrays, dict(options, some=True))
-            self._hand_on_all(memory, arrays, options)
+            given = self._read(arrays, dict(options, some=True))
+            self._give(lib.renderer_update_scene, (number, start), given)
+            self._hand_on_all(given)
 
-    def _give(self, call: Any, numbers: Tuple[int, ...], arrays: Sequence[Any],
-              options: Dict[str, Any]) -> List[_arrays.Memory]:
+    def _read(self, arrays: Sequence[Any], options: Dict[str, Any], last: Tuple[Any, Any] = (None, None)) -> Given:
+        """Arrays for a function of the library. They are ready for the renderer."""
+        self._open()
+        return gaussians_of(*arrays, stream=self._stream, last=last, **options)
+
+    def _give(self, call: Any, numbers: Tuple[int, ...], given: Given) -> None:
         """Gives arrays to a function of the library."""
-        handle = self._open()
-        struct, memory = gaussians_of(*arrays, stream=self._stream, **options)
-        if memory[0].device is not None:
+        if given.device is not None:
             self._check_device()
-        call(handle, *numbers, ctypes.byref(struct))
-        return memory
+        self._change(call, self._open(), *numbers, ctypes.byref(given.struct))
 
-    def _hand_on_all(self, memory: List[_arrays.Memory], arrays: Sequence[Any], options: Dict[str, Any]) -> None:
+    def _hand_on_all(self, given: Given) -> None:
         """What the libraries of arrays do next with them comes after what the renderer has been given."""
-        device = memory[0].device
-        if device is not None:
-            for stream in _arrays.streams_of(_given(arrays, options), device):
+        if given.device is not None:
+            for stream in {_arrays.stream_of(array, given.device) for array in given.sources.values()}:
                 self._hand_on(self._open(), stream)
 
     def _hand_on(self, handle: Handle, stream: Optional[int]) -> None:
@@ -376,10 +381,11 @@ class Renderer:
                                       f"{size[0]}x{size[1]}, as the first")
         return Frame.empty(*size, None if isinstance(cameras, Camera) else len(found), format=form, **options)
 
-    def _draw(self, out: Frame) -> None:
+    def _draw(self, out: Frame, given: Optional[Dict[Any, Any]] = None) -> None:
+        """`given`: sources of the arrays that have just been borrowed for it."""
         handle = self._handle or self._open()  # kept until the frame is drawn
         if out.device is not None:
-            self._draw_on_device(handle, out)
+            self._draw_on_device(handle, out, given or {})
             return
         status = render(handle.argument, out._argument)
         if status:
@@ -393,20 +399,24 @@ class Renderer:
             raise InvalidArgument(f"the frame lies on CUDA device {out.device}, expected {self._device}, the "
                                   "renderer's")
 
-    def _draw_on_device(self, handle: Handle, out: Frame) -> None:
+    def _draw_on_device(self, handle: Handle, out: Frame, given: Dict[Any, Any]) -> None:
         self._check_on_device(out)
-        streams = [_arrays.stream_of(array, out.device or 0) for array in out._sources]
-        for array, stream in zip(out._sources, streams):
+        device, sources = out.device or 0, out._sources
+        streams = [_arrays.stream_of(array, device) for array in sources.values()]
+        for array, stream in zip(sources.values(), streams):
             if stream is None:
                 _arrays.read(array, "the frame", self._stream)  # its protocol makes it ready
             elif stream != self._stream:
                 lib.device_order(stream or None, self._stream or None)
         lib.renderer_render_into(handle, out._argument)
-        for array, stream in zip(out._sources, streams):
+        for array, stream in zip(sources.values(), streams):
             if isinstance(array, _arrays.DeviceArray):
                 array.stream, array._stream_owner = self._stream, handle.outlived_by
             else:
                 self._hand_on(handle, stream)
+        for source, array in given.items():
+            if source not in sources:
+                self._hand_on(handle, _arrays.stream_of(array, device))
 
     def _check_device(self) -> None:
         if not self.on_device:

@@ -103,13 +103,11 @@ class Scene:
         """
         if (sh0 is None) == (colours is None):
             raise InvalidType("from_arrays takes either sh0 or colours")
-        struct, memory = gaussians_of(means, scales, rotations, opacities, sh0, sh_rest, colours=colours,
-                                      log_scales=log_scales, logit_opacities=logit_opacities,
-                                      any_rotations=any_rotations, model=model, features=features)
-        struct.origin = tuple(_checks.reals(origin, "origin", (3,)))
-        handle = Handle(lib.scene_free, lib.scene_from_arrays, ctypes.byref(struct))
-        del memory  # copied
-        return cls(handle)
+        given = gaussians_of(means, scales, rotations, opacities, sh0, sh_rest, colours=colours,
+                             log_scales=log_scales, logit_opacities=logit_opacities, any_rotations=any_rotations,
+                             model=model, features=features)
+        given.struct.origin = tuple(_checks.reals(origin, "origin", (3,)))
+        return cls(Handle(lib.scene_free, lib.scene_from_arrays, ctypes.byref(given.struct)))
 
     @classmethod
     def from_bytes(cls, data: Any, name: str, *, spz_axes: str = "specified",
