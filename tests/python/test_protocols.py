@@ -5,6 +5,7 @@ Arrays say that they lie on a device and lie on the host, a renderer of the host
 package asks of streams is written down. Tests of real libraries and devices are in the files beside this one.
 """
 import ctypes
+import functools
 import gc
 import sys
 import types
@@ -14,7 +15,7 @@ import numpy as np
 import pytest
 
 import swiftgs
-from conftest import HEIGHT, OF_GAUSSIANS, WIDTH
+from conftest import HEIGHT, OF_GAUSSIANS, WIDTH, arrays_of
 from swiftgs import _c, _dlpack, _gsplat
 from swiftgs._c import lib
 
@@ -28,6 +29,7 @@ class Array:
         self.array, self.asked = np.array(array, np.float32), asked
 
     shape = property(lambda self: self.array.shape)
+    data = property(lambda self: types.SimpleNamespace(ptr=self.array.ctypes.data))
 
     def __dlpack_device__(self):
         return _dlpack.CUDA, 0
@@ -38,6 +40,15 @@ class Array:
 
     def __mul__(self, other):
         return Array(self.array * other.array, self.asked)
+
+    def view(self, array):
+        """Another array, in memory of this one's."""
+        found = Array([], self.asked)
+        found.array = array
+        return found
+
+    def reshape(self, shape):
+        return self.view(self.array.reshape(shape))
 
 
 class ArrayOfJax(Array):
@@ -77,16 +88,12 @@ class Pretended:
             self.calls.append(("copy", stream))
             ctypes.memmove(to, from_, count)
 
-        def borrowed(renderer, struct):
-            self.calls.append(("gaussians", struct._obj.stream or 0))
-            struct._obj.memory, struct._obj.stream = _c.HOST, None
-            borrow_gaussians(renderer, struct)
-
-        def gaussians(renderer, struct):
-            if struct._obj.memory == _c.DEVICE:
-                self.calls.append(("gaussians", struct._obj.stream or 0))
-            struct._obj.memory, struct._obj.stream = _c.HOST, None
-            set_gaussians(renderer, struct)
+        def give(function, renderer, struct):
+            on_host = _c.Gaussians.from_buffer_copy(struct._obj)
+            if on_host.memory == _c.DEVICE:
+                self.calls.append(("gaussians", on_host.stream or 0))
+            on_host.memory, on_host.stream = _c.HOST, None
+            function(renderer, ctypes.byref(on_host))
 
         def frame(renderer, struct):
             self.calls.append("frame")
@@ -98,7 +105,9 @@ class Pretended:
 
         for name, function in {
                 "device_current": current, "device_allocate": allocate, "device_copy": copy,
-                "device_free": self.memory.pop, "renderer_set_gaussians": gaussians, "renderer_borrow_gaussians": borrowed,
+                "device_free": self.memory.pop,
+                "renderer_set_gaussians": functools.partial(give, set_gaussians),
+                "renderer_borrow_gaussians": functools.partial(give, borrow_gaussians),
                 "renderer_render_into": frame, "renderer_wait": waiting,
                 "device_order": lambda before, after: self.calls.append(("order", before or 0, after or 0))}.items():
             monkeypatch.setattr(lib, name, function)
@@ -148,9 +157,75 @@ def test_one_stream_needs_no_order(pretended, gsplat_arguments):
     pretended.calls.clear(), pretended.asked.clear()
     pretended.stream = 77
     swiftgs.rasterization(**pretended.arguments(gsplat_arguments), renderer=pretended.renderer(77))
-    assert pretended.calls == [("gaussians", 77), "frame"] and pretended.asked == [-1, -1] + [77] * 5
+    assert pretended.calls == [("gaussians", 77), "frame"] and pretended.asked == [77] * 5
 
 
+def test_arrays_that_lie_as_before_are_borrowed_once_and_drawn_as_they_are(pretended, gsplat_arguments):
+    renderer, given = pretended.renderer(), pretended.arguments(gsplat_arguments)
+
+    def draw(arguments):
+        pretended.calls.clear()
+        found = swiftgs.rasterization(**arguments, renderer=renderer)[0].array
+        assert pretended.calls[-1] == "frame"
+        return found, pretended.calls[:-1]
+
+    first = draw(given)[0]
+    again, calls = draw(given)
+    assert np.array_equal(again, first) and not calls
+    given["means"].array += np.float32(0.25)
+    moved, calls = draw(given)
+    wanted = swiftgs.rasterization(**dict(gsplat_arguments, means=given["means"].array))[0]
+    assert np.array_equal(moved, wanted) and not np.array_equal(moved, first) and not calls
+
+    borrowed = [("gaussians", 0)]
+    elsewhere = dict(given, means=pretended.array(gsplat_arguments["means"]))
+    assert np.array_equal(draw(elsewhere)[0], first) and pretended.calls == [*borrowed, "frame"]
+    fewer = dict(given, **{name: given[name].view(given[name].array[:1000]) for name in OF_GAUSSIANS})
+    assert not np.array_equal(draw(given)[0], draw(fewer)[0]) and pretended.calls == [*borrowed, "frame"]
+    assert not np.array_equal(draw(dict(fewer, sh_degree=0))[0], draw(fewer)[0])
+    fortran = dict(given, means=given["means"].view(np.asfortranarray(gsplat_arguments["means"])))
+    for _ in range(2):  # is copied each time
+        assert np.array_equal(draw(fortran)[0], first) and pretended.calls == [*borrowed, "frame"]
+
+
+@pytest.mark.parametrize("change", [
+    lambda renderer, scene: renderer.set_scene(scene), lambda renderer, scene: renderer.add_scene(scene),
+    lambda renderer, scene: renderer.place([swiftgs.Placement(count=100)]),
+    lambda renderer, scene: renderer.share_scene(swiftgs.Renderer("cpu", scene=scene)),
+    lambda renderer, scene: renderer.set_gaussians(**arrays_of(scene, slice(100)))])
+def test_what_else_is_shown_ends_a_borrowing(change, pretended, gsplat_arguments):
+    renderer, given = pretended.renderer(), pretended.arguments(gsplat_arguments)
+    first = swiftgs.rasterization(**given, renderer=renderer)[0].array
+    change(renderer, swiftgs.Scene.builtin(500))
+    pretended.calls.clear()
+    assert np.array_equal(swiftgs.rasterization(**given, renderer=renderer)[0].array, first)
+    assert pretended.calls == [("gaussians", 0), "frame"]
+
+
+def test_batches_of_other_worlds_are_placed_again(pretended, gsplat_arguments):
+    renderer, given = pretended.renderer(), pretended.arguments(gsplat_arguments)
+    alone = swiftgs.rasterization(**given, renderer=renderer)[0].array
+    halves = {name: given[name].reshape((2, 1000, *given[name].shape[1:])) for name in OF_GAUSSIANS}
+    halves.update({name: np.stack([given[name]] * 2) for name in ("viewmats", "Ks")})
+    for _ in range(2):
+        found = swiftgs.rasterization(**dict(given, **halves), renderer=renderer)[0].array
+        for world, part in enumerate((slice(1000), slice(1000, 2000))):
+            arguments = {name: gsplat_arguments[name][part] for name in OF_GAUSSIANS}
+            assert np.array_equal(found[world], swiftgs.rasterization(**dict(gsplat_arguments, **arguments))[0])
+        assert np.array_equal(swiftgs.rasterization(**given, renderer=renderer)[0].array, alone)
+
+
+def test_neither_images_nor_arrays_are_kept_from_one_call_to_the_next(pretended, gsplat_arguments):
+    given, renderer = pretended.arguments(gsplat_arguments), pretended.renderer()
+    swiftgs.rasterization(**given, renderer=renderer)
+    images, alphas, _ = swiftgs.rasterization(**given, renderer=renderer)
+    before, first, gone = images.array.copy(), weakref.ref(given["means"]), [weakref.ref(images), weakref.ref(alphas)]
+    given["means"] = given["means"].view(given["means"].array)
+    again = swiftgs.rasterization(**given, renderer=renderer)[0]
+    assert again is not images and np.array_equal(images.array, before) and np.array_equal(again.array, before)
+    assert first() is None  # another array of the same memory takes its place
+    del images, alphas
+    assert not any(each() for each in gone)
 def test_planes_are_joined_by_their_library_and_matrices_come_to_the_host(pretended, gsplat_arguments):
     plain = {mode: swiftgs.rasterization(**gsplat_arguments, render_mode=mode)[0] for mode in ("D", "RGB+ED")}
     given = pretended.arguments(gsplat_arguments)

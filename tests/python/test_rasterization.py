@@ -192,6 +192,36 @@ def test_other_orders_and_libraries_of_arrays(gsplat_arguments):
     assert np.array_equal(swiftgs.rasterization(**given)[0], plain)
 
 
+def test_calls_with_the_same_arrays_draw_what_they_hold(gsplat_arguments):
+    given = {name: array.copy() if name in OF_ALL else array for name, array in gsplat_arguments.items()}
+    plain = swiftgs.rasterization(**given)[0]
+    others = {name: np.roll(gsplat_arguments[name], 1, axis=0) for name in OF_GAUSSIANS}
+    others.update(viewmats=gsplat_arguments["viewmats"] + np.eye(4, k=3, dtype=np.float32),
+                  Ks=gsplat_arguments["Ks"] * np.float32([[0.9, 0.9, 1]]))
+    for name, other in others.items():
+        before = given[name].copy()
+        given[name][:] = other
+        changed, fresh = swiftgs.rasterization(**given)[0], dict(given, **{name: given[name].copy()})
+        assert not np.array_equal(changed, plain), name
+        assert np.array_equal(changed, swiftgs.rasterization(**fresh, renderer=swiftgs.Renderer("cpu"))[0]), name
+        given[name][:] = before
+        assert np.array_equal(swiftgs.rasterization(**given)[0], plain), name
+
+
+def test_no_call_leaves_anything_to_the_next(gsplat_arguments):
+    changes = [{"backgrounds": np.ones((1, 3), np.float32)}, {"radial_coeffs": np.eye(1, 6)},
+               {"camera_model": "ortho"}, {"width": WIDTH // 2}, {"render_mode": "RGB+ED"}, {"eps2d": 1.0}]
+    plain = swiftgs.rasterization(**gsplat_arguments)[0]
+    for change in changes:
+        for _ in range(2):
+            changed = swiftgs.rasterization(**dict(gsplat_arguments, **change))[0]
+        assert changed.shape != plain.shape or not np.array_equal(changed, plain), change
+        assert np.array_equal(swiftgs.rasterization(**gsplat_arguments)[0], plain), change
+        with pytest.raises(swiftgs.InvalidArgument):
+            swiftgs.rasterization(**dict(gsplat_arguments, radial_coeffs=np.full((1, 6), np.inf)))
+        assert np.array_equal(swiftgs.rasterization(**gsplat_arguments)[0], plain), change
+
+
 def test_a_renderer_of_the_callers(gsplat_arguments):
     plain = swiftgs.rasterization(**gsplat_arguments)[0]
     renderer = swiftgs.Renderer("serial/standard/per-pixel/ellipse")

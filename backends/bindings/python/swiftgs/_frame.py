@@ -11,7 +11,7 @@ from . import _arrays, _c, _checks
 from ._c import PLANES, Handle, OwnedFloats, lib
 from ._camera import Camera, Conventions, StoredDepth, check_cameras, conventions_of, size_of
 from ._errors import InvalidArgument, InvalidType
-from ._planes import FORMATS, read_planes
+from ._planes import FORMATS, Plane, read_planes
 
 _VIEW = np.dtype(_c.View)
 _BLACK = (0, 0, 0)
@@ -100,6 +100,20 @@ class Frame:
         if self.device is not None:
             self._sources = _arrays.one_of_each_stream(array for array in arrays.values() if array is not None)
 
+    def _let_go(self) -> None:
+        """Forgets its arrays, but not how they lie, for `_draw_into`."""
+        vars(self).update(dict.fromkeys(("colour", *PLANES)))
+        self._planes = [Plane(name, _arrays.NOWHERE, layout) for name, _, layout in self._planes]
+        self._sources = {}
+
+    def _draw_into(self, arrays: Dict[str, Any]) -> None:
+        """Has the next frame drawn into arrays of `_arrays.empty`, by name, which lie as those did that it let go. The
+        caller keeps them."""
+        for name, _, layout in self._planes:
+            self._point_to(name, _arrays.address_of(arrays[name]), layout.step)
+        if self.device is not None:
+            self._sources = _arrays.one_of_each_stream(arrays.values())
+
     def _arrays(self) -> Dict[str, Any]:
         """All planes that the frame has, by name."""
         planes = {name: getattr(self, name) for name in ("colour", *PLANES)}
@@ -110,8 +124,8 @@ class Frame:
         view = self._views[0]
         view.size, view.width, view.height, view.over = _VIEW.itemsize, self.width, self.height, bool(over)
         view.conventions, view.camera = ctypes.addressof(self._conventions), ctypes.addressof(self._cameras)
-        for name, memory, layout in self._planes:
-            setattr(view, name, _c.Plane(memory.address, layout.pitch))
+        for name, _, layout in self._planes:
+            getattr(view, name).pitch = layout.pitch
             if name == "colour":
                 view.format = layout.format
             elif name == "features":
@@ -120,8 +134,15 @@ class Frame:
             table = self._table
             table[1:] = table[0]
             table["camera"] = view.camera + np.arange(len(table)) * ctypes.sizeof(_c.Camera)
-            for name, memory, layout in self._planes:
-                table[name]["data"] = memory.address + np.arange(len(table)) * layout.step
+        for name, memory, layout in self._planes:
+            self._point_to(name, memory.address, layout.step)
+
+    def _point_to(self, name: str, address: int, step: int) -> None:
+        """Sets where the images of a plane begin."""
+        if len(self._views) > 1:
+            self._table[name]["data"] = address + np.arange(len(self._views)) * step
+        else:
+            getattr(self._views[0], name).data = address
 
     @property
     def _table(self) -> np.ndarray:

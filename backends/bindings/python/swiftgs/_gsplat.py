@@ -17,19 +17,32 @@ from ._renderer import Renderer
 
 _MODES = ("RGB", "D", "ED", "RGB+D", "RGB+ED")
 _CAMERA = np.dtype(_c.Camera)
-_LAST_ROW = np.array([0, 0, 0, 1])
+_LAST_ROW = np.array([0.0, 0.0, 0.0, 1.0])
+# Of a view and intrinsics in a row: what a camera's rotation, translation, fx, fy, cx and cy are.
+_FROM = np.array([0, 1, 2, 4, 5, 6, 8, 9, 10, 3, 7, 11, 16, 20, 18, 21])
 
-# Arguments that change an image or ask for another result, with the one value that does neither.
+# Arguments that change an image or ask for another result, with the one value that does neither, as `rasterization`
+# looks at them.
 _REFUSED: Dict[str, Any] = {
     "radius_clip": 0.0, "distributed": False, "covars": None, "with_eval3d": False, "return_normals": False,
     "global_z_order": True, "rays": None, "lidar_coeffs": None, "external_distortion_coeffs": None,
     "viewmats_rs": None}
 _LENSES = {"pinhole": "perspective", "ortho": "orthographic", "fisheye": "fisheye"}
+_LENS_NAMES = tuple(_LENSES)
 
 _NAMES = {"rotations": "quats", "sh": "colors", "colours": "colors"}
 
-# A renderer of each thread, backend and device.
-_renderers = threading.local()
+
+class _OfThread(threading.local):
+    """What a thread keeps from one call to the next."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.renderers: Dict[Optional[int], Renderer] = {}  # by device; None: the host
+        self.images: Optional["_Images"] = None
+
+
+_of_thread = _OfThread()
 
 
 class Meta(Dict[str, Any]):
@@ -78,12 +91,12 @@ def rasterization(
     draws, until another scene is set: write to them in the order of its stream. docs/python.md has a table of all
     arguments.
     """
-    arguments = locals()
-    for name, default in _REFUSED.items():
-        value = arguments[name]
+    refused = (radius_clip, distributed, covars, with_eval3d, return_normals, global_z_order, rays, lidar_coeffs,
+               external_distortion_coeffs, viewmats_rs)
+    for (name, default), value in zip(_REFUSED.items(), refused):
         if value is not default and (default is None or value != default):
             raise NotOffered(f"rasterization: {name} is {_short(value)}, expected {default!r}: nothing else is offered")
-    if camera_model not in tuple(_LENSES):
+    if camera_model not in _LENS_NAMES:
         raise NotOffered(f"rasterization: camera_model is {camera_model!r}, expected 'pinhole', 'ortho' or 'fisheye': "
                          "nothing else is offered")
     if rolling_shutter is not None and "GLOBAL" not in str(rolling_shutter):
@@ -117,10 +130,8 @@ def rasterization(
                 ("viewmats", viewmats, 3), ("Ks", Ks, 3), ("backgrounds", backgrounds, 2),
                 ("radial_coeffs", radial_coeffs, 2), ("tangential_coeffs", tangential_coeffs, 2),
                 ("thin_prism_coeffs", thin_prism_coeffs, 2)))
-    cameras = _cameras(viewmats, Ks, width, height)
-    count, worlds = len(cameras), math.prod(batch)
-    cameras["lens"] = _c.LENSES.index(_LENSES[camera_model])
-    _distort(cameras, camera_model, radial_coeffs, tangential_coeffs, thin_prism_coeffs)
+    views, intrinsics = _matrices(viewmats, Ks)
+    count, worlds = len(views), math.prod(batch)
     in_colour = render_mode.startswith("RGB")
     coloured: Dict[str, Any] = {"colours": colors}
     if sh_degree is not None:
@@ -137,14 +148,13 @@ def rasterization(
     if extra_signals is not None:
         features["extra_signals"] = extra_signals
     channels = [_channels(array, name) for name, array in features.items()]
-    device = _device_of(means)
+    device = _arrays.device_of(means)
     check_device(device, "means")
     drawing = renderer or _renderer(device)
     if (device is not None) != drawing.on_device:
         raise InvalidArgument(f"means lies on {'the host' if device is None else f'CUDA device {device}'}, expected "
                               f"the memory of the renderer '{drawing.name}'")
 
-    shape = (count, height, width)
     library = _arrays.library_of(means)
     if device is not None and library not in _arrays.LIBRARIES:
         alone = f"for arrays of '{library}': planes are put together by {', '.join(_arrays.LIBRARIES)} alone"
@@ -152,31 +162,44 @@ def rasterization(
             raise NotOffered(f"rasterization: render_mode is '{render_mode}', expected 'RGB' or 'ED' {alone}")
         if len(features) > 1:
             raise NotOffered(f"rasterization: extra_signals is given, expected None or colors of 3 channels {alone}")
-    colour = _arrays.empty(means, (*shape, 3), device) if in_colour and "colors" not in features else None
-    alpha = _arrays.empty(means, (*shape, 1), device)
-    depth = _arrays.empty(means, (*shape, 1), device) if render_mode != "RGB" else None
-    signals = _arrays.empty(means, (*shape, sum(channels)), device) if features else None
-    frame = Frame(colour, alpha, depth, features=signals,
-                  conventions=_conventions(_checks.real(near_plane, "near_plane"),
-                                           _checks.real(far_plane, "far_plane"), _checks.real(eps2d, "eps2d"),
-                                           rasterize_mode == "antialiased"))
-    if backgrounds is not None and in_colour:
-        frame.background = _backgrounds(backgrounds, count)
-    frame._camera_bytes[:] = cameras.tobytes()
-    if worlds > 1:
-        frame._table["first_shown"], frame._table["shown_count"] = np.arange(count) * worlds // count, 1
-    options = dict(coloured, any_rotations=True, features=_joined(features),
-                   names=dict(_NAMES, features=" and ".join(features)))
+    planes = {"alpha": 1}
+    if in_colour and "colors" not in features:
+        planes["colour"] = 3
+    if render_mode != "RGB":
+        planes["depth"] = 1
+    if features:
+        planes["features"] = sum(channels)
+    arrays = {name: _arrays.empty(means, (count, height, width, wide), device) for name, wide in planes.items()}
+    conventions = _conventions(_checks.real(near_plane, "near_plane"), _checks.real(far_plane, "far_plane"),
+                               _checks.real(eps2d, "eps2d"), rasterize_mode == "antialiased")
+    coefficients = radial_coeffs, tangential_coeffs, thin_prism_coeffs
+    is_distorted = not (radial_coeffs is tangential_coeffs is thin_prism_coeffs is None)
+    has_background = backgrounds is not None and in_colour
+    key = (count, width, height, planes, device, conventions, camera_model, worlds, is_distorted, has_background)
+    images, _of_thread.images = _of_thread.images, None  # which a frame that fails does not leave behind
+    if images is None or images.key != key:
+        images = _Images(key, Frame(**arrays, conventions=conventions), camera_model, worlds)
+    images.frame._draw_into(arrays)
+    images.aim(views, intrinsics)
+    if is_distorted:
+        _distort(images.cameras, camera_model, *coefficients)
+    if has_background:
+        images.frame.background = _backgrounds(backgrounds, count)
+    options = dict(coloured, any_rotations=True, names=_NAMES)
+    if features:
+        options.update(features=_joined(features), names=dict(_NAMES, features=" and ".join(features)))
     with drawing._scene_lock:
         try:
-            drawing._draw_gaussians(frame, worlds, (means, scales, quats, opacities, None), options)
+            drawing._draw_gaussians(images.frame, worlds, (means, scales, quats, opacities, None), options)
         finally:
             if not renderer:
                 drawing._borrowed = None  # the thread's own renderer is given arrays by each call
 
+    images.frame._sources = {}  # the arrays are the caller's
+    _of_thread.images = images
     colour, alpha, depth, signals = (
-        None if plane is None else _parted(_arrays.returned(means, plane), batch, worlds)
-        for plane in (colour, alpha, depth, signals))
+        _parted(_arrays.returned(means, arrays[name]), batch, worlds) if name in arrays else None
+        for name in ("colour", "alpha", "depth", "features"))
     meta = Meta(width=width, height=height, n_batches=worlds, n_cameras=count // worlds, tile_size=16,
                 renderer=drawing.name)
     if "colors" in features:
@@ -185,11 +208,39 @@ def rasterization(
         meta["render_extra_signals"] = signals if len(features) == 1 else signals[..., channels[0]:]
     if depth is not None and not render_mode.endswith("ED"):
         depth = depth * alpha
-    if colour is None or depth is None:
-        images = depth if colour is None else colour
-    else:
-        images = _arrays.concatenate(means, [colour, depth])
-    return images, alpha, meta
+    if colour is not None and depth is not None:
+        return _arrays.concatenate(means, [colour, depth]), alpha, meta
+    return depth if colour is None else colour, alpha, meta
+
+
+class _Images:
+    """A frame for calls that ask for images of one kind, as the key says. Each call gives it arrays, cameras,
+    coefficients and backgrounds."""
+
+    def __init__(self, key: Tuple[Any, ...], frame: Frame, model: str, worlds: int) -> None:
+        frame._let_go()
+        self.key, self.frame, count = key, frame, len(frame)
+        self.cameras = np.frombuffer(frame._cameras, _CAMERA)
+        for name, value in {"size": _CAMERA.itemsize, "width": frame.width, "height": frame.height,
+                            "lens": _c.LENSES.index(_LENSES[model])}.items():
+            self.cameras[name] = value
+        if worlds > 1:
+            frame._table["first_shown"], frame._table["shown_count"] = np.arange(count) * worlds // count, 1
+        # A view [4, 4] and intrinsics [3, 3] of each camera behind one another, and where they go.
+        self._given = np.empty((count, 25))
+        self._views, self._intrinsics = self._given[:, :16].reshape(-1, 4, 4), self._given[:, 16:].reshape(-1, 3, 3)
+        self._last_rows, self._skews = self._given[:, 12:16], self._given[:, 17:20:2]
+        self._numbers = np.ndarray((count, len(_FROM)), np.float64, frame._cameras, _c.Camera.rotation.offset,
+                                   (_CAMERA.itemsize, 8))
+
+    def aim(self, views: np.ndarray, intrinsics: np.ndarray) -> None:
+        """Sets the cameras by matrices [C, 4, 4] and [C, 3, 3]."""
+        self._views[:], self._intrinsics[:] = views, intrinsics
+        if np.count_nonzero(self._last_rows != _LAST_ROW):
+            raise InvalidArgument("viewmats: expected 0, 0, 0, 1 in the last row")
+        if np.count_nonzero(self._skews):
+            raise NotOffered("rasterization: Ks has a skew, expected 0 beside the focal lengths")
+        self._numbers[:] = self._given.take(_FROM, axis=1)
 
 
 _GSPLAT = dataclasses.replace(Conventions.named("gsplat"), depth="z")
@@ -206,17 +257,10 @@ def _short(value: Any) -> str:
 
 
 def _renderer(device: Optional[int]) -> Renderer:
-    kept: Dict[Optional[int], Renderer] = _renderers.__dict__.setdefault("by_device", {})
+    kept = _of_thread.renderers
     if device not in kept:
         kept[device] = Renderer("cpu" if device is None else "cuda")
     return kept[device]
-
-
-def _device_of(array: Any) -> Optional[int]:
-    if hasattr(array, "__dlpack_device__"):
-        kind, number = array.__dlpack_device__()
-        return int(number) if int(kind) in (2, 13) else None
-    return _arrays.current_device() if hasattr(array, "__cuda_array_interface__") else None
 
 
 def _channels(array: Any, name: str) -> int:
@@ -274,29 +318,18 @@ def _check_shapes(coloured: Dict[str, Any], count: int) -> None:
                          "not offered, call it for each")
 
 
-def _cameras(viewmats: Any, intrinsics: Any, width: int, height: int) -> np.ndarray:
-    """[C] structs."""
+def _matrices(viewmats: Any, intrinsics: Any) -> Tuple[np.ndarray, np.ndarray]:
+    """[C, 4, 4] and [C, 3, 3] on the host."""
     views, ks = _arrays.host(viewmats, "viewmats"), _arrays.host(intrinsics, "Ks")
     if views.ndim != 3 or views.shape[1:] != (4, 4) or len(views) == 0:
         raise InvalidArgument(f"viewmats has the shape {views.shape}, expected (C, 4, 4)")
     if ks.shape != (len(views), 3, 3):
         raise InvalidArgument(f"Ks has the shape {ks.shape}, expected ({len(views)}, 3, 3)")
-    if (views[:, 3] != _LAST_ROW).any():
-        raise InvalidArgument("viewmats: expected 0, 0, 0, 1 in the last row")
-    if ks[:, 0, 1].any() or ks[:, 1, 0].any():
-        raise NotOffered("rasterization: Ks has a skew, expected 0 beside the focal lengths")
-    cameras = np.zeros(len(views), _CAMERA)
-    cameras["size"], cameras["width"], cameras["height"] = _CAMERA.itemsize, width, height
-    cameras["rotation"] = views[:, :3, :3].reshape(-1, 9)
-    cameras["translation"] = views[:, :3, 3]
-    cameras["fx"], cameras["fy"], cameras["cx"], cameras["cy"] = ks[:, 0, 0], ks[:, 1, 1], ks[:, 0, 2], ks[:, 1, 2]
-    return cameras
+    return views, ks
 
 
 def _distort(cameras: np.ndarray, model: str, radial: Any, tangential: Any, prism: Any) -> None:
     """Sets the coefficients of `cameras`. What gsplat draws otherwise is refused by name."""
-    if radial is None and tangential is None and prism is None:
-        return
     count = len(cameras)
     found = _coefficients("radial_coeffs", radial, (count, 4 if model == "fisheye" else 6))
     if model == "ortho":

@@ -29,15 +29,15 @@ class _Layout(NamedTuple):
     step: int  # bytes from an image to the next
 
 
-class _Plane(NamedTuple):
+class Plane(NamedTuple):
     name: str
     memory: _arrays.Memory
     layout: _Layout
 
 
-def read_planes(**arrays: Any) -> List[_Plane]:
+def read_planes(**arrays: Any) -> List[Plane]:
     """Where they lie. Planes of one frame have images of one size on one device."""
-    planes: List[_Plane] = []
+    planes: List[Plane] = []
     for name, array in arrays.items():
         if array is None:
             continue
@@ -59,7 +59,7 @@ def read_planes(**arrays: Any) -> List[_Plane]:
                                   "other planes")
         elif memory.device != planes[0].memory.device:
             raise InvalidArgument(f"{name} lies on {memory.place}, expected all planes on one")
-        planes.append(_Plane(name, memory, layout))
+        planes.append(Plane(name, memory, layout))
     if not planes:
         raise InvalidArgument(f"a frame without planes, expected one of colour, {', '.join(PLANES)}")
     return planes
