@@ -19,7 +19,7 @@ class Given(NamedTuple):
     struct: _c.Gaussians
     memory: List[_arrays.Memory]  # that the struct points to
     sources: Dict[Any, Any]  # an array of each stream, by `whose_stream`
-    key: Any  # all that the struct follows from; None where a copy was made
+    layout: Any  # all that the struct follows from but addresses; None where a copy was made
 
     @property
     def count(self) -> int:
@@ -37,8 +37,6 @@ def _rows(memory: _arrays.Memory, array: Any, what: str, shape: Tuple[Optional[i
     if not _lies_in_rows(what, memory.kind, memory.shape, memory.strides, shape):
         copy = _copied(array, what)
         return _rows(_arrays.read(copy, what, stream), copy, what, shape, stream)
-    if memory.address % 4 != 0:
-        raise InvalidArgument(f"{what} begins at the address {memory.address}, expected a multiple of 4")
     return memory
 
 
@@ -64,8 +62,17 @@ def _copied(array: Any, what: str) -> Any:
         raise InvalidArgument(f"{what}: {error}") from None
 
 
-def _array(memory: _arrays.Memory, offset: int = 0) -> _c.Array:
-    return _c.Array(memory.address + offset, memory.strides[0] if memory.shape[0] > 1 else 0)
+def _members(struct: _c.Gaussians, name: str) -> List[Tuple[_c.Array, int]]:
+    """Those for an array, and the bytes at which they begin in it."""
+    return [(struct.sh0, 0), (struct.sh_rest, 12)] if name == "sh" else [(getattr(struct, name), 0)]
+
+
+def _point_to(struct: _c.Gaussians, memory: Dict[str, _arrays.Memory], said: Any) -> None:
+    for name, found in memory.items():
+        if found.address % 4 != 0:
+            raise InvalidArgument(f"{said(name, name)} begins at the address {found.address}, expected a multiple of 4")
+        for member, offset in _members(struct, name):
+            member.data = found.address + offset
 
 
 def gaussians_of(means: Any, scales: Any, rotations: Any, opacities: Any, sh0: Any, sh_rest: Any = None, *,
@@ -77,7 +84,7 @@ def gaussians_of(means: Any, scales: Any, rotations: Any, opacities: Any, sh0: A
 
     Colours are `sh0` [N, 3] with `sh_rest` [N, K, 3], or `sh` [N, K, 3] with both, or `colours` [N, 3] without
     harmonics. `some`: arrays that are None are left out. `names` are those of the caller's arguments. `last` are the
-    key and the struct of an earlier call: where arrays lie as those did, the struct serves again.
+    layout and the struct of an earlier call: arrays of the same layout take its struct.
     """
     said = (names or {}).get
     arrays = {"means": means, "scales": scales, "rotations": rotations, "opacities": opacities}
@@ -101,31 +108,30 @@ def gaussians_of(means: Any, scales: Any, rotations: Any, opacities: Any, sh0: A
     _checks.of_type(model, RenderingModel, "model")
     raw = (_c.LOG_SCALES * bool(log_scales) + _c.LOGIT_OPACITIES * bool(logit_opacities) +
            _c.ANY_ROTATIONS * bool(any_rotations) + _c.PLAIN_COLOURS * (colours is not None))
-    key: Any = (*memory, *[found[:-1] for found in memory.values()], sh_degree, raw, model, stream)
-    if key == last[0]:
-        return Given(last[1], list(memory.values()), sources, key)
-    if not memory:
-        raise InvalidType("all arrays are None, expected one or more")
-    first: Optional[_arrays.Memory] = None
-    for name, found in memory.items():
-        expected = (first.shape[0] if first else None, *_PARTS[name])
-        memory[name] = _rows(found, arrays[name], said(name, name), expected, stream)
-        first = first or memory[name]
-        if memory[name] is not found:
-            key = None
-    struct = _c.Gaussians(raw=raw, stream=stream or None)
-    model._fill(struct)
-    _fill(struct, memory, said, sh_degree)
-    return Given(struct, list(memory.values()), sources, key)
+    layout: Any = (*memory, *[found[1:-1] for found in memory.values()], sh_degree, raw, model, stream)
+    struct = last[1]
+    if layout != last[0]:
+        if not memory:
+            raise InvalidType("all arrays are None, expected one or more")
+        first: Optional[_arrays.Memory] = None
+        for name, found in memory.items():
+            expected = (first.shape[0] if first else None, *_PARTS[name])
+            memory[name] = _rows(found, arrays[name], said(name, name), expected, stream)
+            first = first or memory[name]
+            if memory[name] is not found:
+                layout = None
+        struct = _c.Gaussians(raw=raw, stream=stream or None)
+        model._fill(struct)
+        _fill(struct, memory, said, sh_degree)
+    _point_to(struct, memory, said)
+    return Given(struct, list(memory.values()), sources, layout)
 
 
 def _fill(struct: _c.Gaussians, memory: Dict[str, _arrays.Memory], said: Any, sh_degree: Optional[int]) -> None:
-    """Points `struct` to arrays in rows, which lie in one place."""
+    """All of `struct` that says how the arrays lie, which are in rows and in one place."""
     for name, found in memory.items():
-        if name == "sh":
-            struct.sh0, struct.sh_rest = _array(found), _array(found, 12)
-        else:
-            setattr(struct, name, _array(found))
+        for member, _ in _members(struct, name):
+            member.stride = found.strides[0] if found.shape[0] > 1 else 0
     for name, of_band_0 in (("sh", 1), ("sh_rest", 0)):
         if name in memory:
             struct.sh_degree = _degree(memory[name].shape[1], said(name, name), of_band_0, sh_degree)

@@ -147,8 +147,8 @@ class Renderer:
         self._placed: List[range] = []  # Gaussians of each placement, as its scene numbers them
         self._cut: Any = None  # of a pool, which frames show in place of `_placed`
         self._borrowed: Optional[Given] = None  # what frames read where it lies
-        self._shown: Any = None  # the struct of borrowed arrays and the number of worlds, until something else shows
-        self._last: Tuple[Any, Any] = None, None  # key and struct of the arrays of `_draw_gaussians`
+        self._shown: Any = None  # what tells borrowed arrays from others, until something else shows
+        self._last: Tuple[Any, Any] = None, None  # layout and struct of the arrays of `_draw_gaussians`
         self._recorded: Optional[Frame] = None  # keeps the arrays that recorded frames are drawn into
         self._report: Any = None
         self._has_recorded = False
@@ -257,7 +257,8 @@ class Renderer:
         `out` tells. Those of a device are read where they lie, in each frame until another scene is set."""
         with self._scene_lock:
             given = self._read(arrays, options, self._last)
-            self._last, shown = (given.key, given.struct), (given.struct, worlds)
+            self._last = given.layout, given.struct
+            shown = given.struct, worlds, [found.address for found in given.memory]
             is_shown = shown == self._shown
             if not is_shown:
                 self._give(lib.renderer_borrow_gaussians if self.on_device else lib.renderer_set_gaussians, (), given)
