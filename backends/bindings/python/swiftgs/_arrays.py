@@ -140,8 +140,9 @@ def _kind_of(typestr: str) -> Tuple[str, int]:
 
 def device_of(array: Any) -> Optional[int]:
     """The CUDA device where an array lies; None: the host."""
-    if library_of(array) == "torch" and array.device.type in ("cpu", "cuda"):
-        return array.device.index if array.device.type == "cuda" else None
+    usual = _usual_tensor(array.dtype, array.device, True) if library_of(array) == "torch" else None
+    if usual:
+        return usual[1]
     if hasattr(array, "__dlpack_device__"):
         kind, number = array.__dlpack_device__()
         return int(number) if int(kind) in (_dlpack.CUDA, _dlpack.CUDA_MANAGED) else None

@@ -197,9 +197,9 @@ def rasterization(
 
     images.frame._sources = {}  # the arrays are the caller's
     _of_thread.images = images
-    colour, alpha, depth, signals = (
-        _parted(_arrays.returned(means, arrays[name]), batch, worlds) if name in arrays else None
-        for name in ("colour", "alpha", "depth", "features"))
+    if batch or library == "jax":
+        arrays = {name: _parted(_arrays.returned(means, array), batch, worlds) for name, array in arrays.items()}
+    colour, alpha, depth, signals = map(arrays.get, ("colour", "alpha", "depth", "features"))
     meta = Meta(width=width, height=height, n_batches=worlds, n_cameras=count // worlds, tile_size=16,
                 renderer=drawing.name)
     if "colors" in features:
