@@ -4,6 +4,7 @@
 Arrays say that they lie on a device and lie on the host, a renderer of the host says that it draws there, and what the
 package asks of streams is written down. Tests of real libraries and devices are in the files beside this one.
 """
+import collections
 import ctypes
 import functools
 import gc
@@ -18,6 +19,9 @@ import swiftgs
 from conftest import HEIGHT, OF_GAUSSIANS, WIDTH, arrays_of
 from swiftgs import _c, _dlpack, _gsplat
 from swiftgs._c import lib
+
+
+Place = collections.namedtuple("Place", "type index")
 
 
 class Array:
@@ -49,6 +53,19 @@ class Array:
 
     def reshape(self, shape):
         return self.view(self.array.reshape(shape))
+
+
+class Tensor(Array):
+    """One of PyTorch, which tells of itself by members."""
+
+    __module__ = "torch"
+    requires_grad, dtype, device, layout = False, "torch.float32", Place("cuda", 0), "strided"
+
+    def data_ptr(self):
+        return self.array.ctypes.data
+
+    def stride(self):
+        return tuple(step // 4 for step in self.array.strides)
 
 
 class ArrayOfJax(Array):
@@ -158,6 +175,22 @@ def test_one_stream_needs_no_order(pretended, gsplat_arguments):
     pretended.stream = 77
     swiftgs.rasterization(**pretended.arguments(gsplat_arguments), renderer=pretended.renderer(77))
     assert pretended.calls == [("gaussians", 77), "frame"] and pretended.asked == [77] * 5
+
+
+def test_the_stream_of_pytorch_is_ordered_once_for_all_tensors(pretended, gsplat_arguments, monkeypatch):
+    plain = swiftgs.rasterization(**gsplat_arguments)
+    torch = types.SimpleNamespace(
+        strided=Tensor.layout, float32=Tensor.dtype, is_grad_enabled=lambda: True,
+        empty=lambda shape, dtype, device: Tensor(np.zeros(shape), pretended.asked),
+        cuda=types.SimpleNamespace(current_stream=lambda device: types.SimpleNamespace(cuda_stream=pretended.stream)))
+    monkeypatch.setitem(sys.modules, "torch", torch)
+    pretended.stream = 77
+    renderer, given = pretended.renderer(), pretended.arguments(gsplat_arguments, lambda a: Tensor(a, pretended.asked))
+    before, frame = ("order", 77, 0), [("order", 77, 0), "frame", ("order", 0, 77)]  # the images come after it
+    for calls in ([before, ("gaussians", 0), *frame], [before, *frame]):
+        pretended.calls.clear()
+        images, _, _ = swiftgs.rasterization(**given, renderer=renderer)
+        assert np.array_equal(images.array, plain[0]) and pretended.calls == calls and not pretended.asked
 
 
 def test_arrays_that_lie_as_before_are_borrowed_once_and_drawn_as_they_are(pretended, gsplat_arguments):
