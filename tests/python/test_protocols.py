@@ -252,12 +252,13 @@ def test_neither_images_nor_arrays_are_kept_from_one_call_to_the_next(pretended,
     given, renderer = pretended.arguments(gsplat_arguments), pretended.renderer()
     swiftgs.rasterization(**given, renderer=renderer)
     images, alphas, _ = swiftgs.rasterization(**given, renderer=renderer)
-    before, first, gone = images.array.copy(), weakref.ref(given["means"]), [weakref.ref(images), weakref.ref(alphas)]
+    before, first = images.array.copy(), weakref.ref(given["means"])
     given["means"] = given["means"].view(given["means"].array)
-    again = swiftgs.rasterization(**given, renderer=renderer)[0]
+    again, alphas_again, _ = swiftgs.rasterization(**given, renderer=renderer)
     assert again is not images and np.array_equal(images.array, before) and np.array_equal(again.array, before)
     assert first() is None  # another array of the same memory takes its place
-    del images, alphas
+    gone = [weakref.ref(array) for array in (images, alphas, again, alphas_again)]
+    del images, alphas, again, alphas_again
     assert not any(each() for each in gone)
 def test_planes_are_joined_by_their_library_and_matrices_come_to_the_host(pretended, gsplat_arguments):
     plain = {mode: swiftgs.rasterization(**gsplat_arguments, render_mode=mode)[0] for mode in ("D", "RGB+ED")}
