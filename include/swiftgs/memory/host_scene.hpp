@@ -106,8 +106,8 @@ class HostScene {
     std::shared_ptr<const Scene> of_caller;  ///< null: `own` is the scene
     Scene own;
     std::vector<ChunkBounds> chunks;
-    std::vector<unsigned char> packed;  ///< harmonics, if they are not the scene's floats
-    std::vector<std::uint16_t> labels;  ///< of a palette
+    std::shared_ptr<const void> packed;  ///< buffer of harmonics, if they are not the scene's floats
+    std::vector<std::uint16_t> labels;   ///< of a palette
     SceneView view;
 
     const Scene& scene() const { return of_caller ? *of_caller : own; }
@@ -129,9 +129,11 @@ class HostScene {
   void pack(const B& backend, HarmonicsKept kept) {
     const HarmonicPacking packing(backend, arrays_->scene(), arrays_->view.sh_degree, kept);
     if (!packing.is_packed()) return;
-    arrays_->packed.resize(packing.rows() * packing.stride());
+    const auto packed = std::make_shared<typename B::template Buffer<unsigned char>>();
+    packed->reset_exactly(packing.rows() * packing.stride());
+    arrays_->packed = packed;
     arrays_->labels.assign(packing.labels().begin(), packing.labels().end());
-    unsigned char* const to = arrays_->packed.data();
+    unsigned char* const to = packed->data();
     backend.for_each(Count(packing.rows()),
                      [&](std::size_t i) { packing.write(i, to + i * packing.stride()); });
     arrays_->view.sh_rest = packing.rows_at(to, arrays_->labels.data());
