@@ -12,6 +12,7 @@
 #define HWY_TARGET_INCLUDE "footprints.cpp"
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
+#include "shapes-inl.hpp"
 // clang-format on
 
 HWY_BEFORE_NAMESPACE();
@@ -28,9 +29,7 @@ using VecI = hn::Vec<I32>;
 using VecU = hn::Vec<U32>;
 constexpr std::size_t lanes = hn::MaxLanes(F32());
 
-struct Shapes {
-  Vec mean_x, mean_y, l0, l1, l2, cutoff;
-};
+using Shapes = ShapesOf<Vec>;
 struct Runs {
   VecI begin, end;
 };
@@ -40,19 +39,6 @@ struct Rects {
 };
 
 HWY_INLINE Vec All(float v) { return hn::Set(F32(), v); }
-
-/// A shape is two groups of four floats: where they are loaded as such, the first groups are in even lanes
-/// and the second in odd ones.
-HWY_INLINE Shapes LoadShapes(const SplatShape* HWY_RESTRICT shapes) {
-  static_assert(sizeof(SplatShape) == 8 * sizeof(float));
-  const F32 d;
-  Vec low[4], high[4];  // of the first half of the shapes, and of the second
-  hn::LoadInterleaved4(d, &shapes[0].mean.x, low[0], low[1], low[2], low[3]);
-  hn::LoadInterleaved4(d, &shapes[lanes / 2].mean.x, high[0], high[1], high[2], high[3]);
-  const auto even = [&](int i) HWY_ATTR { return hn::ConcatEven(d, high[i], low[i]); };
-  const auto odd = [&](int i) HWY_ATTR { return hn::ConcatOdd(d, high[i], low[i]); };
-  return {.mean_x = even(0), .mean_y = even(1), .l0 = even(2), .l1 = even(3), .l2 = odd(0), .cutoff = odd(2)};
-}
 
 /// `tile_run`.
 HWY_INLINE Runs WholeTiles(Vec begin, Vec end) {
@@ -211,7 +197,7 @@ HWY_INLINE void GroupFootprints(const SplatShape* HWY_RESTRICT shapes, TileGrid 
   const I32 di;
   const U32 du;
   VectorBounds bounds;
-  const Rects rects = bounds.Rect(LoadShapes(shapes), grid);
+  const Rects rects = bounds.Rect(LoadShapes(F32(), shapes), grid);
   const VecI zero = hn::Zero(di), columns = hn::Max(Size(rects.columns), zero);
   const VecI rows = hn::IfThenElse(hn::Gt(columns, zero), hn::Max(Size(rects.rows), zero), zero);
 

@@ -24,6 +24,7 @@
 #include "draw-inl.hpp"
 #include "exp2-inl.hpp"
 #include "raster_block-inl.hpp"
+#include "shapes-inl.hpp"
 #include "store-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -36,6 +37,39 @@ inline float LeastExponent(const BlendRules& rules) { return rules.log2_alpha_mi
 /// A bit for each group and for each row of a raster block that a splat touches.
 struct Touched {
   std::uint32_t groups, rows;
+};
+
+/// Of a batch's splats, what `VisitRows` broadcasts: an array a number, since a broadcast from memory takes
+/// no unit that computes. Distances are those of the raster block's first pixel centre from the mean.
+struct alignas(64) RowFactors {
+  float l0[batch_size], l1[batch_size], l2[batch_size], cutoff[batch_size], log2_opacity[batch_size];
+  float u[batch_size], v[batch_size];  ///< l0 dx + l1 dy, l2 dy
+  float before_last[batch_size];       ///< -l0 times the columns from the first to the last
+
+  /// Takes `count` splats, and up to a whole register of those behind them.
+  HWY_INLINE RowFactors(const SplatShape* HWY_RESTRICT shapes, std::size_t count, vec2 first_centre,
+                        float log2_alpha_min) {
+    const F32 d;
+    const hn::RebindToUnsigned<F32> du;
+    for (std::size_t k = 0; k < count; ++k)
+      log2_opacity[k] = swiftgs::log2_opacity(shapes[k], log2_alpha_min, 1);
+    for (std::size_t k = 0; k < count; k += lanes) {
+      const ShapesOf<Vec> s = LoadShapes(d, shapes + k);
+      // As `SplatShape::from_mean`.
+      const auto low = hn::BitCast(du, s.low);
+      const auto from = [&](float at, Vec mean, hn::Vec<decltype(du)> units) HWY_ATTR {
+        const Vec lacks = hn::ConvertTo(d, hn::BitCast(hn::RebindToSigned<F32>(), units));
+        return hn::NegMulAdd(hn::Set(d, SplatShape::low_unit), lacks, hn::Sub(hn::Set(d, at), mean));
+      };
+      const Vec dx = from(first_centre.x, s.mean_x, hn::And(low, hn::Set(du, 0xffffu)));
+      const Vec dy = from(first_centre.y, s.mean_y, hn::ShiftRight<16>(low));
+      hn::Store(s.l0, d, l0 + k), hn::Store(s.l1, d, l1 + k), hn::Store(s.l2, d, l2 + k);
+      hn::Store(s.cutoff, d, cutoff + k);
+      hn::Store(hn::MulAdd(s.l0, dx, hn::Mul(s.l1, dy)), d, u + k);
+      hn::Store(hn::Mul(s.l2, dy), d, v + k);
+      hn::Store(hn::Mul(s.l0, hn::Set(d, 1 - float(raster_block_side))), d, before_last + k);
+    }
+  }
 };
 
 /// A splat's factor applied to the pixels of a raster block: l0 dx + l1 dy is p[column] + q[row], measured
@@ -53,38 +87,34 @@ HWY_INLINE std::uint32_t BitsOf(Mask mask) {
   return bits;
 }
 
-/// Fills `terms`, and calls visit(i, touched) for each register of rows: its first row, and the mask of those
-/// that `shape` touches, as `row_touched` decides them.
+/// Fills `terms` of splat k, and calls visit(i, touched) for each register of rows: its first row, and the
+/// mask of those that the splat touches, as `row_touched` decides them.
 template <class Visit>
-HWY_INLINE void VisitRows(const SplatShape& shape, vec2 first_centre, float log2_alpha_min,
-                          CholeskyTerms& HWY_RESTRICT terms, const Visit& visit) {
+HWY_INLINE void VisitRows(const RowFactors& HWY_RESTRICT of, std::size_t k, CholeskyTerms& HWY_RESTRICT terms,
+                          const Visit& visit) {
   const F32 d;
-  const Vec l0 = hn::Set(d, shape.l0), l1 = hn::Set(d, shape.l1), l2 = hn::Set(d, shape.l2);
-  const Vec log2_opacity = hn::Set(d, swiftgs::log2_opacity(shape, log2_alpha_min, 1));
-  const vec2 from_mean = shape.from_mean(first_centre);
-  const Vec first_dx = hn::Set(d, from_mean.x), first_dy = hn::Set(d, from_mean.y);
-  const Vec first_u = hn::MulAdd(l0, first_dx, hn::Mul(l1, first_dy)), first_v = hn::Mul(l2, first_dy);
+  const Vec l0 = hn::Set(d, of.l0[k]), l1 = hn::Set(d, of.l1[k]), l2 = hn::Set(d, of.l2[k]);
+  const Vec first_u = hn::Set(d, of.u[k]), first_v = hn::Set(d, of.v[k]);
   for (std::size_t i = 0; i < raster_block_side; i += lanes)
     hn::Store(hn::Mul(l0, hn::Iota(d, float(i))), d, terms.p + i);
-  const Vec last_p = hn::Set(d, terms.p[raster_block_side - 1]);
   for (std::size_t i = 0; i < raster_block_side; i += lanes) {
     const Vec row = hn::Iota(d, float(i));
     const Vec q = hn::MulAdd(l1, row, first_u), v = hn::MulAdd(l2, row, first_v);
     hn::Store(q, d, terms.q + i);
-    hn::Store(hn::NegMulAdd(v, v, log2_opacity), d, terms.c + i);
-    const Vec nearest = hn::Max(hn::Max(q, hn::Neg(hn::Add(last_p, q))), hn::Zero(d));
+    hn::Store(hn::NegMulAdd(v, v, hn::Set(d, of.log2_opacity[k])), d, terms.c + i);
+    const Vec from_last = hn::Sub(hn::Set(d, of.before_last[k]), q);
+    const Vec nearest = hn::Max(hn::Max(q, from_last), hn::Zero(d));
     // Against the cutoff, not against c: the rounding of a sum with log2(alpha_min) is far larger than the
     // cutoff of a faint splat, and would accept rows in tiles that conservative bounds do not list.
-    visit(i, hn::Le(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, shape.cutoff)));
+    visit(i, hn::Le(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, of.cutoff[k])));
   }
 }
 
 /// For representations whose groups are rows.
-HWY_INLINE Touched PrepareRows(const SplatShape& shape, vec2 first_centre, float log2_alpha_min) {
+HWY_INLINE Touched PrepareRows(const RowFactors& of, std::size_t k) {
   CholeskyTerms terms;
   std::uint32_t rows = 0;
-  VisitRows(shape, first_centre, log2_alpha_min, terms,
-            [&](std::size_t i, Mask touched) HWY_ATTR { rows |= BitsOf(touched) << i; });
+  VisitRows(of, k, terms, [&](std::size_t i, Mask touched) HWY_ATTR { rows |= BitsOf(touched) << i; });
   return {rows, rows};
 }
 
@@ -101,24 +131,24 @@ HWY_INLINE Vec MostOfFour(Vec v) {
 /// A refused block keeps no pixel: a kept pixel has |p + q| below the `half` of its row, which is wider by
 /// far more than any rounding; and p <= half - q survives rounding, because p is a float and rounding is
 /// monotone.
-HWY_INLINE Touched PrepareBlocks(const SplatShape& shape, vec2 first_centre, float log2_alpha_min,
+HWY_INLINE Touched PrepareBlocks(const RowFactors& of, std::size_t k, float log2_alpha_min,
                                  CholeskyTerms& HWY_RESTRICT terms) {
   static_assert(raster_block_side == 16 && Blocks::side == 4);
   const F32 d;
   const hn::RebindToSigned<F32> di;
   Touched all = {0, 0};
-  // A lane of each four rows stands for a block: p in its first column, and in its last.
+  // A lane of each four rows stands for a block: p in its first column, and -p in its last.
   const Vec column = hn::ConvertTo(d, hn::ShiftLeft<2>(hn::And(hn::Iota(di, 0), hn::Set(di, 3))));
-  const Vec l0 = hn::Set(d, shape.l0);
-  const Vec first = hn::Mul(l0, column), last = hn::Mul(l0, hn::Add(column, hn::Set(d, 3.0f)));
-  VisitRows(shape, first_centre, log2_alpha_min, terms, [&](std::size_t i, Mask touched) HWY_ATTR {
+  const Vec l0 = hn::Set(d, of.l0[k]);
+  const Vec first = hn::Mul(l0, column), minus_last = hn::Mul(l0, hn::Sub(hn::Set(d, -3.0f), column));
+  VisitRows(of, k, terms, [&](std::size_t i, Mask touched) HWY_ATTR {
     const Vec q = hn::Load(d, terms.q + i), none = hn::Neg(hn::Inf(d));
     const Vec c = hn::IfThenElse(touched, hn::Load(d, terms.c + i), none);
     hn::Store(c, d, terms.c + i);
     const Vec half = hn::Sqrt(hn::Sub(c, hn::Set(d, log2_alpha_min - 1e-3f)));
     const Vec most = MostOfFour(hn::IfThenElse(touched, hn::Sub(half, q), none));
-    const Vec least = hn::Neg(MostOfFour(hn::IfThenElse(touched, hn::Add(half, q), none)));
-    all.groups |= BitsOf(hn::And(hn::Le(first, most), hn::Ge(last, least))) << i;
+    const Vec minus_least = MostOfFour(hn::IfThenElse(touched, hn::Add(half, q), none));
+    all.groups |= BitsOf(hn::And(hn::Le(first, most), hn::Le(minus_last, minus_least))) << i;
     all.rows |= BitsOf(touched) << i;
   });
   return all;
@@ -182,7 +212,8 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
     if (job.counts) job.counts[block] = counts;
     if (here.empty()) continue;
     const View& view = here.view;
-    Exponent exponent(view.rules);
+    const BlendRules rules = view.rules;
+    Exponent exponent(rules);
     const Blending blending = kColours ? Blending::colours : BlendingOf(job, view);
     [[maybe_unused]] const DrawFunction draw_group = DrawFunctionOf(blending);
     const PlaneStates planes{!kColours && job.picks(view) ? &picks : nullptr,
@@ -201,11 +232,14 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
       batch.splats = ids;
       for (std::size_t k = 0; k < splats; ++k) {
         const std::uint32_t id = ids[k];
+        batch.shapes[k] = job.splats.shapes[id];
         std::memcpy(batch.colours[k], &job.colours.each[id], sizeof batch.colours[k]);
         if (planes.sums) LoadAttributes(job.attributes, id, k, sums);
-        Touched touched =
-            exponent.Prepare(k, job.splats.shapes[id], here.first_centre, view.rules.log2_alpha_min);
-        if (some_colourless && is_colourless(job.colours.each[id])) touched = {0, 0};
+      }
+      const RowFactors factors(batch.shapes, splats, here.first_centre, rules.log2_alpha_min);
+      for (std::size_t k = 0; k < splats; ++k) {
+        Touched touched = exponent.Prepare(k, batch.shapes[k], here.first_centre, factors);
+        if (some_colourless && is_colourless(job.colours.each[ids[k]])) touched = {0, 0};
         batch.group_masks[k] = touched.groups & live;
         if (counted) counts.rows_visited += std::uint64_t(std::popcount(touched.rows & live_rows));
       }
@@ -220,9 +254,9 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
         for (std::size_t part = 0; part < parts; ++part) {
           if (!Evaluate(exponent, batch, state, group, part, evaluated)) continue;
           if constexpr (kColours)
-            BlendGroup<Blending::colours>(batch, view.rules, evaluated, state, counts);
+            BlendGroup<Blending::colours>(batch, rules, evaluated, state, counts);
           else
-            draw_group(job, batch, view.rules, evaluated, state, planes, counts);
+            draw_group(job, batch, rules, evaluated, state, planes, counts);
         }
       }
       live = Live(state.transmittance);

@@ -24,9 +24,8 @@ class FloatCholeskyExponent {
   explicit FloatCholeskyExponent(const BlendRules& rules)
       : rules_(rules), least_exponent_(LeastExponent(rules)) {}
 
-  HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
-                             float log2_alpha_min) {
-    return PrepareBlocks(shape, first_centre, log2_alpha_min, terms_[k]);
+  HWY_INLINE Touched Prepare(std::size_t k, const SplatShape&, vec2, const RowFactors& factors) {
+    return PrepareBlocks(factors, k, rules_.log2_alpha_min, terms_[k]);
   }
 
   HWY_INLINE void Alphas(const std::uint32_t* HWY_RESTRICT k, const Blocks::Part& at,

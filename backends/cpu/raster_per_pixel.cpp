@@ -23,9 +23,9 @@ class PerPixelExponent {
   explicit PerPixelExponent(const BlendRules& rules) : rules_(rules), least_exponent_(LeastExponent(rules)) {}
 
   HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
-                             float log2_alpha_min) {
+                             const RowFactors& factors) {
     splats_[k] = {shape.from_mean(first_centre), shape.l0, shape.l1, shape.l2, shape.opacity};
-    return PrepareRows(shape, first_centre, log2_alpha_min);
+    return PrepareRows(factors, k);
   }
 
   HWY_INLINE void Alphas(const std::uint32_t* HWY_RESTRICT k, Rows::Part at, Vec (&alpha)[at_once]) const {

@@ -25,12 +25,12 @@ class SplitExponent {
   explicit SplitExponent(const BlendRules& rules) : rules_(rules), least_exponent_(LeastExponent(rules)) {}
 
   HWY_INLINE Touched Prepare(std::size_t k, const SplatShape& shape, vec2 first_centre,
-                             float log2_alpha_min) {
+                             const RowFactors& factors) {
     Terms& HWY_RESTRICT t = terms_[k];
     t.opacity = shape.opacity, t.cutoff = shape.cutoff;
-    t.log2_opacity = log2_opacity(shape, log2_alpha_min, 1);
+    t.log2_opacity = factors.log2_opacity[k];
     Split::Prepare(shape, first_centre, t);
-    return PrepareRows(shape, first_centre, log2_alpha_min);
+    return PrepareRows(factors, k);
   }
 
   HWY_INLINE void Alphas(const std::uint32_t* HWY_RESTRICT k, Rows::Part at, Vec (&alpha)[at_once]) const {

@@ -52,7 +52,7 @@ def cpu_means(parts):
                 f"hn::Set(d, {parts}.0f))), hn::Set(d, 1.0f / {parts})))")
 
     return (f"means on 1/{parts} pixel",
-            "out.place_mean([-ScaleAdd(x_over_z, v.fx, v.cx), ScaleAdd(y_over_z, v.fy, v.cy)-]"
+            "out.project_mean([-ScaleAdd(x_over_z, v.fx, v.cx), ScaleAdd(y_over_z, v.fy, v.cy)-]"
             f"{{+{grid('x_over_z', 'fx', 'cx')}, {grid('y_over_z', 'fy', 'cy')}+}});")
 
 
@@ -73,7 +73,7 @@ DEFECTS = [
          "inverse_z, y_over_z = float(p[1])+} * inverse_z;"),
         ("camera's centre in float", "{mean.x - [-v.centre(0)-]{+float(v.centre(0))+},"),
         ("depth by a float sum",
-         "const [-float z = float(placing.depth_scale() * p[2])-]{+vec3 from_camera(float(g.mean.x - v.centre[0]), "
+         "const [-float z = float(constants.depth_scale() * p[2])-]{+vec3 from_camera(float(g.mean.x - v.centre[0]), "
          "float(g.mean.y - v.centre[1]),\n"
          "                       float(g.mean.z - v.centre[2]));\n"
          "  const float z = dot(vec3(v.axes[2][0], v.axes[2][1], v.axes[2][2]), from_camera)+};"),
@@ -156,7 +156,7 @@ DEFECTS = [
         ("largest_variance 1e34", "largest{double([-largest_variance-]{+1e34f+})}")),
     *defects("cpu project", (CPU + "project_group-inl.hpp", PROJECT),
         ("z in float", "const Wide inverse_z = Inverse([-wide_z-]{+Promote(z)+});"),
-        ("x/z and y/z in float", "out.place_mean(ScaleAdd([-x_over_z-]{+Promote(Demote(x_over_z))+}, v.fx, v.cx)"),
+        ("x/z and y/z in float", "out.project_mean(ScaleAdd([-x_over_z-]{+Promote(Demote(x_over_z))+}, v.fx, v.cx)"),
         ("means without their remainder",
          "low = [-hn::BitCast(d, hn::Or(of_x, hn::ShiftLeft<16>(of_y)))-]{+hn::Zero(d)+};"),
         ("remainders exchanged", "hn::Or([-of_x, hn::ShiftLeft<16>(of_y)-]{+of_y, hn::ShiftLeft<16>(of_x)+})"),
@@ -179,7 +179,7 @@ DEFECTS = [
         ("the square's coefficient off by 1e-5", "[-2.4022242e-1f-]{+(2.4022242e-1f + 1e-5f)+}")),
     *defects("cpu raster", (CPU + "raster-inl.hpp", CHOLESKY),
         ("rows compare with <",
-         "hn::[-Le-]{+Lt+}(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, shape.cutoff))"),
+         "hn::[-Le-]{+Lt+}(hn::MulAdd(nearest, nearest, hn::Mul(v, v)), hn::Set(d, of.cutoff[k]))"),
         ("blocks a hundredth too narrow",
          "{+hn::Mul(+}hn::Sqrt(hn::Sub(c, hn::Set(d, log2_alpha_min - 1e-3f))){+, hn::Set(d, 0.99f))+}"),
         ("two of a block's four rows are asked", "return [-hn::Max(v, hn::Shuffle1032(v))-]{+v+};")),
