@@ -216,6 +216,10 @@ def test_arrays_that_lie_as_before_are_borrowed_once_and_drawn_as_they_are(prete
     fewer = dict(given, **{name: given[name].view(given[name].array[:1000]) for name in OF_GAUSSIANS})
     assert not np.array_equal(draw(given)[0], draw(fewer)[0]) and pretended.calls == [*borrowed, "frame"]
     assert not np.array_equal(draw(dict(fewer, sh_degree=0))[0], draw(fewer)[0])
+    degree = np.array(0)
+    low = draw(dict(elsewhere, sh_degree=degree))[0]
+    degree[...] = 3  # the same object with another value
+    assert np.array_equal(draw(dict(elsewhere, sh_degree=degree))[0], first) and not np.array_equal(low, first)
     fortran = dict(given, means=given["means"].view(np.asfortranarray(gsplat_arguments["means"])))
     for _ in range(2):  # is copied each time
         assert np.array_equal(draw(fortran)[0], first) and pretended.calls == [*borrowed, "frame"]

@@ -135,7 +135,7 @@ def rasterization(
     in_colour = render_mode.startswith("RGB")
     coloured: Dict[str, Any] = {"colours": colors}
     if sh_degree is not None:
-        coloured = {"sh": colors, "sh_degree": sh_degree}
+        coloured = {"sh": colors, "sh_degree": _checks.whole(sh_degree, "sh_degree", 0)}
     elif not in_colour:
         coloured = {"colours": means}  # drawn by nobody
     _check_shapes(coloured, count)
@@ -309,7 +309,7 @@ def _parted(plane: Any, batch: Tuple[int, ...], worlds: int) -> Any:
 def _check_shapes(coloured: Dict[str, Any], count: int) -> None:
     """Refuses by name what gsplat takes and this does not."""
     if "sh" in coloured:
-        if _checks.whole(coloured["sh_degree"], "sh_degree", 0) > 3:
+        if coloured["sh_degree"] > 3:
             raise NotOffered(f"rasterization: sh_degree is {coloured['sh_degree']}, expected 0 to 3")
         return
     colours = tuple(getattr(coloured["colours"], "shape", ()))
