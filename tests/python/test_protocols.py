@@ -264,6 +264,8 @@ def test_neither_images_nor_arrays_are_kept_from_one_call_to_the_next(pretended,
     gone = [weakref.ref(array) for array in (images, alphas, again, alphas_again)]
     del images, alphas, again, alphas_again
     assert not any(each() for each in gone)
+
+
 def test_planes_are_joined_by_their_library_and_matrices_come_to_the_host(pretended, gsplat_arguments):
     plain = {mode: swiftgs.rasterization(**gsplat_arguments, render_mode=mode)[0] for mode in ("D", "RGB+ED")}
     given = pretended.arguments(gsplat_arguments)

@@ -99,7 +99,7 @@ def read(array: Any, what: str, stream: Optional[int] = 0) -> Memory:
 
 
 def _make_ready(array: Any, device: int, stream: int) -> None:
-    """Work on `stream` comes after what the array's library works on now."""
+    """Orders later work on `stream` after the current stream of the array's library."""
     ready = stream_of(array, device) or 0
     if ready != stream and device == current_device():  # others are refused
         lib.device_order(ready or None, stream or None)
@@ -112,8 +112,8 @@ def _in_bytes(strides: Tuple[int, ...], kind: str) -> Tuple[int, ...]:
 
 @functools.lru_cache(maxsize=64)
 def _usual_tensor(dtype: Any, device: Any, strided: bool) -> Optional[Tuple[str, Optional[int]]]:
-    """The kind, such as "f4", and the CUDA device of a tensor that its own members describe; None of others, such as
-    one of no number of NumPy's own."""
+    """The kind, such as "f4", and the CUDA device of a tensor that its own members describe; None if DLPack has to,
+    such as for types that NumPy lacks."""
     try:
         found = np.dtype(str(dtype).rpartition(".")[2])
     except TypeError:
@@ -168,12 +168,12 @@ def stream_of(array: Any, device: int) -> Optional[int]:
 
 
 def whose_stream(array: Any) -> Any:
-    """Equal for arrays that tell of one stream: all of a library's do, and each `DeviceArray` of its own."""
+    """A key of the array's stream: a library has one for all its arrays, each `DeviceArray` its own."""
     return array if isinstance(array, DeviceArray) else library_of(array)
 
 
 def one_of_each_stream(arrays: Iterable[Any]) -> Dict[Any, Any]:
-    """By `whose_stream`."""
+    """One array for each stream, by `whose_stream`."""
     return {whose_stream(array): array for array in arrays}
 
 

@@ -101,13 +101,13 @@ class Frame:
             self._sources = _arrays.one_of_each_stream(array for array in arrays.values() if array is not None)
 
     def _let_go(self) -> None:
-        """Forgets its arrays, but not how they lie, for `_draw_into`."""
+        """Forgets the arrays and keeps their layouts for `_draw_into`."""
         vars(self).update(dict.fromkeys(("colour", *PLANES)))
         self._planes = [Plane(name, _arrays.NOWHERE, layout) for name, _, layout in self._planes]
         self._sources = {}
 
     def _draw_into(self, arrays: Dict[str, Any]) -> None:
-        """Has the next frame drawn into arrays of `_arrays.empty`, by name, which lie as those did that it let go. The
+        """Sets the arrays of the next frame, by name: of `_arrays.empty`, of the same shapes as before `_let_go`. The
         caller keeps them."""
         for name, _, layout in self._planes:
             self._point_to(name, _arrays.address_of(arrays[name]), layout.step)

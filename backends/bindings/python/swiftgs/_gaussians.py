@@ -18,8 +18,8 @@ class Given(NamedTuple):
 
     struct: _c.Gaussians
     memory: List[_arrays.Memory]  # that the struct points to
-    sources: Dict[Any, Any]  # an array of each stream, by `whose_stream`
-    layout: Any  # all that the struct follows from but addresses; None where a copy was made
+    sources: Dict[Any, Any]  # an array for each stream, by `whose_stream`
+    layout: Any  # equal layouts have equal structs, addresses excepted; None if an array was copied
 
     @property
     def count(self) -> int:
@@ -63,11 +63,12 @@ def _copied(array: Any, what: str) -> Any:
 
 
 def _members(struct: _c.Gaussians, name: str) -> List[Tuple[_c.Array, int]]:
-    """Those for an array, and the bytes at which they begin in it."""
+    """Members of the struct for the array `name`, and the byte of the array where each begins."""
     return [(struct.sh0, 0), (struct.sh_rest, 12)] if name == "sh" else [(getattr(struct, name), 0)]
 
 
 def _point_to(struct: _c.Gaussians, memory: Dict[str, _arrays.Memory], said: Any) -> None:
+    """Sets the addresses."""
     for name, found in memory.items():
         if found.address % 4 != 0:
             raise InvalidArgument(f"{said(name, name)} begins at the address {found.address}, expected a multiple of 4")
@@ -102,7 +103,8 @@ def gaussians_of(means: Any, scales: Any, rotations: Any, opacities: Any, sh0: A
     sources: Dict[Any, Any] = {}
     for name, array in arrays.items():
         source = _arrays.whose_stream(array)
-        is_ready = source == "torch" and source in sources  # protocols make each array ready by itself
+        # One order is enough for all tensors of PyTorch; DLPack makes each array ready by itself.
+        is_ready = source == "torch" and source in sources
         memory[name] = _arrays.read(array, said(name, name), None if is_ready else stream)
         sources[source] = array
     _checks.of_type(model, RenderingModel, "model")
@@ -128,7 +130,7 @@ def gaussians_of(means: Any, scales: Any, rotations: Any, opacities: Any, sh0: A
 
 
 def _fill(struct: _c.Gaussians, memory: Dict[str, _arrays.Memory], said: Any, sh_degree: Optional[int]) -> None:
-    """All of `struct` that says how the arrays lie, which are in rows and in one place."""
+    """Sets what `struct` says of the arrays, which lie in rows, but for addresses. They must lie in one place."""
     for name, found in memory.items():
         for member, _ in _members(struct, name):
             member.stride = found.strides[0] if found.shape[0] > 1 else 0

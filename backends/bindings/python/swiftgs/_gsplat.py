@@ -18,11 +18,11 @@ from ._renderer import Renderer
 _MODES = ("RGB", "D", "ED", "RGB+D", "RGB+ED")
 _CAMERA = np.dtype(_c.Camera)
 _LAST_ROW = np.array([0.0, 0.0, 0.0, 1.0])
-# Of a view and intrinsics in a row: what a camera's rotation, translation, fx, fy, cx and cy are.
+# Where a camera's rotation, translation, fx, fy, cx and cy are in 16 numbers of its view and 9 of its intrinsics.
 _FROM = np.array([0, 1, 2, 4, 5, 6, 8, 9, 10, 3, 7, 11, 16, 20, 18, 21])
 
-# Arguments that change an image or ask for another result, with the one value that does neither, as `rasterization`
-# looks at them.
+# Arguments that change an image or ask for another result, with the one value that does neither, in the order in which
+# `rasterization` checks them.
 _REFUSED: Dict[str, Any] = {
     "radius_clip": 0.0, "distributed": False, "covars": None, "with_eval3d": False, "return_normals": False,
     "global_z_order": True, "rays": None, "lidar_coeffs": None, "external_distortion_coeffs": None,
@@ -176,7 +176,7 @@ def rasterization(
     is_distorted = not (radial_coeffs is tangential_coeffs is thin_prism_coeffs is None)
     has_background = backgrounds is not None and in_colour
     key = (count, width, height, planes, device, conventions, camera_model, worlds, is_distorted, has_background)
-    images, _of_thread.images = _of_thread.images, None  # which a frame that fails does not leave behind
+    images, _of_thread.images = _of_thread.images, None  # a failed call keeps none
     if images is None or images.key != key:
         images = _Images(key, Frame(**arrays, conventions=conventions), camera_model, worlds)
     images.frame._draw_into(arrays)
@@ -214,8 +214,8 @@ def rasterization(
 
 
 class _Images:
-    """A frame for calls that ask for images of one kind, as the key says. Each call gives it arrays, cameras,
-    coefficients and backgrounds."""
+    """The frame and cameras of calls with one `key`. Each call sets arrays, matrices, and coefficients and backgrounds
+    if the key has them."""
 
     def __init__(self, key: Tuple[Any, ...], frame: Frame, model: str, worlds: int) -> None:
         frame._let_go()
@@ -226,7 +226,7 @@ class _Images:
             self.cameras[name] = value
         if worlds > 1:
             frame._table["first_shown"], frame._table["shown_count"] = np.arange(count) * worlds // count, 1
-        # A view [4, 4] and intrinsics [3, 3] of each camera behind one another, and where they go.
+        # Each camera's view [4, 4] and intrinsics [3, 3] in a row; `_numbers` is the part of its struct that they set.
         self._given = np.empty((count, 25))
         self._views, self._intrinsics = self._given[:, :16].reshape(-1, 4, 4), self._given[:, 16:].reshape(-1, 3, 3)
         self._last_rows, self._skews = self._given[:, 12:16], self._given[:, 17:20:2]

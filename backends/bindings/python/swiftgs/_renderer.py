@@ -147,8 +147,8 @@ class Renderer:
         self._placed: List[range] = []  # Gaussians of each placement, as its scene numbers them
         self._cut: Any = None  # of a pool, which frames show in place of `_placed`
         self._borrowed: Optional[Given] = None  # what frames read where it lies
-        self._shown: Any = None  # what tells borrowed arrays from others, until something else shows
-        self._last: Tuple[Any, Any] = None, None  # layout and struct of the arrays of `_draw_gaussians`
+        self._shown: Any = None  # struct, worlds and addresses of borrowed arrays; None if frames show anything else
+        self._last: Tuple[Any, Any] = None, None  # layout and struct of the last arrays of `_draw_gaussians`
         self._recorded: Optional[Frame] = None  # keeps the arrays that recorded frames are drawn into
         self._report: Any = None
         self._has_recorded = False
@@ -273,7 +273,7 @@ class Renderer:
             self._draw(out, given.sources)
 
     def _change(self, call: Any, *arguments: Any) -> None:
-        """Calls a function of the library that may change what frames show."""
+        """Calls a function of the library that may change what frames show, even if it fails."""
         self._shown = None
         call(*arguments)
 
