@@ -229,17 +229,12 @@ class _Images:
         # Each camera's view [4, 4] and intrinsics [3, 3] in a row; `_numbers` is the part of its struct that they set.
         self._given = np.empty((count, 25))
         self._views, self._intrinsics = self._given[:, :16].reshape(-1, 4, 4), self._given[:, 16:].reshape(-1, 3, 3)
-        self._last_rows, self._skews = self._given[:, 12:16], self._given[:, 17:20:2]
         self._numbers = np.ndarray((count, len(_FROM)), np.float64, frame._cameras, _c.Camera.rotation.offset,
                                    (_CAMERA.itemsize, 8))
 
     def aim(self, views: np.ndarray, intrinsics: np.ndarray) -> None:
         """Sets the cameras by matrices [C, 4, 4] and [C, 3, 3]."""
         self._views[:], self._intrinsics[:] = views, intrinsics
-        if np.count_nonzero(self._last_rows != _LAST_ROW):
-            raise InvalidArgument("viewmats: expected 0, 0, 0, 1 in the last row")
-        if np.count_nonzero(self._skews):
-            raise NotOffered("rasterization: Ks has a skew, expected 0 beside the focal lengths")
         self._numbers[:] = self._given.take(_FROM, axis=1)
 
 
@@ -325,6 +320,10 @@ def _matrices(viewmats: Any, intrinsics: Any) -> Tuple[np.ndarray, np.ndarray]:
         raise InvalidArgument(f"viewmats has the shape {views.shape}, expected (C, 4, 4)")
     if ks.shape != (len(views), 3, 3):
         raise InvalidArgument(f"Ks has the shape {ks.shape}, expected ({len(views)}, 3, 3)")
+    if np.count_nonzero(views[:, 3] != _LAST_ROW):
+        raise InvalidArgument("viewmats: expected 0, 0, 0, 1 in the last row")
+    if np.count_nonzero(ks[:, 0, 1]) or np.count_nonzero(ks[:, 1, 0]):
+        raise NotOffered("rasterization: Ks has a skew, expected 0 beside the focal lengths")
     return views, ks
 
 
