@@ -73,7 +73,10 @@ void main() {
   if (begin < end) next_shape = shapes.at[next_id];
   // Ids of `waiting` splats, one in each lane from the first on.
   uint waiting_id = 0u, waiting = 0u, blended = 0u;
-  for (uint from = begin; from < end || waiting != 0u; from += SUBGROUP) {
+  // lavapipe ends the loops of a thread after 65,535 rounds: leave some to the loops that store pixels.
+  uint rounds = 0u;
+  for (uint from = begin; (from < end || waiting != 0u) && (SUBGROUP >= 32u || rounds < 65000u); from += SUBGROUP) {
+    ++rounds;
     uint following_id = 0u;  // of those behind as many as there are lanes
     if (from < end) {
       const uint id = next_id;
@@ -162,6 +165,7 @@ void main() {
         if (CONTRIBUTES && of_group + k < count) contribute(gaussians.at[of_splat], low_bits, high_bits);
       }
     }
+    rounds += SUBGROUP / GROUP + 1u;
     waiting -= count;
     waiting_id = following_id;
     blended += count;
@@ -190,9 +194,9 @@ void main() {
     shown[p] = all[p];
     picked[p] = uvec3(first[p], median[p], largest[p]);
   }
-  // Mesa unrolls a loop over an array if it can count the rounds. Software would compile what stores a pixel EACH times: it
-  // gets a number that it does not know.
-  const uint pixels_of_lane = SUBGROUP < 32u ? min(EACH, size.x * EACH) : EACH;
+  // Mesa unrolls a loop over an array whose rounds it can count, and software then compiles the store EACH times. Hide
+  // their number from it.
+  const uint pixels_of_lane = SUBGROUP < 32u && EACH > 1u ? min(EACH, size.x * EACH) : EACH;
   for (uint p = 0u; p < pixels_of_lane; ++p) {
     const uvec2 at = block + place_of(p);
     if (at.x >= size.x || at.y >= size.y) continue;

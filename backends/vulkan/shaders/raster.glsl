@@ -41,8 +41,8 @@ layout(push_constant, scalar) uniform Push {
 const uint all_lists = 0u, long_lists = 1u, other_lists = 2u;
 
 const uint SIDE = 8u, EACH = SIDE * SIDE / (SUBGROUP * PARTS);
-// Splats that are blended together: fewer where a lane has many pixels. One in parts, which sum attributes: four would take
-// software 1.6 times as long to compile.
+// Splats that are blended together: two where a lane has many pixels; one where several subgroups share a block, because
+// software takes 1.6 times as long to compile four.
 const uint GROUP = PARTS > 1u ? 1u : EACH > 2u ? 2u : 4u, GROUP_END = GROUP + 1u;
 
 // Place of pixel `p` of this lane in the block.
