@@ -31,7 +31,7 @@ constexpr std::size_t at_once = lanes == 16 ? 4 : 2;
 struct alignas(64) Batch {
   std::uint32_t group_masks[batch_size];                       ///< bit g: the splat touches group g
   const std::uint32_t* splats;                                 ///< numbers of its splats in the frame
-  SplatShape shapes[batch_size];                               ///< copies
+  SplatShape shapes[batch_size];                               ///< copies, loaded by registers
   float colours[batch_size][4];                                ///< RGB, depth
   std::uint32_t lists[raster_block_side][batch_size + lanes];  ///< for each group the splats that touch it
   std::size_t list_sizes[raster_block_side];

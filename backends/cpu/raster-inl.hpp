@@ -39,14 +39,14 @@ struct Touched {
   std::uint32_t groups, rows;
 };
 
-/// Of a batch's splats, what `VisitRows` broadcasts: an array a number, since a broadcast from memory takes
-/// no unit that computes. Distances are those of the raster block's first pixel centre from the mean.
+/// What `VisitRows` broadcasts of a batch's splats, one array per number: a broadcast from memory occupies no
+/// arithmetic unit. Distances are from the mean to the raster block's first pixel centre.
 struct alignas(64) RowFactors {
   float l0[batch_size], l1[batch_size], l2[batch_size], cutoff[batch_size], log2_opacity[batch_size];
   float u[batch_size], v[batch_size];  ///< l0 dx + l1 dy, l2 dy
   float before_last[batch_size];       ///< -l0 times the columns from the first to the last
 
-  /// Takes `count` splats, and up to a whole register of those behind them.
+  /// Reads `shapes` up to the next multiple of `lanes`. Numbers from `count` on are never used.
   HWY_INLINE RowFactors(const SplatShape* HWY_RESTRICT shapes, std::size_t count, vec2 first_centre,
                         float log2_alpha_min) {
     const F32 d;

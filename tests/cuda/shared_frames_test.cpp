@@ -112,8 +112,8 @@ SWIFTGS_DEVICE_CASE("cuda long lists: frames stop sharing after eight short ones
       const bool apart = is_split(Raster::name) && (wanted.further.id || wanted.further.normal);
       const std::uint32_t rasterized = (wanted.further.id && wanted.further.features != 0 ? 2 : 1) + apart;
       std::vector<PlanesMemory> drawn;
-      // Draws a frame. Returns how many earlier frames had no long warp blocks, each as often as it was
-      // rasterized: what the host knows by then.
+      // Draws a frame. Returns the host's number of earlier frames without long warp blocks. A frame counts
+      // as often as it was rasterized.
       const auto render = [&](const DeviceScene& scene) {
         PlacedViews views(cuda, {square_view(side, wanted, faint())});  // waits for the frame before
         renderer.render_into(scene.view(), views.span());

@@ -21,8 +21,8 @@ static_assert(std::endian::native == std::endian::little, "page files are read a
 
 inline constexpr std::array<char, 8> magic{'S', 'G', 'P', 'A', 'G', 'E', 'S', '\n'};
 inline constexpr std::uint32_t version = 1;
-/// Number of what a build writes: a build goes on only with files that one of the same number left. Raise it
-/// when merging, ordering, packing or steps write other bytes.
+/// Version of a build's files. A build resumes only with files of the same version. Raise it when merging,
+/// ordering, packing or steps write other bytes.
 inline constexpr std::uint32_t build_version = 1;
 /// Most levels of pages below another: frames walk a tree by recursion. That of 2^32 Gaussians has 33.
 inline constexpr int most_levels = 64;
