@@ -31,6 +31,9 @@ foreach(component IN ITEMS core builtin reference cpu cuda gl cuda_vulkan vulkan
     LIBRARY COMPONENT ${loaded} NAMELINK_COMPONENT dev ARCHIVE COMPONENT dev ${headers})
   if(component STREQUAL cuda)
     install(TARGETS swiftgs_cuda_kernels EXPORT swiftgs-cuda)
+  elseif(component STREQUAL vulkan)  # shaders of policies are compiled where programs are
+    install(FILES backends/vulkan/swiftgsShaders.cmake DESTINATION "${package_dir}" COMPONENT dev)
+    install(DIRECTORY backends/vulkan/shaders DESTINATION "${package_dir}" COMPONENT dev)
   endif()
   install(EXPORT swiftgs-${component} NAMESPACE swiftgs:: DESTINATION "${package_dir}" COMPONENT dev)
 

@@ -60,6 +60,7 @@ set(draws_on "processors")
 if(TARGET swiftgs_vulkan)
   set(draws_on "processors and on GPUs by Vulkan")
   set(CPACK_DEBIAN_RUNTIME_PACKAGE_SUGGESTS libvulkan1)
+  set(CPACK_DEBIAN_DEV_PACKAGE_SUGGESTS glslang-tools)  # shaders of policies of programs
 endif()
 swiftgs_package(runtime ${name} libs "This package has the shared libraries of C++: the renderer on
 ${draws_on}, the built-in scene, the float64

@@ -118,11 +118,11 @@ Commands::Shape Commands::over(Count count, Groups::Of of) const {
   return shape;
 }
 
-void Commands::run(Kernel kernel, const std::vector<std::uint32_t>& constants, Push push,
+void Commands::run(const Shader& shader, const std::vector<std::uint32_t>& constants, Push push,
                    const Shape& shape) {
   if (shape.columns == 0) return;
   if (shape.at) push.touch(reads(b_.groups.device + *shape.at, sizeof(VkDispatchIndirectCommand)));
-  const VkPipeline pipeline = device_.pipeline(kernel, shape.threads, constants);
+  const VkPipeline pipeline = device_.pipeline(shader, shape.threads, constants);
   const VkCommandBuffer commands = b_.open->commands;
   const Functions& vk = device_.vk;
   if (b_.hazards.next(push.accesses()))
@@ -139,7 +139,7 @@ void Commands::run(Kernel kernel, const std::vector<std::uint32_t>& constants, P
   Profile& profile = b_.profile;
   if (!profile.on || profile.kernels.size() == Profile::most) return dispatch(shape);
   const auto query = std::uint32_t(2 * profile.kernels.size());
-  profile.kernels.push_back(kernel);
+  profile.kernels.push_back(shader.kernel());
   barrier(device_, commands, kernels, kernels);
   timestamp(profile.times, query);
   dispatch(shape);

@@ -231,7 +231,7 @@ class Commands {
   /// there may be.
   Shape over(Count count, Groups::Of of = Groups::usual) const;
 
-  void run(Kernel kernel, const std::vector<std::uint32_t>& constants, Push push, const Shape& shape);
+  void run(const Shader& shader, const std::vector<std::uint32_t>& constants, Push push, const Shape& shape);
   /// Lets the next kernels see `image`, at one of `image_types`.
   void bind_image(VkImageView image, std::uint32_t binding);
   void fill(std::uint32_t* to, std::size_t words, std::uint32_t value);

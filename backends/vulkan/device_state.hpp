@@ -10,6 +10,7 @@
 #include <set>
 #include <shared_mutex>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -98,7 +99,7 @@ struct VulkanDevice::State {
   std::optional<double> milliseconds(VkQueryPool times, std::uint32_t from, std::uint32_t to) const;
 
   /// Made when it is first used. `threads` a workgroup.
-  VkPipeline pipeline(vulkan::Kernel kernel, std::uint32_t threads,
+  VkPipeline pipeline(const vulkan::Shader& shader, std::uint32_t threads,
                       const std::vector<std::uint32_t>& constants);
 
   /// The bytes of compiled pipelines behind a header of their length and hash.
@@ -133,8 +134,7 @@ struct VulkanDevice::State {
     std::optional<std::uint64_t> done_at;
   };
 
-  /// A pipeline by its key: the kernel and its constants.
-  VkPipeline compile(vulkan::Kernel kernel, const std::vector<std::uint32_t>& key) const;
+  VkPipeline compile(const vulkan::Shader& shader, const std::vector<std::uint32_t>& constants) const;
   /// Waits for released memory where there is not enough, and tries again once.
   std::pair<vulkan::Allocation, void*> allocate_buffer(std::size_t bytes, std::uint32_t type);
   std::pair<vulkan::Allocation, void*> allocate_host_buffer(std::size_t bytes, vulkan::HostMemory kind);
@@ -155,7 +155,8 @@ struct VulkanDevice::State {
   std::set<std::uint64_t> open_;  ///< those not submitted or dropped yet
   std::map<void*, vulkan::Allocation> memories_;
   std::vector<Released> released_;
-  std::map<std::vector<std::uint32_t>, VkPipeline> pipelines_;
+  /// A pipeline by its kernel, its own code and its constants.
+  std::map<std::tuple<vulkan::Kernel, const void*, std::vector<std::uint32_t>>, VkPipeline> pipelines_;
   VkPipelineCacheHeaderVersionOne cache_header_{};  ///< what its bytes begin with
   VkPhysicalDeviceMemoryProperties memory_{};
   std::uint32_t memory_types_ = 0;  ///< bits of those that buffers may have

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <string_view>
 
 #include <swiftgs/frame/span.hpp>
@@ -22,7 +23,35 @@ enum class Kernel : std::uint32_t {
 };
 
 std::string_view name_of(Kernel kernel);
-/// SPIR-V of `kernel`.
-Span<const std::uint32_t> code_of(Kernel kernel);
+
+/// SPIR-V, and the name of its entry point.
+struct Code {
+  Span<const std::uint32_t> words;
+  std::string entry;
+};
+
+/// A kernel by the library's code, or by that of a policy of the program's own.
+class Shader {
+ public:
+  Shader(Kernel kernel) : kernel_(kernel) {}
+  /// `policy` is a `BoundsKind` or a `RasterKind`, and `code` what its own shaders have for `kernel`.
+  template <class Policy, class Shaders>
+  Shader(Kernel kernel, const Policy& policy, Span<const std::uint32_t> Shaders::*code)
+      : kernel_(kernel), policy_(policy.name) {
+    if (policy.own) own_ = &(policy.own->*code);
+  }
+
+  Kernel kernel() const { return kernel_; }
+  /// Tells own code apart; null for the library's.
+  const void* own() const { return own_; }
+  /// Throws `InvalidArgument` for own code that is damaged, or that `swiftgs_add_shaders` of this version did
+  /// not compile for this kernel.
+  Code code() const;
+
+ private:
+  Kernel kernel_;
+  std::string_view policy_{};
+  const Span<const std::uint32_t>* own_ = nullptr;
+};
 
 }  // namespace swiftgs::vulkan

@@ -25,7 +25,7 @@ void emit(Vulkan& b, const SortJob& job, BoundsKind bounds, const std::uint32_t*
   commands.run(Kernel::tile_sums, {},
                Push(footprints, reads(order, n), writes(sums, most_sums), shares(sums_of_runs, runs), count),
                commands.over(count, Groups::fours));
-  commands.run(Kernel::emit, {bounds.number, keys.each},
+  commands.run({Kernel::emit, bounds, &BoundsShaders::emit}, {bounds.number, keys.each},
                Push(reads(splats.shapes.data, n), reads(splats.depths.data, n), reads(splats.of_view, n),
                     reads(order, n), address(grids_of(commands, job.footprints.views)), footprints,
                     reads(sums, most_sums), reads(sums_of_runs, runs), writes(keys.words, keys.each * found),

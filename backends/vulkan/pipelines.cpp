@@ -6,6 +6,8 @@
 #include <cstring>
 #include <mutex>
 #include <shared_mutex>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "device_state.hpp"
@@ -56,10 +58,12 @@ void VulkanDevice::State::add_pipelines(Span<const std::byte> kept) {
   vulkan::check(result, "vkMergePipelineCaches");
 }
 
-VkPipeline VulkanDevice::State::pipeline(vulkan::Kernel kernel, std::uint32_t threads,
+VkPipeline VulkanDevice::State::pipeline(const vulkan::Shader& shader, std::uint32_t threads,
                                          const std::vector<std::uint32_t>& constants) {
-  std::vector<std::uint32_t> key{std::uint32_t(kernel), subgroup, threads, arithmetic};
-  key.insert(key.end(), constants.begin(), constants.end());
+  // The constants of `common.glsl` first.
+  std::vector<std::uint32_t> all{subgroup, threads, arithmetic};
+  all.insert(all.end(), constants.begin(), constants.end());
+  const std::tuple key(shader.kernel(), shader.own(), std::move(all));
   {
     const std::lock_guard lock(mutex_);
     if (const auto found = pipelines_.find(key); found != pipelines_.end()) return found->second;
@@ -67,7 +71,7 @@ VkPipeline VulkanDevice::State::pipeline(vulkan::Kernel kernel, std::uint32_t th
   // Others go on meanwhile. If two threads compile the same, the first that is done wins.
   const VkPipeline made = [&] {
     const std::shared_lock lock(cache_mutex_);
-    return compile(kernel, key);
+    return compile(shader, std::get<2>(key));
   }();
   const std::lock_guard lock(mutex_);
   const auto [at, is_new] = pipelines_.emplace(key, made);
@@ -75,19 +79,19 @@ VkPipeline VulkanDevice::State::pipeline(vulkan::Kernel kernel, std::uint32_t th
   return at->second;
 }
 
-VkPipeline VulkanDevice::State::compile(vulkan::Kernel kernel, const std::vector<std::uint32_t>& key) const {
-  const Span<const std::uint32_t> code = vulkan::code_of(kernel);
+VkPipeline VulkanDevice::State::compile(const vulkan::Shader& shader,
+                                        const std::vector<std::uint32_t>& constants) const {
+  const vulkan::Code code = shader.code();
   VkShaderModuleCreateInfo of_module{};
   of_module.sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO;
-  of_module.codeSize = code.size * sizeof(std::uint32_t), of_module.pCode = code.data;
+  of_module.codeSize = code.words.size * sizeof(std::uint32_t), of_module.pCode = code.words.data;
   VkShaderModule module = VK_NULL_HANDLE;
   vulkan::check(vk.vkCreateShaderModule(device, &of_module, nullptr, &module), "vkCreateShaderModule");
-  // The constants of `common.glsl` first.
   std::vector<VkSpecializationMapEntry> entries;
-  for (std::uint32_t i = 1; i < key.size(); ++i)
-    entries.push_back({i - 1, std::uint32_t((i - 1) * sizeof(std::uint32_t)), sizeof(std::uint32_t)});
+  for (std::uint32_t i = 0; i < constants.size(); ++i)
+    entries.push_back({i, std::uint32_t(i * sizeof(std::uint32_t)), sizeof(std::uint32_t)});
   const VkSpecializationInfo specialization{std::uint32_t(entries.size()), entries.data(),
-                                            (key.size() - 1) * sizeof(std::uint32_t), key.data() + 1};
+                                            constants.size() * sizeof(std::uint32_t), constants.data()};
   VkPipelineShaderStageRequiredSubgroupSizeCreateInfo required{};
   required.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_REQUIRED_SUBGROUP_SIZE_CREATE_INFO;
   required.requiredSubgroupSize = subgroup;
@@ -95,7 +99,8 @@ VkPipeline VulkanDevice::State::compile(vulkan::Kernel kernel, const std::vector
   info.sType = VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO, info.layout = layout;
   info.stage.sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO, info.stage.pNext = &required;
   info.stage.flags = VK_PIPELINE_SHADER_STAGE_CREATE_REQUIRE_FULL_SUBGROUPS_BIT;
-  info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT, info.stage.module = module, info.stage.pName = "main";
+  info.stage.stage = VK_SHADER_STAGE_COMPUTE_BIT;
+  info.stage.module = module, info.stage.pName = code.entry.c_str();
   info.stage.pSpecializationInfo = &specialization;
   VkPipeline made = VK_NULL_HANDLE;
   const VkResult result = vk.vkCreateComputePipelines(device, pipelines, 1, &info, nullptr, &made);

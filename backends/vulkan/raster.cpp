@@ -116,7 +116,7 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
     // there is.
     const bool by_workgroups = is_base && job.attributes.rows == 0 && !job.picks(view) && !frame.occluder;
     const Uniform uniform = commands.uniform(words);
-    const auto draw = [&](Kernel kernel, Lists lists, const Commands::Shape& shape) {
+    const auto draw = [&](const Shader& shader, Lists lists, const Commands::Shape& shape) {
       Push push(uniform, reads(job.splats.shapes.data, n), reads(job.colours.each.data, n),
                 reads(job.splats.gaussians.data, n), reads(job.lists.ids.data, job.lists.ids.size),
                 reads(job.lists.ranges.data, job.lists.ranges.size),
@@ -131,20 +131,22 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
           frame);
       push.touch(pixels_of(frame.occluder, frame.height, Access::read));
       commands.run(
-          kernel,
+          shader,
           {kind.exponent, asks(kind.threshold), asks(sums_depth), asks(job.picks(view)),
            asks(bool(frame.occluder)), asks(frame.conversion != Conversion::as_is),
            job.attributes.rows * AttributeRow::channels, asks(is_base), asks(view.camera.depth_along_ray),
            asks(contributions != nullptr), asks(!contributions || job.colours.each.data), parts},
           push, shape);
     };
+    const Shader raster(Kernel::raster, kind, &RasterShaders::raster);
+    const Shader raster_long(Kernel::raster_long, kind, &RasterShaders::raster_long);
     const Commands::Shape all{columns, blocks / std::max(columns, 1u), commands.subgroup(), parts};
     if (knows_long)
-      draw(by_workgroups ? Kernel::raster_long : Kernel::raster, Lists::with_many,
+      draw(by_workgroups ? raster_long : raster, Lists::with_many,
            {.columns = 1,
             .threads = by_workgroups ? commands.sort_threads() : commands.subgroup(),
             .at = Vulkan::State::long_launch});
-    draw(Kernel::raster, knows_long ? Lists::others : Lists::all, all);
+    draw(raster, knows_long ? Lists::others : Lists::all, all);
   }
   commands.submit();
 }

@@ -72,7 +72,7 @@ void project(Vulkan& b, const FramePlan& plan, BoundsKind bounds, ProjectScratch
   });
   for_each_part(plan, [&](std::size_t v, const StoredScene& placed, std::size_t first) {
     const std::size_t n = placed.size();
-    commands.run(Kernel::compact, {bounds.number},
+    commands.run({Kernel::compact, bounds, &BoundsShaders::compact}, {bounds.number},
                  Push(reads(scratch.shapes.data() + first * usual_threads, n),
                       reads(scratch.projected.data() + first * usual_threads, n), reads(counts, most_counts),
                       reads(scratch.runs.data(), runs), shares(splats.shapes.data(), capacity),
@@ -97,7 +97,7 @@ void find_footprints(Commands& commands, const FramePlan& plan, BoundsKind bound
   footprints.each.reset(n);
   commands.fill(words_at(&totals->report.intersections), 2, 0);
   const SplatsView view = splats.view();
-  commands.run(Kernel::footprints, {bounds.number},
+  commands.run({Kernel::footprints, bounds, &BoundsShaders::footprints}, {bounds.number},
                Push(reads(view.shapes.data, n), reads_views(view), address(grids_of(commands, plan.views)),
                     writes(footprints.each.data(), n), shares(totals, 1), view.count()),
                Commands::Shape::of(n));

@@ -237,7 +237,7 @@ Lists brute_force_lists(const SortInput& job) {
   return lists;
 }
 
-/// Bounds that no backend has kernels for: the even rows of the box.
+/// Bounds of a program: the even rows of the box.
 struct EvenRows {
   static constexpr std::string_view name = "even-rows";
   static constexpr bool conservative = false;

@@ -56,6 +56,16 @@ float alpha_of(Terms t, vec2 at, float least) {
   return clamp_number(alpha * (kept ? 1.0 : 0.0), 0.0, 1.0);
 }
 
+// Whether `rest` has its last term; a rasterizer of a program's own, in place of the functions above, has it.
+#ifdef OWN_RASTERIZER
+#include "policy.glsl"
+#define terms_of own_terms
+#define alpha_of own_alpha
+#define HAS_LAST_TERM true
+#else
+#define HAS_LAST_TERM (EXPONENT == float_split)
+#endif
+
 // The transmittance behind a splat of this alpha and weight.
 float dimmed(float transmittance, float alpha, float weight, float alpha_max) {
   if (FUSES) return fma(-alpha_max, weight, transmittance);

@@ -272,6 +272,22 @@ FUNCTION TileRun tiles_of_row(uint bounds, SplatTiles t, Shape s, TileGrid grid,
   return run_within(tiles_meeting(left, right, grid.side), t.columns.begin, t.columns.end);
 }
 
+// Bounds of a program's own in place of all above, held to the grid and the box.
+#ifdef OWN_BOUNDS
+#include "policy.glsl"
+SplatTiles own_tiles_within(Shape s, TileGrid grid) {
+  SplatTiles t = own_tiles(s, grid);
+  t.columns = run_within(t.columns, grid.first_column, grid.end_column);
+  t.rows = run_within(t.rows, grid.first_row, grid.end_row);
+  return t;
+}
+TileRun own_row_within(SplatTiles t, Shape s, TileGrid grid, int row) {
+  return t.full ? t.columns : run_within(own_row(t, s, grid, row), t.columns.begin, t.columns.end);
+}
+#define tiles_of(bounds, s, grid) own_tiles_within(s, grid)
+#define tiles_of_row(bounds, t, s, grid, row) own_row_within(t, s, grid, row)
+#endif
+
 // The layout of `Footprint`: the lower and upper half of its mask, the number of tiles, the first tile.
 FUNCTION uvec4 footprint_of(uint bounds, Shape s, TileGrid grid) {
   SplatTiles t = tiles_of(bounds, s, grid);

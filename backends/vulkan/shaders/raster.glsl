@@ -112,7 +112,7 @@ struct Group {
 // quarter more, rasterizing takes a tenth longer on an H200.
 shared vec4 exponents[THREADS], shades[THREADS];
 shared uvec2 rests[THREADS];  // bits of the first two
-shared float cutoffs[THREADS], last_terms[EXPONENT == float_split ? THREADS : 1u];
+shared float cutoffs[THREADS], last_terms[HAS_LAST_TERM ? THREADS : 1u];
 
 // Numbers that the lanes of a subgroup exchange while nothing is queued: twice as many as it has lanes.
 void exchange(uint k, uint number) {
@@ -128,7 +128,7 @@ void enqueue(ShapeWords shape, vec4 shade, vec2 first_centre, float alpha_max) {
   exponents[thread()] = terms.exponent;
   rests[thread()] = floatBitsToUint(terms.rest.xy);
   cutoffs[thread()] = terms.rest.z;
-  if (EXPONENT == float_split) last_terms[thread()] = terms.rest.w;
+  if (HAS_LAST_TERM) last_terms[thread()] = terms.rest.w;
   shades[thread()] = shade;
   share_in_subgroup();
 }
@@ -136,10 +136,14 @@ void enqueue(ShapeWords shape, vec4 shade, vec2 first_centre, float alpha_max) {
 // Finds the alphas of the group in slots from `slot` on.
 void evaluate(uint slot, float least, out Group group[EACH]) {
   [[unroll]] for (uint k = 0u; k < GROUP; ++k) {
-    const float last_term = EXPONENT == float_split ? last_terms[slot + k] : 0.0;
+    const float last_term = HAS_LAST_TERM ? last_terms[slot + k] : 0.0;
     const Terms terms = Terms(exponents[slot + k], vec4(uintBitsToFloat(rests[slot + k]), cutoffs[slot + k], last_term));
     [[unroll]] for (uint p = 0u; p < EACH; ++p)
       group[p].weight[k] = alpha_of(terms, vec2(place_of(p)), least);
+#ifdef OWN_RASTERIZER
+    if (!(shades[slot + k].w > 0.0))
+      [[unroll]] for (uint p = 0u; p < EACH; ++p) group[p].weight[k] = 0.0;  // a slot without a splat
+#endif
   }
 }
 

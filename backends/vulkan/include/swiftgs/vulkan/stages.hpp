@@ -2,9 +2,11 @@
 #pragma once
 
 /// @file
-/// The stages of `Vulkan`: what they keep in the device's memory, and their overloads. Each takes a policy as
-/// its number, which becomes a specialization constant of a shader.
+/// The stages of `Vulkan`: what they keep in the device's memory, and their overloads. Each takes a policy of
+/// the library as its number, which becomes a specialization constant of a shader, and one of a program as
+/// its shaders.
 
+#include <concepts>
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
@@ -27,6 +29,7 @@
 #include <swiftgs/sort/early.hpp>
 #include <swiftgs/tools/policy_lists.hpp>
 #include <swiftgs/vulkan/backend.hpp>
+#include <swiftgs/vulkan/shaders.hpp>
 
 namespace swiftgs {
 
@@ -51,15 +54,25 @@ constexpr std::uint32_t index_in(TypeList<Policies...>) {
   ((std::is_same_v<Policy, Policies> ? void(found = index) : void(), ++index), ...);
   return found;
 }
+/// Policies with shaders of the program's own.
 template <class Bounds>
-concept KnownBounds = AllBounds::contains<Bounds>;
+concept OwnBounds = std::same_as<decltype(shaders<Bounds>), const BoundsShaders* const>;
 template <class Raster>
-concept KnownRaster = AllRasters::contains<Raster>;
+concept OwnRaster = std::same_as<decltype(shaders<Raster>), const RasterShaders* const>;
+template <class Bounds>
+concept BoundsWithShaders = AllBounds::contains<Bounds> || OwnBounds<Bounds>;
+template <class Raster>
+concept RasterWithShaders = AllRasters::contains<Raster> || OwnRaster<Raster>;
+
+template <class Exponent>
+concept KnownExponent = AllExponents::contains<Exponent>;
 
 /// How a rasterizer computes alpha.
 struct RasterKind {
   enum Exponent : std::uint32_t { half_split, float_split, float_cholesky } exponent = float_cholesky;
-  bool threshold = false;
+  bool threshold = true;
+  const RasterShaders* own = nullptr;
+  std::string_view name{};  ///< of `own`
 };
 template <class Raster>
 struct KindOf;
@@ -67,13 +80,17 @@ template <>
 struct KindOf<PerPixel> {
   static constexpr RasterKind kind{RasterKind::float_cholesky, false};
 };
-template <class Exponent>
+template <KnownExponent Exponent>
 struct KindOf<AxisShared<Exponent>> {
   static constexpr RasterKind kind{RasterKind::Exponent(index_in<Exponent>(AllExponents())), false};
 };
-template <class Exponent>
+template <KnownExponent Exponent>
 struct KindOf<AxisSharedThreshold<Exponent>> {
   static constexpr RasterKind kind{RasterKind::Exponent(index_in<Exponent>(AllExponents())), true};
+};
+template <OwnRaster Raster>
+struct KindOf<Raster> {
+  static constexpr RasterKind kind{.own = shaders<Raster>, .name = Raster::name};
 };
 
 }  // namespace vulkan
@@ -146,11 +163,14 @@ struct Footprints<Vulkan> {
 
 namespace vulkan {
 struct BoundsKind {
-  std::uint32_t number;
+  std::uint32_t number;  ///< of those of the library
   std::string_view name;
+  const BoundsShaders* own = nullptr;
 };
-template <KnownBounds Bounds>
+template <BoundsWithShaders Bounds>
 inline constexpr BoundsKind bounds_kind{index_in<Bounds>(AllBounds()), Bounds::name};
+template <OwnBounds Bounds>
+inline constexpr BoundsKind bounds_kind<Bounds>{0, Bounds::name, shaders<Bounds>};
 
 SWIFTGS_API void project(Vulkan& b, const FramePlan& plan, BoundsKind bounds, ProjectScratch<Vulkan>& scratch,
                          Splats<Vulkan>& splats, Footprints<Vulkan>& footprints);
@@ -176,18 +196,20 @@ SWIFTGS_API void find_ranges(Vulkan& b, const FootprintsView& footprints, Count 
 SWIFTGS_API void rasterize(Vulkan& b, RasterKind kind, const RasterJob& job);
 }  // namespace vulkan
 
-template <vulkan::KnownBounds Bounds>
+template <vulkan::BoundsWithShaders Bounds>
 void project(Vulkan& b, const FramePlan& plan, const Bounds&, ProjectScratch<Vulkan>& scratch,
              Splats<Vulkan>& splats, Footprints<Vulkan>& footprints) {
   vulkan::project(b, plan, vulkan::bounds_kind<Bounds>, scratch, splats, footprints);
 }
 
-/// Bounds of the caller have no shader.
+/// Refuses bounds without shaders.
 template <class Bounds>
-requires(!vulkan::KnownBounds<Bounds>) void project(Vulkan&, const FramePlan&, const Bounds&,
-                                                    ProjectScratch<Vulkan>&, Splats<Vulkan>&,
-                                                    Footprints<Vulkan>&) {
-  static_assert(vulkan::KnownBounds<Bounds>, "bounds: expected some of the library's on the backend Vulkan");
+requires(!vulkan::BoundsWithShaders<Bounds>) void project(Vulkan&, const FramePlan&, const Bounds&,
+                                                          ProjectScratch<Vulkan>&, Splats<Vulkan>&,
+                                                          Footprints<Vulkan>&) {
+  static_assert(vulkan::BoundsWithShaders<Bounds>,
+                "bounds: expected some of the library's on the backend Vulkan, or a specialization of "
+                "swiftgs::vulkan::shaders by a pointer to BoundsShaders");
 }
 
 /// The returned `Shading` refers to `plan`, which must outlive it.
@@ -196,7 +218,7 @@ SWIFTGS_API Shading<Vulkan> shade(Vulkan& b, const FramePlan& plan, const Splats
 
 /// The device compares the numbers of splats and of intersections with the limits. Waits for the numbers if
 /// the limits have no capacity of intersections.
-template <vulkan::KnownBounds Bounds>
+template <vulkan::BoundsWithShaders Bounds>
 void bin(Vulkan& b, const FramePlan& plan, const Bounds&, Splats<Vulkan>& splats,
          Footprints<Vulkan>& footprints) {
   vulkan::bin(b, plan, vulkan::bounds_kind<Bounds>, splats, footprints);
@@ -211,7 +233,7 @@ SWIFTGS_API const std::uint32_t* order_by_depth(Vulkan& b, const SplatsView& spl
                                                 DepthOrderScratch<Vulkan>& scratch);
 
 /// It trusts the footprints' number of intersections.
-template <vulkan::KnownBounds Bounds, class Key>
+template <vulkan::BoundsWithShaders Bounds, class Key>
 Count emit_intersections(Vulkan& b, const SortJob& job, const Bounds&, const std::uint32_t* order,
                          IntersectionScratch<Vulkan>& scratch, Pairs<Vulkan, Key>& intersections) {
   check_footprints(job);
@@ -236,7 +258,7 @@ void finish_lists(Vulkan& b, const FootprintsView& footprints, Count count, int,
   intersections.values.reset(count.most);
 }
 
-template <vulkan::KnownBounds Bounds>
+template <vulkan::BoundsWithShaders Bounds>
 void group_by_tile(Vulkan& b, const SortJob& job, const Bounds& bounds, const std::uint32_t* order,
                    GroupScratch<Vulkan>& scratch, TileLists<Vulkan>& lists) {
   const Count count = emit_intersections(b, job, bounds, order, scratch.emission, scratch.intersections);
@@ -245,20 +267,21 @@ void group_by_tile(Vulkan& b, const SortJob& job, const Bounds& bounds, const st
 }
 
 /// Splats that do not touch a warp block are rejected by one lane.
-template <vulkan::KnownRaster Raster>
+template <vulkan::RasterWithShaders Raster>
 inline constexpr bool may_gain_by_coarse_tiles<Vulkan, Raster> = true;
 
 /// A subgroup blends a warp block of 8x8 pixels, and tests a splat a lane.
-template <vulkan::KnownRaster Raster>
+template <vulkan::RasterWithShaders Raster>
 void rasterize(Vulkan& b, Raster, const RasterJob& job) {
   vulkan::rasterize(b, vulkan::KindOf<Raster>::kind, job);
 }
 
-/// Rasterizers of the caller have no shader.
+/// Refuses rasterizers without shaders.
 template <class Raster>
-requires(!vulkan::KnownRaster<Raster>) void rasterize(Vulkan&, Raster, const RasterJob&) {
-  static_assert(vulkan::KnownRaster<Raster>,
-                "rasterizer: expected one of the library's on the backend Vulkan");
+requires(!vulkan::RasterWithShaders<Raster>) void rasterize(Vulkan&, Raster, const RasterJob&) {
+  static_assert(vulkan::RasterWithShaders<Raster>,
+                "rasterizer: expected one of the library's on the backend Vulkan, or a specialization of "
+                "swiftgs::vulkan::shaders by a pointer to RasterShaders");
 }
 
 /// Downloads what `job` was rasterized from, and counts on all cores of the host. Waits.
