@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <iostream>
 #include <memory>
+#include <string_view>
 
 #include <swiftgs/reference.hpp>
 #include <swiftgs/swiftgs.hpp>
@@ -24,6 +25,11 @@
 #if defined(CONSUMER_USES_CUDA_VULKAN)
 #include <swiftgs/cuda_vulkan.hpp>
 #endif
+#if defined(CONSUMER_USES_VULKAN)
+#include <own_box_shaders.hpp>
+
+#include <swiftgs/vulkan.hpp>
+#endif
 #if defined(CONSUMER_USES_TABLE)
 #include <swiftgs/any_renderer.hpp>
 #endif
@@ -31,7 +37,16 @@
 #include <swiftgs/io/image.hpp>
 #endif
 
-template <class Backend>
+#if defined(CONSUMER_USES_VULKAN)
+/// Bounds of the program's own, with a shader of its own.
+struct OwnBox : swiftgs::OpacityBox {
+  static constexpr std::string_view name = "own-box";
+};
+template <>
+inline constexpr const auto* swiftgs::vulkan::shaders<OwnBox> = &own_box_shaders;
+#endif
+
+template <class Backend, class Bounds = swiftgs::OpacityBox>
 bool renders() {
   swiftgs::Scene scene;
   scene.means = {{0, 0, 2}};
@@ -41,8 +56,7 @@ bool renders() {
   scene.sh0 = {{1, 1, 1}};
   const swiftgs::Camera camera = swiftgs::look_at({0, 0, 0}, {0, 0, 1}, {0, -1, 0}, 1, 64, 48);
 
-  swiftgs::Renderer<Backend, swiftgs::EarlySort, swiftgs::AxisSharedThreshold<swiftgs::FloatSplit>,
-                    swiftgs::OpacityBox>
+  swiftgs::Renderer<Backend, swiftgs::EarlySort, swiftgs::AxisSharedThreshold<swiftgs::FloatSplit>, Bounds>
       renderer;
   const swiftgs::Frame frame = renderer.render(renderer.backend().upload(scene), camera);
 
@@ -100,6 +114,9 @@ int main() {
 #if defined(CONSUMER_USES_CUDA_VULKAN)
   good = reports_the_lack_of_a_device([] { swiftgs::cuda_vulkan::Device(std::array<std::uint8_t, 16>{}); }) &&
          good;
+#endif
+#if defined(CONSUMER_USES_VULKAN)
+  if (swiftgs::Vulkan::usable()) good = renders<swiftgs::Vulkan, OwnBox>() && good;
 #endif
 #if defined(CONSUMER_USES_TABLE)
   std::cout << swiftgs::renderers().size() << " renderers\n";
