@@ -2,7 +2,7 @@
 
 // Policies of your own. A rasterizer that draws every Gaussian as a flat ellipse of one standard deviation,
 // as viewers do to show how a scene is built, and bounds that list just the tiles that such an ellipse
-// touches. Neither needs to know the backend: both run on any.
+// touches. Neither needs to know the backend: both run on any, on Vulkan by the same in GLSL.
 #include <cmath>
 #include <cstddef>
 #include <iostream>
@@ -12,6 +12,13 @@
 #include <swiftgs/cpu.hpp>
 #include <swiftgs/metrics.hpp>
 #include <swiftgs/swiftgs.hpp>
+#if __has_include(<one_sigma_shaders.hpp>)
+#include <flat_ellipses_shaders.hpp>
+#include <one_sigma_shaders.hpp>
+
+#include <swiftgs/vulkan.hpp>
+#define HAS_SHADERS
+#endif
 
 using namespace swiftgs;
 
@@ -69,6 +76,13 @@ struct OneSigma {
 };
 static_assert(BoundsPolicy<OneSigma>);
 
+#ifdef HAS_SHADERS
+template <>
+inline constexpr const auto* swiftgs::vulkan::shaders<FlatEllipses> = &flat_ellipses_shaders;
+template <>
+inline constexpr const auto* swiftgs::vulkan::shaders<OneSigma> = &one_sigma_shaders;
+#endif
+
 /// Renders with the policies above on backend `B`; says what it took.
 template <class B>
 Frame render(const Scene& scene, const Camera& camera) {
@@ -91,5 +105,12 @@ int main() {
   // side of it; the images agree otherwise.
   const double psnr_db = psnr(serial.colour, cpu.colour);
   std::cout << "serial and cpu agree within " << psnr_db << " dB\n";
+#ifdef HAS_SHADERS
+  if (Vulkan::usable()) {
+    const double on_gpu_db = psnr(serial.colour, render<Vulkan>(scene, camera).colour);
+    std::cout << "serial and vulkan agree within " << on_gpu_db << " dB\n";
+    if (!(on_gpu_db > 50)) return 1;
+  }
+#endif
   return psnr_db > 50 ? 0 : 1;
 }
