@@ -7,7 +7,9 @@
 #include <cstddef>
 #include <cstdint>
 
+#include <swiftgs/bounds/all.hpp>
 #include <swiftgs/frame/span.hpp>
+#include <swiftgs/raster/all.hpp>
 
 namespace swiftgs::vulkan {
 
@@ -21,12 +23,16 @@ struct RasterShaders {
   Span<const std::uint32_t> raster, raster_long;
 };
 
-/// The shaders of a policy of your own. Specialise it by a pointer to `BoundsShaders` or `RasterShaders`,
-/// which stay as they are and where they are while there are devices that drew with them:
+/// The library's policies have shaders, which a program cannot replace.
+template <class Policy>
+concept PolicyOfProgram = !AllBounds::contains<Policy> && !AllRasters::contains<Policy>;
+
+/// The shaders of bounds or a rasterizer of your own. Specialise it by a pointer to `BoundsShaders` or
+/// `RasterShaders`, which do not change or move while a device that drew with them lives:
 ///
 ///     template <>
 ///     inline constexpr const auto* swiftgs::vulkan::shaders<OneSigma> = &one_sigma_shaders;
-template <class Policy>
+template <PolicyOfProgram Policy>
 inline constexpr std::nullptr_t shaders = nullptr;
 
 }  // namespace swiftgs::vulkan
