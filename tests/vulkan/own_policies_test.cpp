@@ -50,6 +50,8 @@ struct Diamond {
 };
 static_assert(ExponentPolicy<Diamond>);
 using Diamonds = AxisSharedThreshold<Diamond>;
+static_assert(vulkan::PolicyOfProgram<Diamonds> && !vulkan::PolicyOfProgram<AxisSharedThreshold<FloatSplit>>);
+static_assert(vulkan::PolicyOfProgram<EvenRows> && !vulkan::PolicyOfProgram<Ellipse>);
 
 /// A sort of stages of the library.
 struct NearestFirst {

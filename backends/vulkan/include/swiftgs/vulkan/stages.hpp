@@ -163,7 +163,7 @@ struct Footprints<Vulkan> {
 
 namespace vulkan {
 struct BoundsKind {
-  std::uint32_t number;  ///< of those of the library
+  std::uint32_t number;  ///< in `AllBounds`, unless `own`
   std::string_view name;
   const BoundsShaders* own = nullptr;
 };
