@@ -65,8 +65,8 @@ HWY_INLINE hn::Vec<F32x4> SumBands(const HarmonicRow& row, const float (*HWY_RES
   const F32x4 d;
   const Value* const HWY_RESTRICT rest = static_cast<const Value*>(row.values);
   auto even = hn::Zero(d), odd = hn::Zero(d);
-  // Four floats a load, of which the last belongs to the next coefficient; the last coefficient must not be
-  // read beyond.
+  // Four numbers a load, of which the last belongs to the next coefficient. Nothing behind the last
+  // coefficient may be read: its load begins a number earlier.
   int j = 0;
   for (; j + 2 < coefficients; j += 2) {
     even = hn::MulAdd(hn::Set(d, basis[j][k]), LoadFour(rest + 3 * j, row.scale), even);
@@ -76,10 +76,8 @@ HWY_INLINE hn::Vec<F32x4> SumBands(const HarmonicRow& row, const float (*HWY_RES
     odd = hn::MulAdd(hn::Set(d, basis[j][k]), LoadFour(rest + 3 * j, row.scale), odd);
     ++j;
   }
-  if (j < coefficients) {
-    const float last[4] = {row[3 * j], row[3 * j + 1], row[3 * j + 2], 0};
-    even = hn::MulAdd(hn::Set(d, basis[j][k]), hn::LoadU(d, last), even);
-  }
+  if (j < coefficients)
+    even = hn::MulAdd(hn::Set(d, basis[j][k]), hn::Shuffle0321(LoadFour(rest + 3 * j - 1, row.scale)), even);
   return hn::Add(even, odd);
 }
 
