@@ -84,43 +84,37 @@ struct Blocks {
     decltype(hn::IndicesFromVec(F32(), hn::Iota(hn::RebindToSigned<F32>(), 0))) spread_;
   };
 
+  // Blocks lie column by column, so four blocks side by side are their four rows, interleaved.
   template <class T>
   static HWY_INLINE void FromRows(PlaneOf<T>& plane) {
-    Exchange(plane), Transpose(plane);
+    const hn::Rebind<T, F32> d;
+    for (std::size_t i = 0; i < raster_block_side; i += side) {
+      hn::Vec<decltype(d)> rows[parts][side];
+      for (std::size_t part = 0; part < parts; ++part)
+        for (std::size_t row = 0; row < side; ++row)
+          rows[part][row] = hn::Load(d, plane[i + row] + part * lanes);
+      for (std::size_t part = 0; part < parts; ++part) {
+        const auto& [v0, v1, v2, v3] = rows[part];
+        hn::StoreInterleaved4(v0, v1, v2, v3, d, plane[i] + part * side * lanes);
+      }
+    }
   }
   template <class T>
   static HWY_INLINE void ToRows(PlaneOf<T>& plane) {
-    Transpose(plane), Exchange(plane);
+    const hn::Rebind<T, F32> d;
+    for (std::size_t i = 0; i < raster_block_side; i += side) {
+      hn::Vec<decltype(d)> rows[parts][side];
+      for (std::size_t part = 0; part < parts; ++part) {
+        auto& [v0, v1, v2, v3] = rows[part];
+        hn::LoadInterleaved4(d, plane[i] + part * side * lanes, v0, v1, v2, v3);
+      }
+      for (std::size_t part = 0; part < parts; ++part)
+        for (std::size_t row = 0; row < side; ++row)
+          hn::Store(rows[part][row], d, plane[i + row] + part * lanes);
+    }
   }
   static std::size_t Index(std::size_t row, std::size_t column) {
-    const std::size_t group = row / side * side + column / side;
-    return group * raster_block_side + column % side * side + row % side;
-  }
-
- private:
-  /// Turns rows of the raster block into blocks, row by row, and those into rows: both exchange pieces of
-  /// four pixels within four rows.
-  template <class T>
-  static HWY_INLINE void Exchange(PlaneOf<T>& plane) {
-    const hn::CappedTag<T, side> d;
-    for (std::size_t i = 0; i < raster_block_side; ++i)
-      for (std::size_t j = i % side + 1; j < side; ++j) {
-        T *one = plane[i] + side * j, *other = plane[i / side * side + j] + side * (i % side);
-        const auto kept = hn::Load(d, one);
-        hn::Store(hn::Load(d, other), d, one);
-        hn::Store(kept, d, other);
-      }
-  }
-  /// Transposes each block.
-  template <class T>
-  static HWY_INLINE void Transpose(PlaneOf<T>& plane) {
-    const hn::CappedTag<T, side> d;
-    for (auto& block : plane) {
-      hn::Vec<decltype(d)> v0, v1, v2, v3;
-      hn::LoadInterleaved4(d, block, v0, v1, v2, v3);
-      hn::Store(v0, d, block), hn::Store(v1, d, block + side);
-      hn::Store(v2, d, block + 2 * side), hn::Store(v3, d, block + 3 * side);
-    }
+    return row / side * side * raster_block_side + column * side + row % side;
   }
 };
 
