@@ -23,9 +23,9 @@ namespace swiftgs::HWY_NAMESPACE {
 /// With 96 or 128, rasterizing takes 0.98 and 0.99 of the time in fox, and 1.04 and 1.06 in herz and garden.
 constexpr std::size_t batch_size = 64;
 
-/// Splats whose alphas are evaluated together: as many as there are registers for.
-/// With AVX-512, two take as long as four, within the noise.
-constexpr std::size_t at_once = lanes == 16 ? 4 : 2;
+/// Splats whose alphas are evaluated together. With AVX-512, rasterizing takes 1.02 of the time with three or
+/// four, which are evaluated beyond the end of more lists, and 1.06 with one.
+constexpr std::size_t at_once = 2;
 
 /// A batch, without what each exponent representation prepares of it.
 struct alignas(64) Batch {
@@ -40,30 +40,34 @@ struct alignas(64) Batch {
 /// Turns one mask of groups a splat into one list of splats a group.
 HWY_INLINE void ListGroups(Batch& HWY_RESTRICT batch, std::size_t splats) {
   const hn::CappedTag<std::uint32_t, raster_block_side> d;
-  for (std::size_t group = 0; group < raster_block_side; ++group) batch.list_sizes[group] = 0;
-  for (std::size_t first = 0; first < splats; first += lanes) {
-    const auto masks = hn::Load(d, batch.group_masks + first);
-    const auto index = hn::Iota(d, std::uint32_t(first));
-    for (std::size_t group = 0; group < raster_block_side; ++group) {
-      const auto touched = hn::TestBit(masks, hn::Set(d, 1u << group));
-      batch.list_sizes[group] +=
-          hn::CompressStore(index, touched, d, batch.lists[group] + batch.list_sizes[group]);
+  for (std::size_t group = 0; group < raster_block_side; ++group) {
+    std::size_t size = 0;
+    for (std::size_t first = 0; first < splats; first += lanes) {
+      const auto touched = hn::TestBit(hn::Load(d, batch.group_masks + first), hn::Set(d, 1u << group));
+      const auto index = hn::Iota(d, std::uint32_t(first));
+      size += hn::CompressStore(index, touched, d, batch.lists[group] + size);
     }
+    batch.list_sizes[group] = size;
+    // Alphas are evaluated beyond the end, of whatever splat.
+    for (std::size_t i = 0; i + 1 < at_once; ++i) batch.lists[group][size + i] = 0;
   }
-  // Alphas are evaluated beyond the end, of whatever splat.
-  for (std::size_t group = 0; group < raster_block_side; ++group)
-    for (std::size_t i = 0; i + 1 < at_once; ++i) batch.lists[group][batch.list_sizes[group] + i] = 0;
 }
 
 /// The splats that a batch lists for a group, on one register of the group's pixels.
 struct alignas(64) Evaluated {
-  float before[lanes];                        ///< transmittance in front of the batch; negative as in a state
-  float alphas[batch_size + at_once][lanes];  ///< 0 where a pixel skips the splat
+  float before[lanes];  ///< transmittance in front of the batch; negative as in a state
+  /// 0 where a pixel skips the splat. Not stored where colours alone are drawn.
+  float alphas[batch_size + at_once][lanes];
   // Where `BlendGroup` keeps them:
   float weights[batch_size][lanes], most[lanes];  ///< that it blended with, and the largest
   const std::uint32_t* list;                      ///< @shape{size} of the batch's splats
   std::size_t size;
   std::size_t group, first;  ///< of the pixels: their array in a plane, and the first of them in it
+
+  /// Loads the alphas of splats [i, i + at_once) of the list.
+  HWY_INLINE void operator()(std::size_t i, Vec (&alpha)[at_once]) const {
+    for (std::size_t j = 0; j < at_once; ++j) alpha[j] = hn::Load(F32(), alphas[i + j]);
+  }
 };
 
 }  // namespace swiftgs::HWY_NAMESPACE

@@ -34,11 +34,12 @@ HWY_INLINE Vec Dimmed(Vec transmittance, Vec alpha) {
 }
 
 /// Blends the splats of `of` into its pixels. The state stays in registers, so a splat costs its arithmetic
-/// and the loads of its alphas and colour.
-template <Blending kBlending>
-HWY_INLINE void BlendGroup(const Batch& HWY_RESTRICT batch, const BlendRules& rules,
-                           Evaluated& HWY_RESTRICT of, RasterBlockState& HWY_RESTRICT state,
-                           RasterCounts& counts, AttributeState* HWY_RESTRICT attributes = nullptr) {
+/// and the loads of its alphas and colour. `alphas_from(i, alpha)` sets the alphas of splats [i, i + at_once)
+/// of the list. If it evaluates them, the processor does so while a splat waits for the one before.
+template <Blending kBlending, class AlphasFrom>
+HWY_INLINE void BlendGroup(const Batch& HWY_RESTRICT batch, const BlendRules& rules, Evaluated& of,
+                           RasterBlockState& HWY_RESTRICT state, RasterCounts& counts,
+                           const AlphasFrom& alphas_from, AttributeState* HWY_RESTRICT attributes = nullptr) {
   constexpr bool kDepth = SumsDepth(kBlending), kOccluder = IsOccluded(kBlending);
   constexpr bool kWeighed = KeepsWeights(kBlending);
   constexpr std::size_t kAttributes = kBlending == Blending::row ? AttributeRow::channels : 0;
@@ -58,9 +59,9 @@ HWY_INLINE void BlendGroup(const Batch& HWY_RESTRICT batch, const BlendRules& ru
   for (std::size_t c = 0; c < kAttributes; ++c) sums[c] = hn::Load(d, attributes->sums[c][group] + first);
   const Vec stop_below = hn::Set(d, rules.stop_below);
 
-  for (std::size_t i = 0; i < n; ++i) {
+  const auto blend = [&](std::size_t i, Vec alpha) HWY_ATTR {
     const float* HWY_RESTRICT colour = batch.colours[list[i]];
-    const Vec alpha = hn::Load(d, of.alphas[i]), before = through;
+    const Vec before = through;
     through = Dimmed(before, alpha);
 
     // A pixel ends without this splat if the splat would bring it below the limit, or if the caller's surface
@@ -82,6 +83,11 @@ HWY_INLINE void BlendGroup(const Batch& HWY_RESTRICT batch, const BlendRules& ru
     if constexpr (kDepth) depth = hn::MulAdd(weight, hn::Set(d, colour[3]), depth);
     for (std::size_t c = 0; c < kAttributes; ++c)
       sums[c] = hn::MulAdd(weight, hn::Set(d, attributes->values[list[i]][c]), sums[c]);
+  };
+  for (std::size_t i = 0; i < n; i += at_once) {
+    Vec alpha[at_once];
+    alphas_from(i, alpha);
+    for (std::size_t j = 0; j < at_once && i + j < n; ++j) blend(i + j, alpha[j]);
   }
 
   const Vec sign = hn::IfThenZeroElse(hn::Ge(through, stop_below), hn::SignBit(d));

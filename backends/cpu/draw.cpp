@@ -20,7 +20,7 @@ void DrawGroup(const RasterJob& job, const Batch& batch, const BlendRules& rules
                RasterBlockState& state, const PlaneStates& planes, RasterCounts& counts) {
   if constexpr (KeepsWeights(kBlending))
     if (planes.rays) HideGroup(job.attributes, batch, *planes.rays, of);
-  BlendGroup<kBlending>(batch, rules, of, state, counts, planes.sums);
+  BlendGroup<kBlending>(batch, rules, of, state, counts, of, planes.sums);
   if constexpr (KeepsWeights(kBlending)) {
     if (planes.picks) PickGroup(batch, rules, of, state, *planes.picks);
     if (planes.sums) SumGroup(job.attributes, of, *planes.sums);

@@ -44,7 +44,7 @@ struct Touched {
 struct alignas(64) RowFactors {
   float l0[batch_size], l1[batch_size], l2[batch_size], cutoff[batch_size], log2_opacity[batch_size];
   float u[batch_size], v[batch_size];  ///< l0 dx + l1 dy, l2 dy
-  float before_last[batch_size];       ///< -l0 times the columns from the first to the last
+  float minus_last_p[batch_size];      ///< -l0 times the last column: -p there, as in `CholeskyTerms`
 
   /// Reads `shapes` up to the next multiple of `lanes`. Numbers from `count` on are never used.
   HWY_INLINE RowFactors(const SplatShape* HWY_RESTRICT shapes, std::size_t count, vec2 first_centre,
@@ -67,7 +67,7 @@ struct alignas(64) RowFactors {
       hn::Store(s.cutoff, d, cutoff + k);
       hn::Store(hn::MulAdd(s.l0, dx, hn::Mul(s.l1, dy)), d, u + k);
       hn::Store(hn::Mul(s.l2, dy), d, v + k);
-      hn::Store(hn::Mul(s.l0, hn::Set(d, 1 - float(raster_block_side))), d, before_last + k);
+      hn::Store(hn::Mul(s.l0, hn::Set(d, 1 - float(raster_block_side))), d, minus_last_p + k);
     }
   }
 };
@@ -102,7 +102,7 @@ HWY_INLINE void VisitRows(const RowFactors& HWY_RESTRICT of, std::size_t k, Chol
     const Vec q = hn::MulAdd(l1, row, first_u), v = hn::MulAdd(l2, row, first_v);
     hn::Store(q, d, terms.q + i);
     hn::Store(hn::NegMulAdd(v, v, hn::Set(d, of.log2_opacity[k])), d, terms.c + i);
-    const Vec from_last = hn::Sub(hn::Set(d, of.before_last[k]), q);
+    const Vec from_last = hn::Sub(hn::Set(d, of.minus_last_p[k]), q);
     const Vec nearest = hn::Max(hn::Max(q, from_last), hn::Zero(d));
     // Against the cutoff, not against c: the rounding of a sum with log2(alpha_min) is far larger than the
     // cutoff of a faint splat, and would accept rows in tiles that conservative bounds do not list.
@@ -171,24 +171,16 @@ HWY_INLINE void PrefetchSplats(const RasterJob& job, std::size_t from, std::size
   }
 }
 
-/// Evaluates the splats that `batch` lists for `group` on one part of it. False if its pixels have stopped.
-template <class Exponent>
-HWY_INLINE bool Evaluate(const Exponent& HWY_RESTRICT exponent, const Batch& HWY_RESTRICT batch,
-                         const RasterBlockState& state, std::size_t group, std::size_t part,
-                         Evaluated& HWY_RESTRICT out) {
+/// Selects the splats that `batch` lists for `group`, and one part of its pixels. False if these have
+/// stopped.
+HWY_INLINE bool Select(const Batch& HWY_RESTRICT batch, const RasterBlockState& state, std::size_t group,
+                       std::size_t part, Evaluated& HWY_RESTRICT out) {
   const F32 d;
   const Vec before = hn::Load(d, state.transmittance[group] + part * lanes);
   if (hn::AllTrue(d, hn::Lt(before, hn::Zero(d)))) return false;
-  const std::uint32_t* HWY_RESTRICT list = batch.lists[group];
-  const std::size_t n = batch.list_sizes[group];
-  const typename Exponent::Groups::Part pixels(group, part);
-  for (std::size_t i = 0; i < n; i += at_once) {
-    Vec alpha[at_once];
-    exponent.Alphas(list + i, pixels, alpha);
-    for (std::size_t j = 0; j < at_once; ++j) hn::Store(alpha[j], d, out.alphas[i + j]);
-  }
   hn::Store(before, d, out.before);
-  out.list = list, out.size = n, out.group = group, out.first = part * lanes;
+  out.list = batch.lists[group], out.size = batch.list_sizes[group];
+  out.group = group, out.first = part * lanes;
   return true;
 }
 
@@ -252,11 +244,25 @@ void RenderRasterBlocks(const RasterJob& job, const RasterBlocks& blocks, std::s
         PrefetchSplats(job, next, next + share, range.end);
         if (batch.list_sizes[group] == 0) continue;
         for (std::size_t part = 0; part < parts; ++part) {
-          if (!Evaluate(exponent, batch, state, group, part, evaluated)) continue;
-          if constexpr (kColours)
-            BlendGroup<Blending::colours>(batch, rules, evaluated, state, counts);
-          else
-            draw_group(job, batch, rules, evaluated, state, planes, counts);
+          if (!Select(batch, state, group, part, evaluated)) continue;
+          const std::uint32_t* HWY_RESTRICT list = evaluated.list;
+          const typename Groups::Part pixels(group, part);
+          const auto evaluate = [&](std::size_t i, Vec(&alpha)[at_once])
+                                    HWY_ATTR { exponent.Alphas(list + i, pixels, alpha); };
+          if constexpr (kColours && lanes == 16) {
+            // Only these have registers for both: with AVX2, rasterizing takes 1.03 of the time so.
+            BlendGroup<Blending::colours>(batch, rules, evaluated, state, counts, evaluate);
+          } else {
+            for (std::size_t i = 0; i < evaluated.size; i += at_once) {
+              Vec alpha[at_once];
+              evaluate(i, alpha);
+              for (std::size_t j = 0; j < at_once; ++j) hn::Store(alpha[j], F32(), evaluated.alphas[i + j]);
+            }
+            if constexpr (kColours)
+              BlendGroup<Blending::colours>(batch, rules, evaluated, state, counts, evaluated);
+            else
+              draw_group(job, batch, rules, evaluated, state, planes, counts);
+          }
         }
       }
       live = Live(state.transmittance);
