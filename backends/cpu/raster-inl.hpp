@@ -44,7 +44,7 @@ struct Touched {
 struct alignas(64) RowFactors {
   float l0[batch_size], l1[batch_size], l2[batch_size], cutoff[batch_size], log2_opacity[batch_size];
   float u[batch_size], v[batch_size];  ///< l0 dx + l1 dy, l2 dy
-  float minus_last_p[batch_size];      ///< -l0 times the last column: -p there, as in `CholeskyTerms`
+  float minus_last_p[batch_size];      ///< -l0 times the last column: -p there
 
   /// Reads `shapes` up to the next multiple of `lanes`. Numbers from `count` on are never used.
   HWY_INLINE RowFactors(const SplatShape* HWY_RESTRICT shapes, std::size_t count, vec2 first_centre,
@@ -72,11 +72,12 @@ struct alignas(64) RowFactors {
   }
 };
 
-/// A splat's factor applied to the pixels of a raster block: l0 dx + l1 dy is p[column] + q[row], measured
-/// from the block's first pixel, so that what cancels there is rounded once. These terms refuse rows, and
-/// make the Cholesky exponent.
+/// A splat's factor applied to the pixels of a raster block: l0 dx + l1 dy is p of the column + q of the row,
+/// measured from the block's first pixel, so that what cancels there is rounded once. These terms refuse
+/// rows, and make the Cholesky exponent.
 struct alignas(64) CholeskyTerms {
-  float p[raster_block_side], q[raster_block_side], c[raster_block_side];  ///< c = log2(opacity) - (l2 dy)^2
+  float p[Blocks::side * raster_block_side];         ///< once a pixel of four blocks side by side
+  float q[raster_block_side], c[raster_block_side];  ///< c = log2(opacity) - (l2 dy)^2
 };
 
 HWY_INLINE std::uint32_t BitsOf(Mask mask) {
@@ -95,8 +96,11 @@ HWY_INLINE void VisitRows(const RowFactors& HWY_RESTRICT of, std::size_t k, Chol
   const F32 d;
   const Vec l0 = hn::Set(d, of.l0[k]), l1 = hn::Set(d, of.l1[k]), l2 = hn::Set(d, of.l2[k]);
   const Vec first_u = hn::Set(d, of.u[k]), first_v = hn::Set(d, of.v[k]);
-  for (std::size_t i = 0; i < raster_block_side; i += lanes)
-    hn::Store(hn::Mul(l0, hn::Iota(d, float(i))), d, terms.p + i);
+  for (std::size_t i = 0; i < Blocks::side * raster_block_side; i += lanes) {
+    static_assert(Blocks::side == 1 << 2);
+    const Vec column = hn::ConvertTo(d, hn::ShiftRight<2>(hn::Iota(hn::RebindToSigned<F32>(), int(i))));
+    hn::Store(hn::Mul(l0, column), d, terms.p + i);
+  }
   for (std::size_t i = 0; i < raster_block_side; i += lanes) {
     const Vec row = hn::Iota(d, float(i));
     const Vec q = hn::MulAdd(l1, row, first_u), v = hn::MulAdd(l2, row, first_v);

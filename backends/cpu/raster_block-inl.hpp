@@ -56,32 +56,23 @@ struct Rows {
   static std::size_t Index(std::size_t row, std::size_t column) { return row * raster_block_side + column; }
 };
 
-/// A group is 4x4 pixels, which splats fill better than a row. Pixels go down the columns: a splat has one
-/// term per column and two per row, and row terms, which repeat every four pixels, load without a shuffle.
+/// A group is 4x4 pixels, which splats fill better than a row. Pixels go down the columns, so terms of rows,
+/// which repeat every four pixels, load without a shuffle. Terms of columns are stored once a pixel of four
+/// rows.
 struct Blocks {
   static constexpr std::size_t side = 4;
 
   class Part {
    public:
     HWY_INLINE Part(std::size_t group, std::size_t part)
-        : row_(group / side * side), columns_(column(group, part) / lanes * lanes) {
-      const hn::RebindToSigned<F32> di;
-      const auto right = hn::ShiftRight<2>(hn::Iota(di, 0));
-      spread_ = hn::IndicesFromVec(d, hn::Add(right, hn::Set(di, int(column(group, part) - columns_))));
-    }
-    /// Of terms of the raster block's columns, or of its rows, that of each pixel.
-    HWY_INLINE Vec OfColumns(const float* HWY_RESTRICT terms) const {
-      return hn::TableLookupLanes(hn::Load(d, terms + columns_), spread_);
-    }
+        : row_(group / side * side), pixel_(group % side * raster_block_side + part * lanes) {}
+    /// Of terms of the pixels of four blocks side by side, or of the raster block's rows, that of each pixel.
+    HWY_INLINE Vec OfPixels(const float* HWY_RESTRICT terms) const { return hn::Load(d, terms + pixel_); }
     HWY_INLINE Vec OfRows(const float* HWY_RESTRICT terms) const { return hn::LoadDup128(d, terms + row_); }
 
    private:
     static constexpr F32 d{};
-    static std::size_t column(std::size_t group, std::size_t part) {
-      return group % side * side + part * (lanes / side);
-    }
-    std::size_t row_, columns_;  ///< the first row, and the first of the columns that are loaded
-    decltype(hn::IndicesFromVec(F32(), hn::Iota(hn::RebindToSigned<F32>(), 0))) spread_;
+    std::size_t row_, pixel_;  ///< the first of each
   };
 
   // Blocks lie column by column, so four blocks side by side are their four rows, interleaved.

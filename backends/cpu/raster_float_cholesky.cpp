@@ -15,7 +15,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace swiftgs::HWY_NAMESPACE {
 
-/// log2(alpha) = c[y] - (p[x] + q[y])^2: the terms that refuse rows are the terms of the pixels.
+/// log2(alpha) = c - (p + q)^2: the terms that refuse rows are the terms of the pixels.
 template <bool kThreshold>
 class FloatCholeskyExponent {
  public:
@@ -33,7 +33,7 @@ class FloatCholeskyExponent {
     const F32 d;
     for (std::size_t i = 0; i < at_once; ++i) {
       const CholeskyTerms& HWY_RESTRICT t = terms_[k[i]];
-      const Vec u = hn::Add(at.OfColumns(t.p), at.OfRows(t.q));
+      const Vec u = hn::Add(at.OfPixels(t.p), at.OfRows(t.q));
       alpha[i] = hn::NegMulAdd(u, u, at.OfRows(t.c));
     }
     if constexpr (kThreshold) {
