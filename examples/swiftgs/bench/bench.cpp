@@ -159,7 +159,7 @@ class Matrix {
         for (const double factor : enlarge_) {
           Session session;
           session.harmonics = harmonics_;
-          session.gaussians = std::make_shared<const Scene>(variant(original, count, factor));
+          session.gaussians = variant(drawn.gaussians, count, factor);
           session.scene = {name_of(input),
                            session.gaussians->size(),
                            original.size(),
@@ -210,9 +210,12 @@ class Matrix {
     return view;
   }
 
-  Scene variant(const Scene& original, std::optional<std::size_t> count, double factor) const {
-    Scene scene = count ? with_count(original, *count, options_.plan.seed) : original;
-    return factor == 1 ? scene : enlarged(std::move(scene), factor);
+  /// The scene itself where nothing changes. Its reader laid it in large pages, which a copy has not.
+  std::shared_ptr<const Scene> variant(const std::shared_ptr<const Scene>& original,
+                                       std::optional<std::size_t> count, double factor) const {
+    if (!count && factor == 1) return original;
+    Scene scene = count ? with_count(*original, *count, options_.plan.seed) : *original;
+    return std::make_shared<const Scene>(factor == 1 ? std::move(scene) : enlarged(std::move(scene), factor));
   }
 
   template <class Run>
