@@ -23,8 +23,8 @@ namespace swiftgs::HWY_NAMESPACE {
 /// With 96 or 128, rasterizing takes 0.98 and 0.99 of the time in fox, and 1.04 and 1.06 in herz and garden.
 constexpr std::size_t batch_size = 64;
 
-/// Splats whose alphas are evaluated together. With AVX-512, rasterizing takes 1.02 of the time with three or
-/// four, which are evaluated beyond the end of more lists, and 1.06 with one.
+/// Splats whose alphas are evaluated together. With AVX-512, rasterizing takes as long with three or four,
+/// and 1.06 of the time with one.
 constexpr std::size_t at_once = 2;
 
 /// A batch, without what each exponent representation prepares of it.
@@ -56,7 +56,7 @@ HWY_INLINE void ListGroups(Batch& HWY_RESTRICT batch, std::size_t splats) {
 /// The splats that a batch lists for a group, on one register of the group's pixels.
 struct alignas(64) Evaluated {
   float before[lanes];  ///< transmittance in front of the batch; negative as in a state
-  /// 0 where a pixel skips the splat. Not stored where colours alone are drawn.
+  /// 0 where a pixel skips the splat. Not stored where `BlendGroup` evaluates them.
   float alphas[batch_size + at_once][lanes];
   // Where `BlendGroup` keeps them:
   float weights[batch_size][lanes], most[lanes];  ///< that it blended with, and the largest

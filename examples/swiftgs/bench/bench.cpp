@@ -210,9 +210,10 @@ class Matrix {
     return view;
   }
 
-  /// The scene itself where nothing changes. Its reader laid it in large pages, which a copy has not.
+  /// The scene itself where nothing changes: one from a file lies in large pages, and a copy does not.
   std::shared_ptr<const Scene> variant(const std::shared_ptr<const Scene>& original,
                                        std::optional<std::size_t> count, double factor) const {
+    if (count == original->size()) count.reset();
     if (!count && factor == 1) return original;
     Scene scene = count ? with_count(*original, *count, options_.plan.seed) : *original;
     return std::make_shared<const Scene>(factor == 1 ? std::move(scene) : enlarged(std::move(scene), factor));

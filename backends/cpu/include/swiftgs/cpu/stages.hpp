@@ -40,7 +40,7 @@ struct SWIFTGS_API LargePageMemory {
 /// When the system moves the arrays that `Cpu::upload` is given to large pages.
 enum class LargePages {
   later,  ///< at some time after `upload` returns, or never
-  now,    ///< before `upload` returns, which then takes up to three frames' time longer
+  now,    ///< before `upload` returns, which waits for the move
 };
 
 /// All cores, by oneTBB, with vector kernels that are chosen for the processor at run time. A frame has the
