@@ -65,8 +65,8 @@ HWY_INLINE hn::Vec<F32x4> SumBands(const HarmonicRow& row, const float (*HWY_RES
   const F32x4 d;
   const Value* const HWY_RESTRICT rest = static_cast<const Value*>(row.values);
   auto even = hn::Zero(d), odd = hn::Zero(d);
-  // Four numbers a load, of which the last belongs to the next coefficient. Nothing behind the last
-  // coefficient may be read: its load begins a number earlier.
+  // A load takes four numbers: a coefficient's three and the next one's first. The last coefficient has no
+  // next one, so its load begins a number earlier.
   int j = 0;
   for (; j + 2 < coefficients; j += 2) {
     even = hn::MulAdd(hn::Set(d, basis[j][k]), LoadFour(rest + 3 * j, row.scale), even);

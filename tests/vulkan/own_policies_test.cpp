@@ -57,13 +57,8 @@ static_assert(vulkan::PolicyOfProgram<EvenRows> && !vulkan::PolicyOfProgram<Elli
 struct NearestFirst {
   static constexpr std::string_view name = "nearest-first";
   template <class B>
-  struct Scratch {
-    DepthOrderScratch<B> depths;
-    GroupScratch<B> group;
+  using Scratch = EarlySort::Scratch<B>;
 
-    void reserve(B& b, const Reservation& reserved) { reserve_parts(b, reserved, depths, group); }
-    static auto buffers(auto& self) { return std::tie(self.depths, self.group); }
-  };
   template <class B, class Bounds>
   void build(B& b, const SortJob& job, const Bounds& bounds, Scratch<B>& scratch, TileLists<B>& lists) {
     group_by_tile(b, job, bounds, order_by_depth(b, job.splats, scratch.depths), scratch.group, lists);
