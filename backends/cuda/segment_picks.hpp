@@ -34,12 +34,13 @@ struct PickLimits {
 
   float first = passed, median = passed;
 
-  /// Those that are left when `picks` are picked.
+  /// The limits left after `picks`.
   SWIFTGS_HD PickLimits behind(const JoinedPicks& picks) const {
     return {picks.first == SplatPicks::none ? first : passed,
             picks.median == SplatPicks::none ? median : passed};
   }
-  /// Those that are left behind a segment with transmittance `left`. `relative`: in units of the segment.
+  /// The limits left behind a segment with transmittance `left`. `relative`: these limits in units of the
+  /// segment.
   SWIFTGS_HD PickLimits behind(const PickLimits& relative, float left) const {
     return {left < relative.first ? passed : first, left < relative.median ? passed : median};
   }

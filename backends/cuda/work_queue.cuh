@@ -85,7 +85,7 @@ inline constexpr std::uint32_t long_blended = 4096, long_visited = 8192;
 /// in garden, 4.6 are the helper kernel, which finds nothing, 2 the registers for pushing, and 1 to 2 the
 /// joining.
 inline constexpr std::uint32_t most_quiet_frames = 8;
-/// They share again after a frame in which one warp blended or visited so many.
+/// Frames use work queues again after one in which a warp blended or visited so many intersections.
 /// These limits lie below those for pushing. The price: while a warp visits between 4,096 and 8,192
 /// intersections, eight of ten frames may start the helper kernel in vain.
 inline constexpr std::uint32_t loud_blended = long_blended / 2, loud_visited = long_visited / 2;

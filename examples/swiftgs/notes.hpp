@@ -11,9 +11,9 @@ namespace swiftgs::cli {
 /// `notes` as results list them, behind the name of their file.
 std::vector<std::string> notes_of(const std::string& file, const std::vector<std::string>& notes);
 
-/// Says on standard error what a reader or a writer notes of `file`, a line for each note, and adds the lines
-/// to `said`, which `ResultHead::notes` takes. A line that is there already is not said again. Of several
-/// processes the first says it.
+/// Prints the notes of a reader or a writer about `file` on standard error, a line for each note, and adds
+/// the lines to `said`, for `ResultHead::notes`. A line that `said` already has is not printed again. Of
+/// several processes the first prints.
 void say_notes(const std::string& file, const std::vector<std::string>& notes,
                std::vector<std::string>& said);
 

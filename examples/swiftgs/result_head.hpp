@@ -11,7 +11,7 @@
 /// What the result files of all commands have in common, as docs/schemas/common.schema.json says.
 namespace swiftgs::cli {
 
-/// Which kind of results, from which machine and command, and what was said of the files.
+/// Kind of the results, the machine and the command that made them, and notes about their files.
 struct ResultHead {
   std::string format;
   Machine machine;

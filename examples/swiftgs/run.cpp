@@ -57,8 +57,8 @@ const CLI::App& command_in(const CLI::App& app) {
   return app.get_subcommands().empty() ? app : *app.get_subcommands().front();
 }
 
-/// What is wrong with arguments that no option takes, in the order in which they were typed: unknown options
-/// alone if there are any.
+/// The message for arguments that no option takes, in the order of the command line. If some look like
+/// options, it names these alone.
 std::string unexpected(const CLI::App& app, const std::vector<std::string>& arguments) {
   const CLI::App& command = command_in(app);
   std::vector<std::string> options;

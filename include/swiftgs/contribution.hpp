@@ -183,9 +183,9 @@ class Contributions {
     begin(*own_);
   }
 
-  /// Sums of placed scenes: uploaded ones, which outlive this. They stay as they are placed now, and
-  /// Gaussians are numbered over all scenes, see `placed_index`. Throws `InvalidArgument` as
-  /// `validate` does of each, and `CapacityError` beyond 2^32 - 1 Gaussians.
+  /// Sums of placed scenes. The uploaded scenes outlive this object, which keeps their placing of now.
+  /// Gaussians are numbered over all scenes, see `placed_index`. Throws `InvalidArgument` as `validate` does
+  /// for each scene, and `CapacityError` beyond 2^32 - 1 Gaussians.
   explicit Contributions(const PlacedScenes& scenes, B backend = B()) : Contributions(std::move(backend)) {
     for (const PlacedScene& placed : scenes.each()) validate(placed);
     begin(scenes);

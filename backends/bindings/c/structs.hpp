@@ -81,7 +81,7 @@ T read_struct(const T* given, const char* what, T defaults = {}) {
   return defaults;
 }
 
-/// As above; NULL stands for the defaults.
+/// As `read_struct`; NULL stands for the defaults.
 template <class T>
 T read_options(const T* given, const char* what) {
   return given ? read_struct(given, what) : T{};

@@ -87,9 +87,9 @@ class UnreadKeys {
   std::set<std::string> keys_;
 };
 
-/// Its cameras in the order of the file, with the size of the images in `folder` where the file has none; an
-/// empty folder has no images. `dataparser` is nerfstudio's `dataparser_transforms.json`, which takes cameras
-/// to the world of the model that it trained, or null.
+/// Cameras in the order of the file. Where the file gives no size, it is that of the image in `folder`; an
+/// empty `folder` means that there are no images. `dataparser` is nerfstudio's `dataparser_transforms.json`,
+/// which takes cameras to the world of the trained model, or null.
 CameraFile parse_transforms_json(const Source& source, const std::filesystem::path& folder = {},
                                  const Source* dataparser = nullptr);
 

@@ -60,8 +60,8 @@ CameraFile parse_cameras_json(const Source& source) {
 
 namespace {
 
-/// What a path or a frame is asked for, and what no frame shows: what nerfstudio made the frames of. It takes
-/// the size of all frames from the path.
+/// Keys of a camera path and of its frames: those that are read, and those that only nerfstudio's editor
+/// uses. The size of all frames is the path's.
 constexpr std::string_view path_keys[] = {
     "camera_path",  "camera_to_world", "camera_type", "fov",          "render_height",
     "render_width", "aspect",          "default_fov", "default_time", "default_transition_sec",

@@ -43,11 +43,11 @@ SWIFTGS_API bool is_tileset(std::string_view text);
 /// Whether `folder` holds a COLMAP model whose files end in `ending`.
 bool is_colmap(const std::filesystem::path& folder, const char* ending);
 
-/// Files of cameras that instant-ngp, nerfstudio and Blender's scenes have, the first that is there counts.
+/// Camera files of instant-ngp, nerfstudio and Blender's scenes. The first that exists counts.
 inline constexpr std::string_view transforms_files[] = {"transforms.json", "transforms_train.json",
                                                         "transforms_test.json", "transforms_val.json"};
 
-/// Those that hold a part of a scene's cameras.
+/// Files that hold a part of a scene's cameras.
 inline constexpr std::span split_files = std::span(transforms_files).subspan<1>();
 
 /// The cameras in the folder of a capture: a file or the folder of a COLMAP model. Empty if there are none.

@@ -24,7 +24,7 @@
 namespace swiftgs::pages {
 namespace {
 
-/// Files or ranges that all pages read, at most. Small files may name others again and again.
+/// Most files or ranges that all pages together read: a small file may name another many times.
 constexpr std::size_t most_parts = 1 << 22;
 constexpr std::uint64_t most_gaussians = std::numeric_limits<std::uint32_t>::max();
 

@@ -30,8 +30,8 @@ int longest_axis(std::vector<vec3> means);
 void order_by_halves(const std::vector<vec3>& means, std::span<std::uint32_t> order, std::size_t page,
                      std::size_t least, int threads);
 
-/// Half as many nodes, rounded up, for those of `left` and `right`. Neighbours merge, those first whose
-/// picture changes least. Harmonics are rounded to halves: a node is no Gaussian that somebody trained. The
+/// Merges the nodes of `left` and `right` to half as many, rounded up. Neighbours merge in the order in which
+/// the picture changes least. Harmonics are rounded to halves, since nobody trained these Gaussians. The
 /// result does not depend on `threads`.
 Nodes merge(const Nodes& left, const Nodes& right, int threads);
 

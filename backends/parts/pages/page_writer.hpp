@@ -27,9 +27,9 @@ class PageWriter {
   /// made them.
   explicit PageWriter(const std::filesystem::path& out);
 
-  /// Finds the pages of an earlier build. `key` tells apart what pages depend on, and `like` has model and
-  /// origin. What `progress` throws leaves the files as they are. Throws `InvalidArgument` for a model whose
-  /// text the header cannot hold.
+  /// Finds the pages of an earlier build with the same `key`, which identifies all that pages depend on. The
+  /// model and the origin are those of `like`. If `progress` throws, the files stay as they are. Throws
+  /// `InvalidArgument` for a model whose text the header cannot hold.
   void begin(std::uint64_t key, std::uint64_t gaussians, const Scene& like, const Progress& progress);
 
   std::size_t found() const { return found_; }     ///< pages that an earlier build had written

@@ -26,7 +26,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Bounds files that name few others again and again.
+/// Most tilesets of a model: a few small files may name the same others many times.
 constexpr int most_tilesets = 1 << 16;
 
 /// Number and harmonic degree of the Gaussians of a glTF.
@@ -101,8 +101,8 @@ Holds held_by(const std::filesystem::path& path) {
   return holds;
 }
 
-/// From axes of a scene in memory, whose x is left and y down of glTF's, to those of tiles, whose z points
-/// up.
+/// Maps axes of a scene in memory to axes of tiles. Those of memory have glTF's x and y reversed; those of
+/// tiles have z up.
 Affine tile_from_content() {
   Affine by;
   by.linear[0] = {-1, 0, 0}, by.linear[1] = {0, 0, -1}, by.linear[2] = {0, -1, 0};

@@ -47,7 +47,7 @@ struct Attributes {
   const float* features;
 };
 
-/// Those of all Gaussians, by their numbers.
+/// Attributes of all Gaussians, by their numbers.
 std::vector<Attributes> attributes_of(const std::vector<View>& views) {
   std::vector<Attributes> all;
   for (const View& view : views) {

@@ -126,9 +126,9 @@ inline Covariance project_covariance(const Scene& scene, std::size_t i,
           .det_sharp = det_sharp};
 }
 
-/// Slope of the depth along the ray of Gaussian `i`, whose splat is `splat` and whose mean is at `p`: that of
-/// the plane over the image that fits depths on the Gaussian best, in least squares with the blur as noise of
-/// the image. None where renderers could not sum squares of depths.
+/// Slope over the image of the depth along the ray of Gaussian `i`, with splat `splat` and mean `p`. It is
+/// the slope of the plane that fits depths on the Gaussian best, in least squares with the blur as noise of
+/// the image. Zero where renderers could not sum squares of depths.
 inline Eigen::Vector2d slope_of_depth(const Splat& splat, const Scene& scene, std::size_t i,
                                       const Eigen::Vector3d& p, const Eigen::Matrix<double, 2, 3>& jacobian,
                                       const View& view) {

@@ -166,8 +166,8 @@ inline bool blend(Pixel& pixel, const Splat& splat, double sigma, double depth, 
   const double alpha = std::min(double(k.alpha_max), splat.opacity * std::exp(-sigma));
   if (!(alpha >= double(k.alpha_min))) return false;
   const double next = pixel.transmittance * (1 - alpha), stop = k.stop;
-  // Depths are compared as they are sorted, rounded to float. Where they are those of means, all that follow
-  // are hidden as well.
+  // Depths are compared rounded to float, as they are sorted. A splat hidden by the depth of its mean hides
+  // all behind it too, so the pixel stops; depths along the ray may decrease again.
   const bool hidden = float(depth) >= pixel.occluder, along_ray = k.depth_at == Conventions::DepthAt::ray;
   if (hidden && along_ray) return false;
   if (hidden || (k.stop_at_equal ? next <= stop : next < stop)) {

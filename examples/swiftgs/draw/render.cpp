@@ -203,7 +203,7 @@ void render(RenderOptions options) {
   };
   const Team& team = Team::here();
   Progress progress(views.size());
-  // The first frames allocate what later ones use again: they are rendered once more, so that no time has it.
+  // The first batch is rendered twice: the first time allocates memory, which no frame's time should contain.
   draw(0, settings);
   StageTimes ms;
   for (std::size_t at = 0; at < views.size(); ++at) {

@@ -16,10 +16,10 @@
 
 namespace swiftgs::cli {
 
-/// The files of a folder of photographs, and which of them shows what a camera saw.
+/// A folder of photographs. Finds the photograph of each camera.
 class PhotoFolder {
  public:
-  /// `cameras` are all that there are, not only those whose photographs are asked for.
+  /// `cameras` are all cameras of the capture, also those whose photographs nobody asks for.
   PhotoFolder(const std::string& folder, const std::vector<Camera>& cameras);
 
   /// The photograph of `camera`: the file that has the path of its image below the folder, whatever the

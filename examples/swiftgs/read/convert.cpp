@@ -126,7 +126,7 @@ SceneFile read(const ConvertOptions& options, const std::string& name, ConvertPr
   return file;
 }
 
-/// Inputs, those with one origin joined. Others wait until all have moved: only then are they rounded.
+/// Inputs. Those with the same origin are joined; the others are joined, and rounded, after all have moved.
 using Inputs = std::vector<Scene>;
 
 /// Lowers the degree and moves the inputs.

@@ -14,8 +14,8 @@ struct NamedFile {
   std::string option, name;
 };
 
-/// Whether two paths lead to the same file, which need not be there yet. What is there and no plain file,
-/// such as a pipe, is never the same: it takes what both write.
+/// Whether two paths lead to the same file, which need not exist yet. Files that are not plain, such as
+/// pipes, never count as the same: a pipe takes the output of both.
 inline bool is_same_file(const std::string& a, const std::string& b) {
   namespace fs = std::filesystem;
   std::error_code none;

@@ -23,8 +23,8 @@ struct StressPoint {
   ImageSize size;
 };
 
-/// Those of `families` that `names` lists, all where it is empty, in their order. Throws
-/// `InvalidArgument` with the valid names.
+/// The families that `names` lists, in their order; all if it is empty. Throws `InvalidArgument` with the
+/// valid names.
 std::vector<const StressFamily*> families_named(const std::string& names,
                                                 const std::vector<StressFamily>& families);
 

@@ -64,16 +64,16 @@ class Drawing {
   /// Which pages frames show from now on.
   void set_goal(const CutGoal& goal) { goal_ = goal; }
   const CutGoal& goal() const { return goal_; }
-  /// Those of the last frame; null if no scene has pages.
+  /// Pages of the last frame; null if no scene has pages.
   const PageFrames* pages() const { return pages_.get(); }
   /// Whether another frame may show more pages.
   bool is_loading() const { return pages_ && !pages_->cut().is_settled(); }
 
   /// Draws what `camera` sees, counted if wanted.
   void draw(const Camera& camera, bool count);
-  /// The last frame as it shows: its colours, or those of its plane.
+  /// The picture of the last frame: its colours, or its plane in false colours.
   const Frame& picture() const { return plane_.empty() ? frame_ : plane_picture_; }
-  /// What the colours of the last frame's plane mean, if they are those of depths.
+  /// Depths that the false colours of the last frame stand for; nothing for other planes.
   const std::optional<DepthRange>& depth_range() const { return depth_range_; }
   /// At a pixel of the last frame, where a Gaussian shows.
   std::optional<Picked> pick(int x, int y);

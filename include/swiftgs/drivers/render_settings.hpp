@@ -41,8 +41,8 @@ inline void validate(const RenderSettings& settings) {
     detail::refuse("render: the number of features is ", settings.outputs.features, ", expected 0 or more");
 }
 
-/// Sets `views` to those through `cameras`, which ask for the outputs and whose frames have no memory yet.
-/// Throws as `validate` and `make_view`.
+/// Fills `views` with one view for each camera. They ask for the settings' outputs; their frames have no
+/// memory yet. Throws as `validate` and `make_view`.
 inline void make_views(Span<const Camera> cameras, const RenderSettings& settings, std::vector<View>& views) {
   views.clear();
   validate(settings);

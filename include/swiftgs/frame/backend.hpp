@@ -155,7 +155,7 @@ struct StageMemory {
   std::size_t total() const { return project + sort + raster; }
 };
 
-/// What a program gives to the backend of a renderer. Backends ignore what they have no use for.
+/// Options of a renderer's backend. A backend ignores options that it does not use.
 struct BackendOptions {
   int threads = 0;                     ///< of a host, 0 or more; 0: all
   ::CUstream_st* stream = nullptr;     ///< of a device, as its constructor takes it

@@ -165,7 +165,7 @@ enum class Accumulator {
   pick,  ///< value of one splat; 0 or `no_gaussian` where there is none
 };
 
-/// What the library knows of a plane beside its type, which is that of its values in `Frame`.
+/// Properties of a plane. The type of its values is that of the plane's member of `Frame`.
 struct PlaneRow {
   const char* name = nullptr;
   int channels = 0;  ///< of a pixel; 0: as many as the frame asks for

@@ -77,7 +77,7 @@ class ScenesOf {
   std::size_t size() const { return each().size; }
   /// Whether the frame shows one scene alone, as it stands by itself.
   bool is_alone() const { return size() == 1 && each()[0].is_plain(); }
-  /// Those that `view` shows.
+  /// The scenes that `view` shows.
   Span<const Scene> shown(const View& view) const {
     const std::size_t first = std::min(std::size_t(view.shows.first), size());
     return {each().data + first, std::min(std::size_t(view.shows.count), size() - first)};

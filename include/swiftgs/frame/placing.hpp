@@ -57,8 +57,8 @@ inline Similarity inverse(const Similarity& by) {
   return back;
 }
 
-/// Which Gaussians of a scene show: those whose mean lies in all half-spaces and in the sphere. It is in the
-/// scene's own space, and moves with it. By default all show.
+/// Clips a scene: a Gaussian shows if its mean lies in all half-spaces and in the sphere. Both are in the
+/// scene's own space, and move with the scene. By default all Gaussians show.
 struct Clip {
   static constexpr int max_half_spaces = 6;
 

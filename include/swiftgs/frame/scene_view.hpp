@@ -55,9 +55,9 @@ struct SceneView {
   bool plain_colours = false;  ///< `sh0` holds colours, drawn as `sh0_of` makes coefficients of them
   RenderingModel model{};      ///< what frames follow where their conventions leave it to the scene
 
-  /// Frames of the same identity share what a renderer learnt: which sort and which tiles are quicker. This
-  /// changes no bit. Every upload has its own, shared by its copies, and an update keeps it. 0 for your own
-  /// arrays: nothing is learnt, unless you set a `new_scene_identity()` for each scene that they hold.
+  /// Frames of one identity share what a renderer learnt: the quicker sort and the quicker tiles. Images do
+  /// not depend on it. Every upload has an identity of its own; copies share it and updates keep it. With 0,
+  /// as of your own arrays, a renderer learns nothing: set a `new_scene_identity()` for each scene in them.
   std::uint64_t identity = 0;
 
   SWIFTGS_HD std::size_t size() const { return means.size; }

@@ -22,9 +22,9 @@ struct TileRun {
   int begin = 0, end = 0;
 
   SWIFTGS_HD constexpr int size() const { return end > begin ? end - begin : 0; }
-  /// Whether it is a single one, also of ends that lie too far apart for an integer.
+  /// Whether its size is 1. Safe also where `end - begin` would overflow.
   SWIFTGS_HD constexpr bool is_one() const { return std::uint32_t(end) - std::uint32_t(begin) == 1; }
-  /// Those of them that are among these.
+  /// The intersection of both runs, empty if they do not meet.
   SWIFTGS_HD constexpr TileRun within(TileRun among) const {
     return {limited(begin, among), limited(end, among)};
   }

@@ -136,11 +136,11 @@ struct SceneWriteOptions {
   Progress progress{};
 };
 
-/// How far numbers of a file are from those of the scene, at most: what rounding and clamping make of them,
-/// measured on what was written. An INRIA PLY, which holds floats, has none.
+/// Largest differences between the scene and the written file, by rounding and clamping, measured on the
+/// file. An INRIA PLY holds floats and loses nothing.
 struct LargestLosses {
   double position = 0;        ///< distance of a mean from where it was @units{world}
-  std::size_t gaussian = 0;   ///< the one of the scene that it is of
+  std::size_t gaussian = 0;   ///< number of that Gaussian in the scene
   std::size_t displaced = 0;  ///< Gaussians that moved farther than their longest scale; of opacity 1/255 up
   double scale = 1;           ///< factor between a scale above 0 and what it became, at least 1
   double opacity = 0;

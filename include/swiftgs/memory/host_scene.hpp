@@ -68,11 +68,11 @@ class HostScene {
     return scene;
   }
 
-  /// Replaces Gaussians from number `first` on by those of `arrays`, whose null arrays stay as they are. All
-  /// copies change too; no frame of the scene may be under way. The caller's scene never changes: the first
-  /// update of a shared one copies it, and only then the arrays of `view` move and views of before end with
-  /// the caller's scene. Bands that were zero throughout show in views that are taken after. `arrays` do not
-  /// lie in the scene.
+  /// Replaces Gaussians from number `first` on by those of `arrays`; null arrays keep the scene's values. All
+  /// copies of this object change too. No frame of the scene may be under way, and `arrays` do not lie in the
+  /// scene. The caller's own scene never changes: the first update of a shared scene copies it. Then the
+  /// arrays of `view` move, and earlier views live as long as the caller's scene. SH bands that were zero
+  /// throughout show in views taken after the update.
   ///
   /// Throws `InvalidArgument`, and changes nothing, as `validate_update`, `require_replaceable` and
   /// `validate_numbers` do.

@@ -22,8 +22,8 @@ inline std::size_t resident_bytes(const Page& page) {
   return page.bytes + (page.count + chunk_size - 1) / chunk_size * sizeof(ChunkBounds);
 }
 
-/// Decides which pages a frame wants, which it draws, and which memory forgets first. Knows which pages are
-/// resident, and that the parent of a resident page is.
+/// Decides which pages a frame wants, which pages it draws, and which pages leave memory first. Keeps track
+/// of the resident pages. The parent of a resident page is always resident.
 class SWIFTGS_API PagePlan {
  public:
   /// An eighth of the memory that roots leave is for views ahead alone if it `keeps_ahead`.

@@ -86,12 +86,12 @@ class PagePool {
     if (meter_) meter_->place(plan_.placed());
   }
 
-  /// What to draw for all views of a frame, which show all placed scenes. Uploads pages that were read, at
-  /// most `upload_per_frame`, and asks for others. Then it brings those of views `ahead`, so that they are
-  /// there in time; of none given, those of the cameras if they go on as they did since the cut before. Makes
-  /// no call that waits for a file, a thread or a device, but what uploads and releases of memory do. Which
-  /// pages it draws depends on the views, the goal and the pages in memory alone. Throws `InvalidArgument`
-  /// for a goal that is not valid, and what `upload` of the backend throws.
+  /// The pages to draw for all views of a frame, which show all placed scenes. Uploads at most
+  /// `upload_per_frame` pages that were read, and asks for missing ones. Then prefetches the pages of views
+  /// `ahead`; if `ahead` is empty, of the views that the cameras reach by moving on as since the last cut.
+  /// Waits for no file, thread or device, except where an upload or a release of memory does. The pages drawn
+  /// depend on the views, the goal and the pages in memory alone. Throws `InvalidArgument` for a goal that is
+  /// not valid, and what `upload` of the backend throws.
   Cut cut(Span<const View> views, const CutGoal& goal = {}, Span<const View> ahead = {}) {
     bool stuck = false;
     const std::vector<View> expected = motion_.ahead(views);

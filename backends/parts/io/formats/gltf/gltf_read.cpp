@@ -206,7 +206,7 @@ class GltfReader {
     scene.model = common_model();
   }
 
-  /// That of the first Gaussians, unless others differ. Throws `FormatError` for colours of both kinds.
+  /// The model of the first Gaussians, unless others differ. Throws `FormatError` for colours of both kinds.
   RenderingModel common_model() {
     RenderingModel common = instances_.front().gaussians->model;
     for (const Instance& instance : instances_) {

@@ -172,7 +172,7 @@ SceneFile read_ply(const Source& source, const SceneReadOptions& options) {
   if (!layout.has_third_scale) model.kernel = RenderingModel::Kernel::disk;
   layout.flat = model.kernel == RenderingModel::Kernel::disk;
   const ProgressMeter progress(options.progress, source.name);
-  // Rows of binary files are where they are. Those of text are looked for, which takes a third of the time.
+  // Rows of binary files have known places. Finding the rows of text takes a third of the time.
   const double locating = header.encoding == PlyEncoding::ascii ? 0.3 : 0.02;
   RowSample sample;
   const auto starts = locate_rows(source, header, progress.step(0, locating), sample);

@@ -86,8 +86,8 @@ std::vector<std::size_t> bins_of(const SortedNumbers& numbers) {
   return begins;
 }
 
-/// The cheapest split of bins into `count` runs, by dynamic programming: the best last run of more bins never
-/// begins before that of fewer, which halves the search again and again.
+/// The cheapest split of bins into `count` runs, by dynamic programming. With more bins the best last run
+/// never begins earlier, so each step searches half the range of the step before.
 class Partition {
  public:
   Partition(const SortedNumbers& numbers, const std::vector<std::size_t>& bins)

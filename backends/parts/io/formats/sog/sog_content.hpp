@@ -33,7 +33,7 @@ ImageSize sog_image_size(const Source& source);
 /// `sog_image_size` said.
 RgbaPixels decode_sog_image(const Source& source, ImageSize size);
 
-/// Its files, opened and checked but not decoded.
+/// The files of a SOG, opened and checked but not decoded.
 ///
 /// A hostile file cannot ask for memory that its size does not warrant. A SOG has at most 32 Gaussians for
 /// each byte that its files take; an image of all Gaussians has at most two pixels a Gaussian and 65536 more;

@@ -60,7 +60,8 @@ enum SogImageKind {
   sog_image_kinds
 };
 
-/// What `meta.json` says. Versions 1 and 2 differ in what bytes stand for, which is a table here, activated.
+/// The contents of `meta.json`. Versions 1 and 2 store values differently; here both are tables of values
+/// that bytes stand for, activated.
 struct SogMeta {
   using Table = std::array<float, 256>;
 

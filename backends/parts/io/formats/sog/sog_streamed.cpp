@@ -23,8 +23,8 @@ struct Chunk {
   bool whole = false;  ///< instead of the ranges
 };
 
-/// `lod-meta.json`: a tree whose leaves say, for each level of detail, which Gaussians of which chunk they
-/// have. Levels are alternatives; a leaf without one has nothing to show at it.
+/// `lod-meta.json`: a tree. For each level of detail a leaf names a chunk and a range of its Gaussians.
+/// Levels are alternatives; a leaf without a level shows nothing at that level.
 class LodMeta {
  public:
   explicit LodMeta(const Source& source)

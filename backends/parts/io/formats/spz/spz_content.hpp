@@ -92,8 +92,8 @@ std::string gzip_beginning(std::string_view file, std::size_t most);
 /// Whether a gzip file unpacks to an SPZ, or to nothing that would tell.
 bool is_gzip_of_spz(std::string_view file);
 
-/// Reads extension records, which start at byte `offset` of the file. If they were unpacked, they have no
-/// such place, and errors name byte 0.
+/// Reads extension records, which start at byte `offset` of the file. Without `offset`, as of records that
+/// were unpacked, errors name byte 0.
 SpzExtensions parse_spz_extensions(const Source& source, std::span<const std::byte> records,
                                    std::optional<std::uint64_t> offset);
 

@@ -58,7 +58,7 @@ class JointFrame {
 
   /// Strips of all ranks, of the last frame.
   const std::vector<Strip>& strips() const { return strips_; }
-  /// Those of them that this rank draws. Emptied by a frame that fails.
+  /// The strips that this rank draws. A frame that fails empties them.
   std::vector<DrawnStrip>& drawn() { return drawn_; }
   const std::vector<DrawnStrip>& drawn() const { return drawn_; }
   StripFrames<B>& frames() { return frames_; }

@@ -36,7 +36,7 @@ class SWIFTGS_API RankError : public detail::ErrorAs<std::runtime_error> {
   int rank_;
 };
 
-/// What a rank has sent and received, and how long it has waited for others.
+/// Bytes that a rank has sent and received, and how long it has waited for other ranks.
 struct Traffic {
   std::uint64_t sent_bytes = 0, received_bytes = 0;
   std::uint64_t messages = 0;    ///< sent
@@ -114,8 +114,8 @@ class SWIFTGS_API Ranks {
 
 class DirectLink;
 
-/// Messages under way between ranks. Those from one rank to another arrive in the order in which they were
-/// begun, so both ends begin them in one order. Memory that was named here is in use until `wait`.
+/// Messages under way between ranks. Messages from one rank to another arrive in the order in which they were
+/// begun, so sender and receiver begin them in the same order. Memory of a message is in use until `wait`.
 class SWIFTGS_API Exchange {
  public:
   /// Messages go by `link`, which outlives them, on all ranks or on none.

@@ -40,7 +40,8 @@ SWIFTGS_HD TileRun atlas_rows(const Bounds& bounds, const SplatShape& shape, con
     const int first = int(footprint.first / grid.stride);
     return {first, first + highest / Footprint::side + 1};
   }
-  // Its bounds are traversed again, and may round otherwise than when its tiles were counted.
+  // Without a mask the bounds are evaluated again, and may round otherwise than when tiles were counted: a
+  // row more on each side.
   const TileRun rows = bounds.tiles(shape, grid).rect.rows;
   const int top = int(grid.first / grid.stride) - grid.rows.begin;
   const int first = rows.begin > grid.rows.begin ? rows.begin - 1 : grid.rows.begin;
