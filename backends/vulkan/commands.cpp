@@ -25,7 +25,9 @@ constexpr Scope kernels{VK_PIPELINE_STAGE_COMPUTE_SHADER_BIT,
 /// Kernels, and the device reading sizes of indirect launches, which it may do early.
 constexpr Scope launches{kernels.stages | VK_PIPELINE_STAGE_DRAW_INDIRECT_BIT,
                          kernels.accesses | VK_ACCESS_INDIRECT_COMMAND_READ_BIT};
-constexpr Scope program{VK_PIPELINE_STAGE_ALL_COMMANDS_BIT,
+constexpr Scope host_reads{VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT};
+/// All commands of the program, and its host.
+constexpr Scope program{VK_PIPELINE_STAGE_ALL_COMMANDS_BIT | VK_PIPELINE_STAGE_HOST_BIT,
                         VK_ACCESS_MEMORY_READ_BIT | VK_ACCESS_MEMORY_WRITE_BIT};
 
 void barrier(const VulkanDevice::State& device, VkCommandBuffer commands, Scope from, Scope to) {
@@ -188,10 +190,6 @@ void Commands::timestamp(VkQueryPool times, std::uint32_t query) {
   device_.vk.vkCmdWriteTimestamp(b_.open->commands, VK_PIPELINE_STAGE_BOTTOM_OF_PIPE_BIT, times, query);
 }
 
-void Commands::release_to_host() {
-  barrier(device_, b_.open->commands, kernels_write, {VK_PIPELINE_STAGE_HOST_BIT, VK_ACCESS_HOST_READ_BIT});
-}
-
 void Commands::follow_program() { barrier(device_, b_.open->commands, program, launches); }
 void Commands::precede_program() { barrier(device_, b_.open->commands, kernels_write, program); }
 
@@ -210,6 +208,7 @@ std::uint64_t Commands::submit() {
   CommandSlot& slot = *std::exchange(b_.open, nullptr);
   const Closing closing{device_, slot.number};
   const auto points = std::exchange(b_.open_points, {});
+  barrier(device_, slot.commands, kernels_write, host_reads);
   check(device_.vk.vkEndCommandBuffer(slot.commands), "vkEndCommandBuffer");
   b_.last = slot.done_at = device_.submit(slot.commands);
   for (const std::uint32_t point : points) b_.reached_at[point] = b_.last;

@@ -168,6 +168,7 @@ struct Vulkan::State {
   std::deque<std::function<void(vulkan::Commands&)>> beside;  ///< kernels that wait for others to run beside
   vulkan::Block report;                                       ///< a `FrameReport`
   std::uint64_t reported_at = 0;                              ///< value of the timeline
+  bool awaited = false;  ///< whether the frame ends by `await_report`, which submits what is open
   vulkan::Block staging;
   VulkanBuffer<std::uint32_t> numbers;     ///< of digits, of sorts
   vulkan::Block groups;                    ///< two `Groups`, by the last `bin`, and a launch
@@ -248,14 +249,13 @@ class Commands {
   void precede_program();
 
   void timestamp(VkQueryPool times, std::uint32_t query);
-  /// Lets the host read what the commands wrote.
-  void release_to_host();
 
   /// Ends a stage, which `submit` of a later one submits: memory of a hook alone has to be done with at once.
   void finish();
   /// Drops all that is not submitted.
   void drop();
-  /// Submits all, and returns the value of the timeline when they are done.
+  /// Submits all, and returns the value of the timeline when they are done. The host sees then what they
+  /// wrote.
   std::uint64_t submit();
 
  private:

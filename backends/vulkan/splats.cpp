@@ -129,9 +129,10 @@ void bin(Vulkan& b, const FramePlan& plan, BoundsKind bounds, Splats<Vulkan>& sp
                     std::uint32_t(limits.capacity.intersections), std::uint32_t(limits.draw),
                     commands.sort_part(splats.count), commands.sort_part(limits.capacity.intersections)),
                {.columns = 1, .threads = commands.subgroup()});
-  commands.release_to_host();
+  // The device projects while the host records what comes behind, and the host goes on when it has projected.
   const std::uint64_t value = commands.submit();
-  if (!limits.report) state.reported_at = value;
+  state.awaited = !limits.report;
+  if (state.awaited) state.reported_at = value;
 
   footprints.found_within = {}, footprints.views = plan.views;
   footprints.count = splats.count, splats.exact = &totals->splats;
@@ -151,6 +152,7 @@ void bin(Vulkan& b, const FramePlan& plan, BoundsKind bounds, Splats<Vulkan>& sp
 FrameReport await_report(Vulkan& b, Splats<Vulkan>& splats, Footprints<Vulkan>& footprints, const Limits&) {
   Vulkan::State& state = b.state();
   vulkan::refuse_while_recording(state, "await_report");
+  if (state.open) vulkan::Commands(b).submit();
   state.device.state().wait(state.reported_at);
   FrameReport report;
   std::memcpy(&report, state.report.host, sizeof report);

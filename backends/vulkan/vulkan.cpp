@@ -173,7 +173,6 @@ void Vulkan::read(const void* from, void* to, std::size_t bytes) const {
                  vulkan::Push(vulkan::reads(from_part, 4 * words),
                               vulkan::writes(b.staging.device, 4 * words), std::uint32_t(words)),
                  vulkan::Commands::Shape::of(words));
-    commands.release_to_host();
     b.device.state().wait(commands.submit());
     std::memcpy(static_cast<std::byte*>(to) + at, b.staging.host, part);
   }

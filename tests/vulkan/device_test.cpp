@@ -49,13 +49,14 @@ VulkanHandles with_features(const EnabledFeatures& features) {
 }
 
 /// A device that lacks a function, whose submits and waits fail once it is lost, whose allocations fail as
-/// often as told, and that counts freed memory and merges of pipelines.
+/// often as told, and that counts submissions, freed memory and merges of pipelines.
 std::string missing;
 std::atomic<bool> lost = false;
-std::atomic<int> failing_allocations = 0, frees = 0, merges = 0;
+std::atomic<int> failing_allocations = 0, submissions = 0, frees = 0, merges = 0;
 using Function = void (*)();
 VkResult submit_or_fail(VkQueue queue, std::uint32_t count, const VkSubmitInfo* submits, VkFence fence) {
   if (lost) return VK_ERROR_DEVICE_LOST;
+  ++submissions;
   return VulkanDevice::own().state().vk.vkQueueSubmit(queue, count, submits, fence);
 }
 VkResult wait_or_fail(VkDevice device, const VkSemaphoreWaitInfo* wait, std::uint64_t) {
@@ -173,6 +174,21 @@ SWIFTGS_VULKAN_CASE(
     lost = false;  // commands whose submit failed leave nothing behind
     CHECK(same_bits(renderer.render(scene, camera, timed).colour, before.colour));
   }
+}
+
+SWIFTGS_VULKAN_CASE("vulkan: a frame and its timestamps take two submissions") {
+  const VulkanDevice device(hooked());
+  Renderer<Vulkan> renderer{Vulkan(device)};
+  const VulkanScene scene = renderer.backend().upload(make_builtin_scene(500));
+  const Camera camera = builtin_camera(32, 32);
+  RenderSettings timed;
+  timed.time = true;
+  renderer.render(scene, camera, timed);
+  submissions = 0;
+  renderer.render_resident(scene, camera, timed);
+  renderer.wait();
+  CHECK(submissions == 2);
+  CHECK(renderer.times().total > 0);
 }
 
 SWIFTGS_VULKAN_CASE("vulkan: an image that is null and a frame without pixels or colours are refused") {
