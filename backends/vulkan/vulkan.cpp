@@ -191,7 +191,10 @@ void Vulkan::trim() {
   state_->device.state().release(state_->staging);
 }
 
-Vulkan::Signal Vulkan::last_signal() const { return {state_->device.state().timeline, state_->last}; }
+Vulkan::Signal Vulkan::last_signal() const {
+  if (state_->open && !state_->recording) vulkan::Commands(*this).submit();
+  return {state_->device.state().timeline, state_->last};
+}
 
 Vulkan::TimePoint Vulkan::now() {
   State& b = *state_;
