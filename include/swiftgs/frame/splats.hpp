@@ -149,39 +149,47 @@ struct SplatsView {
   SWIFTGS_HD std::uint32_t view(std::size_t i) const { return of_view ? of_view[i] : 0; }
 };
 
-/// Storage of one frame's splats on backend `B`.
+/// Buffers of one frame's splats on backend `B`, and their number.
 template <class B>
-struct Splats {
+struct SplatBuffers {
   typename B::template Buffer<SplatShape> shapes;
   typename B::template Buffer<float> depths;
   typename B::template Buffer<std::uint32_t> gaussians;
   typename B::template Buffer<std::uint16_t> of_view;  ///< empty if there is one view
-  std::size_t count = 0;
-  std::size_t visible = 0;  ///< more than `count` where the capacity did not suffice
+  std::size_t count = 0;                               ///< at most, if there is `exact`
+  const std::uint32_t* exact = nullptr;                ///< as `Count::exact`
 
-  /// Makes room for so many splats of so many views, and keeps the splats.
-  void resize(std::size_t splats, std::size_t views) {
-    shapes.resize(splats), depths.resize(splats), gaussians.resize(splats);
-    of_view.resize(views > 1 ? splats : 0);
-  }
-  /// Makes room as `resize` does, but keeps no splats.
+  /// Makes room for so many splats of so many views. Keeps no splats.
   void reset(std::size_t splats, std::size_t views) {
     shapes.reset(splats), depths.reset(splats), gaussians.reset(splats);
     of_view.reset(views > 1 ? splats : 0);
   }
-  void set_count(std::size_t splats) { count = visible = splats; }
   SplatsView view() const {
     return {{shapes.data(), count},
             {depths.data(), count},
             {gaussians.data(), count},
-            of_view.size() != 0 ? of_view.data() : nullptr};
-  }
-  void reserve(B&, const Reservation& reserved) {
-    const std::size_t splats = reserved.capacity.splats;
-    shapes.reset_exactly(splats), depths.reset_exactly(splats), gaussians.reset_exactly(splats);
-    of_view.reset_exactly(reserved.views > 1 ? splats : 0);
+            of_view.size() != 0 ? of_view.data() : nullptr,
+            exact};
   }
   static auto buffers(auto& self) { return std::tie(self.shapes, self.depths, self.gaussians, self.of_view); }
+};
+
+/// Storage of one frame's splats on backend `B`. Backends specialise it.
+template <class B>
+struct Splats : SplatBuffers<B> {
+  std::size_t visible = 0;  ///< more than `count` where the capacity did not suffice
+
+  /// As `reset`, but keeps the splats.
+  void resize(std::size_t splats, std::size_t views) {
+    this->shapes.resize(splats), this->depths.resize(splats), this->gaussians.resize(splats);
+    this->of_view.resize(views > 1 ? splats : 0);
+  }
+  void set_count(std::size_t splats) { this->count = visible = splats; }
+  void reserve(B&, const Reservation& reserved) {
+    const std::size_t splats = reserved.capacity.splats;
+    this->shapes.reset_exactly(splats), this->depths.reset_exactly(splats);
+    this->gaussians.reset_exactly(splats), this->of_view.reset_exactly(reserved.views > 1 ? splats : 0);
+  }
 };
 
 /// Key that orders depths as integers: the bits of a positive float ascend with its value, and its sign bit

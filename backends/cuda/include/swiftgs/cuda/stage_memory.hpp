@@ -108,29 +108,11 @@ struct PendingProjection {
 /// `project` how many are visible; until `bin`, `count` is 0. After `bin` within limits, `count` is an upper
 /// bound and `exact` points to the number, until `await_report` tells the host.
 template <>
-struct Splats<Cuda> {
-  DeviceBuffer<SplatShape> shapes;
-  DeviceBuffer<float> depths;
-  DeviceBuffer<std::uint32_t> gaussians;
-  DeviceBuffer<std::uint16_t> of_view;   ///< empty if there is one view
-  std::size_t count = 0;                 ///< at most
-  const std::uint32_t* exact = nullptr;  ///< as `Count::exact`
-  PendingProjection pending;             ///< from `project` to `bin`; none where the count is known
+struct Splats<Cuda> : SplatBuffers<Cuda> {
+  PendingProjection pending;  ///< from `project` to `bin`; none where the count is known
 
-  void reset(std::size_t splats, std::size_t views) {
-    shapes.reset(splats), depths.reset(splats), gaussians.reset(splats);
-    of_view.reset(views > 1 ? splats : 0);
-  }
   /// Sets a number of splats that the host knows.
   void set_count(std::size_t splats) { count = splats, exact = nullptr, pending = {}; }
-  SplatsView view() const {
-    return {{shapes.data(), count},
-            {depths.data(), count},
-            {gaussians.data(), count},
-            of_view.size() != 0 ? of_view.data() : nullptr,
-            exact};
-  }
-  static auto buffers(auto& self) { return std::tie(self.shapes, self.depths, self.gaussians, self.of_view); }
 };
 
 /// Footprints, which projection finds. The buffer holds as many as those of the splats.

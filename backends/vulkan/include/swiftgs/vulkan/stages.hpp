@@ -105,30 +105,12 @@ struct ProjectScratch<Vulkan> {
   static auto buffers(auto& self) { return std::tie(self.shapes, self.projected, self.counts, self.runs); }
 };
 
-/// Splats on a device. After `bin` within limits, `count` is an upper bound and `exact` points to the number,
-/// until `await_report` tells the host.
+/// Splats on a device. Until `bin`, `exact` points to the number of visible ones, which may exceed the
+/// capacity. After `bin` within limits, `count` is an upper bound and `exact` points to the number, until
+/// `await_report` tells the host.
 template <>
-struct Splats<Vulkan> {
-  VulkanBuffer<SplatShape> shapes;
-  VulkanBuffer<float> depths;
-  VulkanBuffer<std::uint32_t> gaussians;
-  VulkanBuffer<std::uint16_t> of_view;  ///< empty if there is one view
-  std::size_t count = 0;
-  const std::uint32_t* exact = nullptr;  ///< as `Count::exact`; until `bin`, splats beyond the capacity too
-
-  void reset(std::size_t splats, std::size_t views) {
-    shapes.reset(splats), depths.reset(splats), gaussians.reset(splats);
-    of_view.reset(views > 1 ? splats : 0);
-  }
+struct Splats<Vulkan> : SplatBuffers<Vulkan> {
   void set_count(std::size_t splats) { count = splats, exact = nullptr; }
-  SplatsView view() const {
-    return {{shapes.data(), count},
-            {depths.data(), count},
-            {gaussians.data(), count},
-            of_view.size() != 0 ? of_view.data() : nullptr,
-            exact};
-  }
-  static auto buffers(auto& self) { return std::tie(self.shapes, self.depths, self.gaussians, self.of_view); }
 };
 
 /// Colours that are evaluated in parts, beside the passes of a sort, and the rest by `finish`.
