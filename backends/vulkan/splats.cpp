@@ -152,6 +152,7 @@ void bin(Vulkan& b, const FramePlan& plan, BoundsKind bounds, Splats<Vulkan>& sp
 FrameReport await_report(Vulkan& b, Splats<Vulkan>& splats, Footprints<Vulkan>& footprints, const Limits&) {
   Vulkan::State& state = b.state();
   vulkan::refuse_while_recording(state, "await_report");
+  state.awaited = false;
   if (state.open) vulkan::Commands(b).submit();
   state.device.state().wait(state.reported_at);
   FrameReport report;
