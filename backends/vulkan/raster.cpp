@@ -148,7 +148,7 @@ void blend(Vulkan& b, RasterKind kind, const RasterJob& job, std::uint64_t* cont
             .at = Vulkan::State::long_launch});
     draw(raster, knows_long ? Lists::others : Lists::all, all);
   }
-  if (state.awaited)
+  if (state.awaited && !contributions)
     commands.finish();  // timestamps may follow
   else
     commands.submit();

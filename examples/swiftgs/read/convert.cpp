@@ -126,7 +126,8 @@ SceneFile read(const ConvertOptions& options, const std::string& name, ConvertPr
   return file;
 }
 
-/// Inputs. Those with the same origin are joined; the others are joined, and rounded, after all have moved.
+/// Inputs. Neighbours with the same origin are joined at once, the others when all have moved: joining
+/// rounds.
 using Inputs = std::vector<Scene>;
 
 /// Lowers the degree and moves the inputs.

@@ -47,7 +47,7 @@ void tell_whole(const std::string& whole, const std::string& shown);
 /// Draws the panels and applies their changes. Returns whether a new frame is needed.
 bool draw_panels(Viewer& viewer);
 
-/// The list of scenes: sets their placing and clipping, and saves the list.
+/// The list of scenes: edits how each is placed and shown, and saves the list.
 void scene_panel(Viewer& viewer, bool& changed);
 
 /// Draws the messages, of which the user dismisses errors.

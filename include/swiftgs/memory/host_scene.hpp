@@ -70,9 +70,9 @@ class HostScene {
 
   /// Replaces Gaussians from number `first` on by those of `arrays`; null arrays keep the scene's values. All
   /// copies of this object change too. No frame of the scene may be under way, and `arrays` do not lie in the
-  /// scene. The caller's own scene never changes: the first update of a shared scene copies it. Then the
-  /// arrays of `view` move, and earlier views live as long as the caller's scene. SH bands that were zero
-  /// throughout show in views taken after the update.
+  /// scene. The caller's own scene never changes: the first update of a shared scene copies it, and only
+  /// this update moves the arrays of `view`. Earlier views live as long as the caller's scene. SH bands that
+  /// were zero throughout show in views taken after the update.
   ///
   /// Throws `InvalidArgument`, and changes nothing, as `validate_update`, `require_replaceable` and
   /// `validate_numbers` do.

@@ -87,7 +87,7 @@ std::vector<std::size_t> bins_of(const SortedNumbers& numbers) {
 }
 
 /// The cheapest split of bins into `count` runs, by dynamic programming. With more bins the best last run
-/// never begins earlier, so each step searches half the range of the step before.
+/// never begins earlier, so each result bounds the searches for smaller and for larger ends.
 class Partition {
  public:
   Partition(const SortedNumbers& numbers, const std::vector<std::size_t>& bins)

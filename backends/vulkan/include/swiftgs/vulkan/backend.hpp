@@ -145,7 +145,7 @@ class SWIFTGS_API Vulkan {
   /// Copies the depths of an image, which is one as of `load`, for an occluder. @shape{height, width}
   void load_depth(VkImageView_T* image, float* to, int width, int height);
 
-  /// The device's timeline semaphore, and its value when all work submitted so far is done.
+  /// The device's timeline semaphore, and its value when all work begun so far is done, which this submits.
   struct Signal {
     VkSemaphore_T* semaphore = nullptr;
     std::uint64_t value = 0;
