@@ -56,11 +56,11 @@ class UploadedScene {
   std::shared_ptr<const void> kept_;
 };
 
-/// A renderer that is used without naming its policies: one of `make_renderer`, or any `Renderer`. It keeps
-/// scenes by number and draws what is placed of them.
+/// A renderer whose type does not name its policies: one of `make_renderer`, or any `Renderer`. It keeps
+/// scenes by number and draws the placed ones.
 ///
-/// It keeps the memory of its stages, so a frame no larger than an earlier one allocates nothing. All of it
-/// is from the hook of its backend. It is not safe to use from two threads at once; two renderers are.
+/// It keeps the memory of its stages, so a frame no larger than an earlier one allocates nothing. All memory
+/// is from the hook of its backend. Use one renderer from one thread at a time; different renderers are safe.
 class SWIFTGS_API AnyRenderer {
  public:
   virtual ~AnyRenderer() = default;
@@ -148,7 +148,7 @@ class SWIFTGS_API AnyRenderer {
   virtual void reserve(Span<const View> views, Capacity capacity = {}) = 0;
   virtual void set_views(Span<const View> views) = 0;
   virtual void record(FrameReport* report) = 0;
-  /// Recorded work that runs again shows what is placed now. Throws as `RecordedFrames::set_scenes`.
+  /// Makes recorded work show the current placing when it runs again. Throws as `RecordedFrames::set_scenes`.
   virtual void set_recorded_scenes() = 0;
   /// As `RecordedFrames::stored_scenes` and `refused_scenes`.
   virtual Span<StoredScene> recorded_scenes() = 0;
@@ -185,9 +185,9 @@ class SWIFTGS_API AnyRenderer {
   virtual StageMemory memory() const = 0;
 
   /// Gives back all memory that the renderer and its backend keep, uploaded scenes excluded, after waiting
-  /// for all work submitted so far. The next frame takes it again. Views that were set and what was reserved
-  /// are forgotten, so `record` is refused until the next `reserve`. Frames of `render_resident`, the last
-  /// frame's splats and tile lists and what `statistics` counts on request are gone.
+  /// for all work submitted so far. The next frame allocates again. Forgets the set views
+  /// and the reservation, so `record` is refused until the next `reserve`. Also gone: the frame of
+  /// `render_resident`, the last frame's splats and tile lists, and counts of `statistics`.
   virtual void trim() = 0;
 
   /// False while an adaptive sort still measures frames of the scene at this size.

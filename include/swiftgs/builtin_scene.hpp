@@ -25,7 +25,7 @@ inline constexpr std::size_t builtin_scene_size = 200'000;
 /// The scene is reproducible: integers decide everything random, it avoids functions that differ between C
 /// libraries, and multiplications and additions are not contracted.
 ///
-/// A `part` of it is made without the rest. Throws `InvalidArgument` if there is no such part.
+/// Makes a `part` of the scene without the rest. Throws `InvalidArgument` for an unknown part.
 SWIFTGS_API Scene make_builtin_scene(std::size_t count = builtin_scene_size, const ScenePart& part = {});
 
 /// The view that the built-in scene is composed for.

@@ -42,8 +42,8 @@ struct DoNothing {
 };
 }  // namespace detail
 
-/// A renderer on backend `B` whose other policies are bound to it at run time, with all drivers: what all
-/// `Renderer`s on `B` share. It draws scenes that it keeps, and scenes that its caller keeps.
+/// The base of all `Renderer`s on backend `B`: its other policies are bound at run time, and it has all
+/// drivers. Draws scenes that it keeps, and scenes that its caller keeps.
 ///
 /// Functions that take long to compile are defined below the class: inside it they would be inline, and a
 /// source that finds an instance in a library would compile them all the same, for the table of virtual

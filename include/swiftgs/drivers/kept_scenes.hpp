@@ -27,8 +27,8 @@ template <class B>
   throw Unavailable("backend " + std::string(B::name) + ": expected a function " + what);
 }
 
-/// The scenes that a renderer on backend `B` keeps by number, how its frames show them, and which of them are
-/// recorded. Its functions are those of `AnyRenderer`; what the backend cannot do throws `Unavailable`.
+/// The scenes that a renderer on backend `B` keeps by number, their placing in its frames, and its recorded
+/// scenes. It has the functions of `AnyRenderer`, which throw `Unavailable` where the backend lacks one.
 template <class B>
 class KeptScenes {
  public:

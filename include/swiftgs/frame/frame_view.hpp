@@ -261,7 +261,7 @@ struct FrameView {
   Conversion conversion = Conversion::as_is;  ///< of `colour`
 
   std::size_t pixels() const { return std::size_t(width) * height; }
-  /// What it has memory for.
+  /// The planes that have memory.
   Request request() const {
     Request all = Request::planes_of(*this);
     all.occluder = bool(occluder);

@@ -21,8 +21,8 @@
 
 namespace swiftgs {
 
-/// A scene in a frame: where it stands, and what of it shows. To show a range of its Gaussians, place a
-/// `SceneView` of that range (`range_of`).
+/// A scene in a frame, its placing, and which of its Gaussians show. To show a range of its Gaussians, place
+/// a `SceneView` of that range (`range_of`).
 struct PlacedScene {
   SceneView scene{};
   Similarity world_from_scene{};

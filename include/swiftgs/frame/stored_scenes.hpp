@@ -145,8 +145,8 @@ inline void number_gaussians(Span<const PlacedScene> scenes, std::vector<StoredS
   }
 }
 
-/// What the stages of a frame show: a scene alone, or stored scenes of the renderer, whose Gaussians and
-/// chunks are numbered.
+/// The scenes of a frame, as its stages read them: a scene alone, or the renderer's stored scenes, whose
+/// Gaussians and chunks are numbered.
 class StoredScenes : public ScenesOf<StoredScene> {
  public:
   StoredScenes(const SceneView& scene = {}) : StoredScenes(PlacedScene{scene}) {}

@@ -11,9 +11,9 @@
 
 namespace swiftgs {
 
-/// What projects means through a pinhole: pairs of floats on GPUs whose multiprocessors have two to four
-/// units for double beside 64 or 128 for float, double elsewhere. With SWIFTGS_PROJECT_IN_PAIRS tests run the
-/// kernels in pairs on every GPU.
+/// The type that projects means through a pinhole: pairs of floats on GPUs whose multiprocessors have two to
+/// four units for double beside 64 or 128 for float, double elsewhere. With SWIFTGS_PROJECT_IN_PAIRS tests
+/// run the kernels in pairs on every GPU.
 #if defined(__CUDA_ARCH__) &&                                                             \
     (defined(SWIFTGS_PROJECT_IN_PAIRS) || __CUDA_ARCH__ == 750 || __CUDA_ARCH__ == 860 || \
      __CUDA_ARCH__ == 870 || __CUDA_ARCH__ == 890 || __CUDA_ARCH__ == 1200 || __CUDA_ARCH__ == 1210)

@@ -55,7 +55,7 @@ struct View {
 
   bool operator==(const View&) const = default;
 
-  /// What `frame` has memory for; where it has none yet, `request`.
+  /// The outputs that `frame` has memory for; `request` if it has no memory yet.
   Request asked() const {
     const Request of_memory = frame.request();
     return of_memory == Request() ? request : of_memory;

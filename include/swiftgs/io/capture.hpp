@@ -8,7 +8,7 @@
 
 namespace swiftgs {
 
-/// A trained scene and what lies beside it. A path that is empty means that there is none.
+/// A trained scene, its cameras and its photographs. An empty path means that the part is missing.
 struct Capture {
   std::string name;               ///< of the scene: its file's without the ending
   std::filesystem::path scene;    ///< a file that `read_scene` takes
@@ -16,7 +16,7 @@ struct Capture {
   std::filesystem::path photos;   ///< a folder of photographs that have the paths or names of images
 };
 
-/// Finds the parts of a capture. `path` is its folder, or the scene's file in it, which need not be there.
+/// Finds the parts of a capture. `path` is its folder, or the scene's file in it, which need not exist.
 ///
 /// In a folder NAME the scene is the first of these that is there; endings may be in capitals:
 /// - `point_cloud/iteration_N/point_cloud.ply` with the greatest N, which INRIA's training writes and which

@@ -42,15 +42,16 @@ SWIFTGS_API std::vector<std::byte> encode_png(const Frame& frame);
 /// Writes colour as three floats a pixel in the byte order of this machine, which the file states.
 SWIFTGS_API void write_pfm(const std::filesystem::path& path, const Frame& frame);
 
-/// Writes float channels R, G and B, and those of the other planes that the frame has: A, Z (depth),
-/// depth.squared, depth.first, depth.median, normal.X to normal.Z, features.0 and up, and id.gaussian and
-/// id.median as unsigned integers. Throws `Unavailable` in a build without OpenEXR.
+/// Writes float channels R, G and B, and the frame's other planes: A, Z (depth), depth.squared, depth.first,
+/// depth.median, normal.X to normal.Z, features.0 and up, and as unsigned integers id.gaussian and id.median.
+/// Throws `Unavailable` in a build without OpenEXR.
 SWIFTGS_API void write_exr(const std::filesystem::path& path, const Frame& frame);
 
-/// Writes planes in host memory, of any `PixelFormat` and any pitch. The last channel of RGBA is the
-/// picture's alpha, and colours are multiplied by it: a PNG has straight ones. Of RGB the plane `alpha` is. A
-/// PNG is opaque if it was drawn before a `background` that is not black, or as RGB `over` an image. The
-/// occluder is not read. Throws as for a frame, and `InvalidArgument` as `validate(const FrameView&)`.
+/// Writes planes in host memory, of any `PixelFormat` and any pitch. The alpha of RGBA is
+/// its last channel, by which colours are multiplied; a PNG gets straight colours. The alpha of RGB is the
+/// plane `alpha`. A PNG is opaque if it was drawn before a `background` that is not black, or as RGB `over`
+/// an image. The occluder is not read. Throws as for a frame, and `InvalidArgument` as `validate(const
+/// FrameView&)`.
 SWIFTGS_API void write_png(const std::filesystem::path& path, const FrameView& view,
                            vec3 background = vec3(0));
 

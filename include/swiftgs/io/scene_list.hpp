@@ -13,8 +13,8 @@
 
 namespace swiftgs {
 
-/// A scene of a list: where it stands in the world, and what of it shows. Movement and clip are of positions
-/// as the scene's file has them, whatever `Scene::origin` a reader subtracts.
+/// A scene of a list, its placing in the world, and which of its Gaussians show. Movement and clip apply to
+/// positions in the scene's file, before a reader subtracts `Scene::origin`.
 struct ListedScene {
   std::string file;  ///< as the list has it: relative to the list's folder
   Similarity world_from_scene{};
@@ -39,15 +39,14 @@ SWIFTGS_API bool is_scene_list(const std::filesystem::path& path);
 /// - `visible`: false hides the scene, which is read all the same,
 /// - `first` and `count`: the range of Gaussians that shows, as they are numbered in memory,
 /// - `clip`, an object of `box` [x, y, z, x, y, z], two corners; `sphere` [x, y, z, radius]; and
-/// `half_spaces`,
-///   [x, y, z, offset] each, of positions p with (x, y, z) . p of the offset or more. A box is six
-///   half-spaces. Gaussians show whose means lie in all of them.
-/// Throws `FormatError` for anything else, also for other members, and `FileError` if the file cannot
-/// be read.
+///   `half_spaces`, [x, y, z, offset] each, of positions p with (x, y, z) . p >= offset. A box is six
+///   half-spaces. A Gaussian shows if its mean lies in all of them.
+/// Throws `FormatError` for anything else, also for other members, and `FileError` if the file cannot be
+/// read.
 SWIFTGS_API std::vector<ListedScene> read_scene_list(const std::filesystem::path& path);
 
-/// Writes a list that `read_scene_list` reads as the same scenes, to the last bit of each number. `path`
-/// keeps what it held if anything fails. Throws `InvalidArgument` for what the reader refuses and for a
+/// Writes a list that `read_scene_list` reads back to the last bit of each number. If anything fails, the
+/// file at `path` stays as it was. Throws `InvalidArgument` for a list that the reader would refuse and for a
 /// name that is not UTF-8, and `FileError` if the file cannot be written.
 SWIFTGS_API void write_scene_list(const std::filesystem::path& path, const std::vector<ListedScene>& scenes);
 

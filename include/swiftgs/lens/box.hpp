@@ -112,7 +112,8 @@ SWIFTGS_HD inline LensBox perspective(const Distortion& d, const LensLimits& lim
   const PlaneBox seen{tangents(along(0), z), tangents(along(1), z)};
   out = distorted_box(d, seen);
   out.inside = !(seen.radius_squared().low >= limits.fold_squared);
-  // Derivatives are those at tangents within the limits, or at those where these are beyond the fold.
+  // Derivatives are taken at the limited tangents, and also at the unlimited ones if limited ones reach the
+  // fold.
   const auto within = [](const Interval& t, double least, double most) {
     return Interval{clamped(t.low, least, most), clamped(t.high, least, most)};
   };

@@ -163,8 +163,8 @@ inline LensLimits tangents_of_image(const Camera& camera, double fold_squared) {
 
 }  // namespace lens
 
-/// The limits of a camera's lens. Those of tangents are 0.3 tan(fov / 2) beyond what the image shows, or 1.3
-/// tan(fov / 2) to each side of the axis, as `Conventions::JacobianClamp` says for pinholes.
+/// The limits of a camera's lens. Tangents are limited to 0.3 tan(fov / 2) beyond the image, or to 1.3
+/// tan(fov / 2) on each side of the axis, as `Conventions::JacobianClamp` says for pinholes.
 inline LensLimits lens_limits(const Camera& camera, const Conventions& conventions) {
   constexpr double pi = std::numbers::pi;
   // Behind the camera a fisheye lens shows one point as a circle.

@@ -22,8 +22,8 @@ struct FloatArray {
   std::ptrdiff_t stride = 0;  ///< from a Gaussian to the next, at least what one takes; 0: that @units{bytes}
 };
 
-/// Gaussians in arrays of the caller, in memory that a backend's loops reach. An upload needs all that have
-/// floats; an update leaves those that are null as they are.
+/// Gaussians in arrays of the caller, in memory that a backend's loops reach. An upload needs all arrays of
+/// floats; an update keeps the scene's values where an array is null.
 struct SceneArrays {
   std::size_t count = 0;   ///< N, less than 2^32
   FloatArray means{};      ///< @shape{N, 3} world position

@@ -31,25 +31,24 @@ struct PageBuildOptions {
 struct BuiltPages {
   std::uint64_t gaussians = 0;
   std::size_t pages = 0, leaves = 0;
-  std::size_t resumed = 0;  ///< of these pages, those that an unfinished build of the same had written
+  std::size_t resumed = 0;  ///< pages among them that an unfinished build had written
   std::uint64_t bytes = 0;  ///< of the file
   std::vector<std::string> notes{};
 };
 
-/// Writes the page file `out` of all Gaussians of `sources`, one behind the other, with the origin of the
-/// first. Each is what `read_scene` takes, or what `is_page_file` tells. Beside `out` it takes 240 bytes a
-/// Gaussian, twice that with `order`, in files without a name. The new file takes the place of an old one
-/// when it is whole.
+/// Writes all Gaussians of `sources`, source by source, to the page file `out`, with the origin of the first
+/// source. A source is a file that `read_scene` reads, or a page file. Needs 240 bytes of disk a Gaussian
+/// beside `out`, twice that with `order`, in unnamed files. The finished file replaces an existing one.
 ///
 /// A build that ends early, by a signal, a full disk or `progress`, leaves `out`.unfinished and
-/// `out`.unfinished.steps if it has written a page. The same call reads the sources again and resumes after
-/// the last page that is whole there; the file has the bytes of an undisturbed build. With other Gaussians or
-/// options, or by another version of the library, it begins anew and notes that. Deleting both gives up.
+/// `out`.unfinished.steps if it has written a page. The same call then reads the sources again and resumes
+/// behind the last complete page; the result has the bytes of an undisturbed build. With other Gaussians or
+/// options, or by another version of the library, it starts again and notes that. To give up, delete both.
 ///
-/// Throws `InvalidArgument` for an option that is not valid, sources without Gaussians, with features or of
-/// several rendering models, while another build writes `out`, and if files that no build made have the names
-/// of those that it leaves; `CapacityError` beyond 2^32 - 1 Gaussians; what `read_scene` throws, `Cancelled`,
-/// and `FileError` if something cannot be written.
+/// Throws `InvalidArgument` for an invalid option, for sources without Gaussians, with features or of several
+/// rendering models, while another build writes `out`, and if other files have the names of the two
+/// unfinished ones. Throws `CapacityError` beyond 2^32 - 1 Gaussians, `Cancelled`, `FileError` if a write
+/// fails, and what `read_scene` throws.
 SWIFTGS_API BuiltPages build_pages(const std::vector<std::filesystem::path>& sources,
                                    const std::filesystem::path& out, const PageBuildOptions& options = {});
 

@@ -57,9 +57,9 @@ class SWIFTGS_API PageLoader {
   PageLoader(const PageLoader&) = delete;
   PageLoader& operator=(const PageLoader&) = delete;
 
-  /// What to read from now on, first things first, in place of what was asked for before.
+  /// Replaces the list of pages to read. The first is read first.
   void request(const std::vector<PageKey>& keys);
-  /// Pages that were read since.
+  /// Pages read since the last call.
   std::list<LoadedPage> take();
   /// Sets the bytes of taken pages that are not uploaded yet.
   void keep(std::size_t bytes);

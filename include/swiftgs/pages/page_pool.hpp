@@ -99,10 +99,10 @@ class PagePool {
                options_.upload_per_frame, stuck);
   }
 
-  /// Makes `cut` complete: returns when no page is missing but those that fail again, or memory that other
-  /// cuts keep has no room for the rest, and `estimated_db` is that of its views; or, incomplete, when
-  /// `stops()`, which is called after each page. Gives back what `cut` keeps: nothing may draw its scenes of
-  /// before. Throws as `cut`; waiting again then goes on.
+  /// Completes `cut`. Returns when all pages are there, except pages that fail again and pages that do not
+  /// fit beside those of other cuts; `estimated_db` then is that of its views. Returns early, with an
+  /// incomplete cut, when `stops()`, called after each page, is true. Releases the pages that `cut` kept, so
+  /// nothing may draw its earlier scenes any more. Throws as `cut`; waiting again then continues.
   void wait(Cut& cut, const std::function<bool()>& stops = {}) {
     Cut asked;
     asked.views_ = cut.views_, asked.goal_ = cut.goal_;
@@ -187,7 +187,7 @@ class PagePool {
       }
       Failure& failure = failures_[page.key];
       failure.reason = std::move(page.failure);
-      // Seldom tried again if it fails often, so that it does not take the place of others.
+      // A page that fails often is tried less and less often, and leaves room for other pages.
       failure.try_again = cuts_ + (std::uint64_t(8) << std::min(failure.times++, 10));
     }
   }

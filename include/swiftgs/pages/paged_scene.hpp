@@ -94,8 +94,8 @@ class SWIFTGS_API PagedScene {
   /// Whether both are one file that was opened once.
   bool operator==(const PagedScene&) const = default;
 
-  /// Reads a page. Throws `FormatError` where its content is not what was written, and what its source
-  /// throws. Safe from several threads at once.
+  /// Reads a page. Throws `FormatError` if its content was changed after writing, and passes on exceptions of
+  /// its source. Safe from several threads at once.
   PageContent read(std::uint32_t page) const;
 
   /// Opens a file of `size` bytes that `source` reads; `name` stands for it in errors. Throws as
@@ -128,9 +128,9 @@ class SWIFTGS_API PagedScene {
 SWIFTGS_API bool is_page_file(const std::filesystem::path& path);
 
 /// Opens a page file and maps it into memory; or the `lod-meta.json` of a streamed SOG, or a tileset of 3D
-/// Tiles, whose files are read when a page of them is, but for one that tells the rendering model.
-/// Checks header and table, but reads no page. Files must not change while they are open. Throws
-/// `FormatError` that tells what was expected where, and `FileError`.
+/// Tiles. These name other files, which are read with their pages; one is read at once, for the rendering
+/// model. Checks header and table, but reads no page. Files must not change while they are open. Throws
+/// `FormatError` that says what was expected where, and `FileError`.
 SWIFTGS_API PagedScene open_pages(const std::filesystem::path& path);
 
 /// All leaves as one scene, in their order: what a frame of all leaves draws. Throws as `PagedScene::read`.

@@ -25,7 +25,7 @@
 
 namespace swiftgs {
 
-/// The square at `point` of depths whose coefficients, or weighted sums of them, are `squares`.
+/// Squared depth at `point`, by the six coefficients in `squares` or by weighted sums of such coefficients.
 SWIFTGS_HD inline float sum_of_squares(const float* squares, vec2 point) {
   const float linear = squares[1] * point.x + squares[2] * point.y;
   const float by_x = squares[3] * point.x + squares[4] * point.y, by_y = squares[5] * point.y;
@@ -153,8 +153,8 @@ SWIFTGS_HD inline void store_attributes(const View& view, const AttributesView& 
   }
 }
 
-/// Writes the planes that `job` draws at column x of row y, but those of picked splats. `sums` are those of
-/// its attributes.
+/// Writes the planes of `job` at column x of row y, except the planes of picked splats. `sums` are the sums
+/// of the job's attributes.
 SWIFTGS_HD inline void store_pixel(const RasterJob& job, const View& view, std::size_t x, std::size_t y,
                                    const BlendedPixel& pixel, const float* sums) {
   if (!job.only_attributes) store_pixel(view.frame, x, y, pixel, view.background);

@@ -2,7 +2,7 @@
 #pragma once
 
 /// @file
-/// What training stores, turned into what is rendered: opacities, rotations, spherical harmonics.
+/// Converts trained parameters to rendered ones: opacities, rotations, spherical harmonics.
 
 #include <cmath>
 

@@ -3,8 +3,8 @@
 
 /// @file
 /// Definitions behind `<swiftgs/cuda.hpp>` for code that nvcc compiles: loops over functors, bounds and
-/// rasterizers of your own, whose functions are `SWIFTGS_HD`. Compile with `-fmad=false` what uses bounds of
-/// your own: tiles are counted by one kernel and emitted by another, and both must round alike. With that
+/// rasterizers of your own, whose functions are `SWIFTGS_HD`. Compile sources that use bounds of your own
+/// with `-fmad=false`: one kernel counts tiles and another emits them, and both must round alike. With that
 /// option, rasterizers of your own decide as on hosts.
 
 #include <swiftgs/bounds/all.hpp>

@@ -77,9 +77,9 @@ class Texture {
   /// `Buffer`.
   SWIFTGS_API Texture(unsigned name, unsigned target);
 
-  /// Copies the colours of `frame`, which lies in memory of the device, after what `stream` was given before.
-  /// Rows go as they lie in memory, and OpenGL's textures begin with the bottom one. What OpenGL is given
-  /// afterwards finds them. Throws `InvalidArgument` if sizes or formats differ.
+  /// Copies the colours of `frame`, in memory of the device, behind all earlier work of `stream`. Later work
+  /// of OpenGL sees them. Rows keep their order in memory, while OpenGL's textures begin with the bottom row.
+  /// Throws `InvalidArgument` if sizes or formats differ.
   SWIFTGS_API void write(const FrameView& frame, cudaStream_t stream) const;
 
  private:

@@ -104,8 +104,8 @@ class SWIFTGS_API Vulkan {
   /// Copies arrays that lie in memory of the device, in the memory of `reuse` if nobody else has that scene.
   /// Does not wait. Throws `InvalidArgument` as `validate`.
   SceneOn upload(const SceneArrays& arrays, std::optional<VulkanScene>& reuse) const;
-  /// Replaces Gaussians from number `first` on by those of `arrays`, in memory of the device, whose null
-  /// arrays stay as they are, and all copies of `scene` with them. Does not wait. Throws `InvalidArgument`,
+  /// Replaces Gaussians from number `first` on by those of `arrays`, which are in memory of the device; null
+  /// arrays keep the scene's values. Copies of `scene` change too. Does not wait. Throws `InvalidArgument`,
   /// and changes nothing, as `validate_update` and `require_replaceable`, and for a borrowed scene.
   void update(VulkanScene& scene, std::size_t first, const SceneArrays& arrays) const;
 
@@ -164,8 +164,8 @@ class SWIFTGS_API Vulkan {
     std::string_view name;
     double milliseconds = 0;
   };
-  /// Calls `draw`, whose kernels run one after the other meanwhile, and returns them in this order: the first
-  /// 1,000, none where the device has no timestamps. Waits.
+  /// Calls `draw`, and runs its kernels one after the other. Returns their times in this order: of the first
+  /// 1,000 kernels, or none on a device without timestamps. Waits.
   std::vector<KernelTime> profile(const std::function<void()>& draw);
 
   State& state() const { return *state_; }

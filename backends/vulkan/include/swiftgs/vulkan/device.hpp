@@ -23,7 +23,7 @@ struct VkPhysicalDeviceFeatures2;
 
 namespace swiftgs {
 
-/// What a program has made of Vulkan 1.3 or newer. All of it outlives the `VulkanDevice`.
+/// Handles of a program's Vulkan 1.3 or newer. The objects outlive the `VulkanDevice`.
 struct VulkanHandles {
   VkInstance_T* instance = nullptr;
   VkPhysicalDevice_T* physical_device = nullptr;

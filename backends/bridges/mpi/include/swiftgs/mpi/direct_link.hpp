@@ -30,14 +30,14 @@ class SWIFTGS_API DirectLink {
 
   virtual std::string_view name() const = 0;
 
-  /// Begins messages, after all work that was submitted before: to the backend, or to `stream` of its device
-  /// if there is one (`Shading::stream`). Does not wait for them. Returns what to call them.
+  /// Begins messages behind all work submitted so far to the backend, or to `stream` of its device if that is
+  /// not null (`Shading::stream`). Does not wait. Returns the number by which `order` and `test` know them.
   virtual std::uint64_t begin(Span<const Message> messages, void* stream) = 0;
 
-  /// Orders work that is submitted to the backend from now on after them.
+  /// Orders later work of the backend behind these messages.
   virtual void order(std::uint64_t begun) = 0;
 
-  /// Whether they have been sent and received.
+  /// Whether these messages have been sent and received.
   virtual bool test(std::uint64_t begun) = 0;
 };
 

@@ -152,11 +152,11 @@ class SWIFTGS_API Exchange {
   std::unique_ptr<Requests> requests_;
 };
 
-/// An error of this rank. All ranks learn of it before one of them goes on.
+/// An error of this rank, which all ranks learn before any of them goes on.
 class SWIFTGS_API Failure {
  public:
-  /// Calls `f`, unless there is a failure already, and keeps what it throws. Not an `MpiError`, of which
-  /// ranks cannot tell each other.
+  /// Calls `f`, unless an earlier call failed, and keeps its exception. Passes on an `MpiError`, since ranks
+  /// cannot tell each other about it.
   template <class F>
   void guard(const F& f) {
     if (error_) return;
