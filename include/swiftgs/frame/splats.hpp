@@ -159,17 +159,16 @@ struct SplatBuffers {
   std::size_t count = 0;                               ///< at most, if there is `exact`
   const std::uint32_t* exact = nullptr;                ///< as `Count::exact`
 
-  /// Makes room for so many splats of so many views. Keeps no splats.
+  /// Makes room for so many splats by f(buffer, size).
+  void make_room(std::size_t splats, std::size_t views, const auto& f) {
+    f(shapes, splats), f(depths, splats), f(gaussians, splats), f(of_view, views > 1 ? splats : 0);
+  }
   void reset(std::size_t splats, std::size_t views) {
-    shapes.reset(splats), depths.reset(splats), gaussians.reset(splats);
-    of_view.reset(views > 1 ? splats : 0);
+    make_room(splats, views, [](auto& buffer, std::size_t size) { buffer.reset(size); });
   }
   SplatsView view() const {
-    return {{shapes.data(), count},
-            {depths.data(), count},
-            {gaussians.data(), count},
-            of_view.size() != 0 ? of_view.data() : nullptr,
-            exact};
+    const std::uint16_t* const views = of_view.size() != 0 ? of_view.data() : nullptr;
+    return {{shapes.data(), count}, {depths.data(), count}, {gaussians.data(), count}, views, exact};
   }
   static auto buffers(auto& self) { return std::tie(self.shapes, self.depths, self.gaussians, self.of_view); }
 };
@@ -181,19 +180,15 @@ struct Splats : SplatBuffers<B> {
 
   /// As `reset`, but keeps the splats.
   void resize(std::size_t splats, std::size_t views) {
-    this->shapes.resize(splats), this->depths.resize(splats), this->gaussians.resize(splats);
-    this->of_view.resize(views > 1 ? splats : 0);
+    this->make_room(splats, views, [](auto& buffer, std::size_t size) { buffer.resize(size); });
   }
   void set_count(std::size_t splats) { this->count = visible = splats; }
   void reserve(B&, const Reservation& reserved) {
-    const std::size_t splats = reserved.capacity.splats;
-    this->shapes.reset_exactly(splats), this->depths.reset_exactly(splats);
-    this->gaussians.reset_exactly(splats), this->of_view.reset_exactly(reserved.views > 1 ? splats : 0);
+    this->make_room(reserved.capacity.splats, reserved.views, [](auto& b, auto n) { b.reset_exactly(n); });
   }
 };
 
-/// Key that orders depths as integers: the bits of a positive float ascend with its value, and its sign bit
-/// is zero.
+/// Key that orders depths as integers: the bits of positive floats ascend with their values.
 SWIFTGS_HD inline std::uint32_t depth_key(float depth) { return __builtin_bit_cast(std::uint32_t, depth); }
 inline constexpr int depth_key_bits = 31;
 

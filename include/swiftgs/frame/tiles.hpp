@@ -37,9 +37,8 @@ struct TileRun {
   }
 };
 
-/// Columns and rows of tiles of an image, counted from its top left corner, and their numbers in a frame. The
-/// side changes the length of lists. It changes no bit of an image with conservative bounds; others cut
-/// splats at tile borders.
+/// Tiles of an image by column and row from its top left corner, and their numbers in a frame. The side
+/// changes the length of lists, and no image with conservative bounds; others cut splats at tile borders.
 struct TileGrid {
   TileRun columns, rows;         ///< not negative
   int side = default_tile_side;  ///< a power of two, `raster_block_side` or more @units{pixels}
