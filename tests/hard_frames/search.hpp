@@ -75,6 +75,7 @@ using Niche = std::array<int, 3>;
 
 inline Niche niche_of(const StressCase& drawn) {
   const auto decade = [](double value, int low, int high) {
+    if (value < 0) return low - 1;  // behind the camera
     return std::isfinite(value) ? int(std::clamp(std::floor(std::log10(value)), double(low), double(high)))
                                 : high;
   };
