@@ -254,8 +254,8 @@ class Commands {
   void finish();
   /// Drops all that is not submitted.
   void drop();
-  /// Submits all, and returns the value of the timeline when they are done. The host sees then what they
-  /// wrote.
+  /// Submits all, and returns the timeline's value when they are done. From then on the host sees their
+  /// writes.
   std::uint64_t submit();
 
  private:

@@ -158,15 +158,22 @@ SWIFTGS_VULKAN_CASE("vulkan: a function that is missing and a queue that is none
                        InvalidArgument);
 }
 
+/// Small frames with timestamps, on a hooked device.
+struct TimedFrames {
+  VulkanDevice device{hooked()};
+  Renderer<Vulkan> renderer{Vulkan(device)};
+  VulkanScene scene = renderer.backend().upload(make_builtin_scene(500));
+  Camera camera = builtin_camera(32, 32);
+  RenderSettings timed;
+
+  TimedFrames() { timed.time = true; }
+};
+
 SWIFTGS_VULKAN_CASE(
     "vulkan: a lost device is an error of the device and ends no program by a wait for ever") {
-  const VulkanDevice device(hooked());
   {
-    Renderer<Vulkan> renderer{Vulkan(device)};
-    const VulkanScene scene = renderer.backend().upload(make_builtin_scene(500));
-    const Camera camera = builtin_camera(32, 32);
-    RenderSettings timed;
-    timed.time = true;
+    TimedFrames frames;
+    auto& [device, renderer, scene, camera, timed] = frames;
     const Frame before = renderer.render(scene, camera, timed);
     REQUIRE(before.colour.size() == 3 * 32 * 32);
     lost = true;
@@ -179,12 +186,8 @@ SWIFTGS_VULKAN_CASE(
 }
 
 SWIFTGS_VULKAN_CASE("vulkan: a frame and its timestamps take two submissions") {
-  const VulkanDevice device(hooked());
-  Renderer<Vulkan> renderer{Vulkan(device)};
-  const VulkanScene scene = renderer.backend().upload(make_builtin_scene(500));
-  const Camera camera = builtin_camera(32, 32);
-  RenderSettings timed;
-  timed.time = true;
+  TimedFrames frames;
+  auto& [device, renderer, scene, camera, timed] = frames;
   renderer.render(scene, camera, timed);
   submissions = 0;
   renderer.render_resident(scene, camera, timed);

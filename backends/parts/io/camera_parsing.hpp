@@ -87,8 +87,8 @@ class UnreadKeys {
   std::set<std::string> keys_;
 };
 
-/// Cameras in the order of the file. Where the file gives no size, it is that of the image in `folder`; an
-/// empty `folder` means that there are no images. `dataparser` is nerfstudio's `dataparser_transforms.json`,
+/// Cameras in the order of the file. Where the file gives no size, the image in `folder` does; without
+/// images `folder` is empty. `dataparser` is nerfstudio's `dataparser_transforms.json`,
 /// which takes cameras to the world of the trained model, or null.
 CameraFile parse_transforms_json(const Source& source, const std::filesystem::path& folder = {},
                                  const Source* dataparser = nullptr);

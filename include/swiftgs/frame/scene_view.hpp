@@ -55,7 +55,7 @@ struct SceneView {
   bool plain_colours = false;  ///< `sh0` holds colours, drawn as `sh0_of` makes coefficients of them
   RenderingModel model{};      ///< what frames follow where their conventions leave it to the scene
 
-  /// Frames of one identity share what a renderer learnt: the quicker sort and the quicker tiles. Images do
+  /// A renderer learns the quicker sort and the quicker tiles for each identity. Images do
   /// not depend on it. Every upload has an identity of its own; copies share it and updates keep it. With 0,
   /// as of your own arrays, a renderer learns nothing: set a `new_scene_identity()` for each scene in them.
   std::uint64_t identity = 0;
